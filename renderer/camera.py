@@ -1,0 +1,128 @@
+"""Pinhole camera in OpenCV axes: x right, y down, z forward; pixel centres at +0.5."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def _identity() -> FloatArray:
+    return np.eye(4)
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Intrinsics in pixels and the (4, 4) float64 world-to-camera matrix ("viewmat" in the field).
+
+    A point at camera coordinates (x, y, z) falls on pixel position (fx x / z + cx, fy y / z + cy);
+    pixel (column, row) covers [column, column + 1) x [row, row + 1).
+
+    Raises:
+        ValueError: sizes or focal lengths that are not positive, or a matrix that is not a finite (4, 4).
+    """
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    width: int
+    height: int
+    camera_from_world: FloatArray = field(default_factory=_identity)
+
+    def __post_init__(self) -> None:
+        if self.width < 1 or self.height < 1:
+            raise ValueError(f"Camera size must be at least 1x1 pixels, got {self.width}x{self.height}")
+        numbers = (self.fx, self.fy, self.cx, self.cy)
+        if not all(math.isfinite(value) for value in numbers) or self.fx <= 0 or self.fy <= 0:
+            raise ValueError(f"Camera needs finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
+        matrix = np.array(self.camera_from_world, dtype=np.float64)
+        if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+            raise ValueError(f"camera_from_world must be a finite (4, 4) matrix, got shape {matrix.shape}")
+        matrix.setflags(write=False)
+        object.__setattr__(self, "camera_from_world", matrix)
+
+    @classmethod
+    def from_fov(cls, fov_x: float, width: int, height: int) -> Camera:
+        """Centred camera at the origin with a horizontal field of view of `fov_x` degrees, in (0, 180)."""
+        focal = 0.5 * width / math.tan(math.radians(fov_x) / 2)
+        return cls(focal, focal, width / 2, height / 2, width, height)
+
+    @property
+    def intrinsics(self) -> FloatArray:
+        """The (3, 3) matrix from camera coordinates to homogeneous pixels."""
+        return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+    @property
+    def world_from_camera(self) -> FloatArray:
+        return np.linalg.inv(self.camera_from_world).astype(np.float64)
+
+    @property
+    def position(self) -> FloatArray:
+        """(3,) camera centre in world coordinates."""
+        return self.world_from_camera[:3, 3]
+
+    def resized(self, width: int, height: int) -> Camera:
+        """The same view sampled with another number of pixels."""
+        across, down = width / self.width, height / self.height
+        return replace(
+            self, fx=self.fx * across, cx=self.cx * across, fy=self.fy * down, cy=self.cy * down,
+            width=width, height=height,
+        )  # fmt: skip
+
+    def moved(self, camera_from_world: FloatArray) -> Camera:
+        """The same lens at another pose."""
+        return replace(self, camera_from_world=camera_from_world)
+
+    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """World points (N, 3) to pixel positions (N, 2) and depths along +z (N,)."""
+        local = points @ self.camera_from_world[:3, :3].T + self.camera_from_world[:3, 3]
+        depth = local[:, 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = self.fx * local[:, 0] / depth + self.cx
+            y = self.fy * local[:, 1] / depth + self.cy
+        return np.stack([x, y], axis=1), depth
+
+    def unproject(self, depth: NDArray[np.floating[Any]]) -> FloatArray:
+        """Depth map (H, W) along +z to the world points (H, W, 3) behind the pixel centres."""
+        if depth.shape != (self.height, self.width):
+            raise ValueError(f"depth must be {self.height}x{self.width}, got {depth.shape}")
+        z = depth.astype(np.float64)
+        x = (np.arange(self.width) + 0.5 - self.cx) / self.fx * z
+        y = (np.arange(self.height)[:, None] + 0.5 - self.cy) / self.fy * z
+        pose = self.world_from_camera
+        return np.stack([x, y, z], axis=-1) @ pose[:3, :3].T + pose[:3, 3]
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "fx": self.fx, "fy": self.fy, "cx": self.cx, "cy": self.cy,
+            "width": self.width, "height": self.height,
+            "camera_from_world": self.camera_from_world.tolist(),
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, values: dict[str, Any]) -> Camera:
+        """Inverse of `to_json`. Raises ValueError when a field is missing or of the wrong kind."""
+        try:
+            numbers = {name: float(values[name]) for name in ("fx", "fy", "cx", "cy")}
+            matrix = np.array(values["camera_from_world"], dtype=np.float64)
+            return cls(
+                **numbers, width=int(values["width"]), height=int(values["height"]), camera_from_world=matrix
+            )
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"expected fx fy cx cy width height camera_from_world, got {error!r}") from error
+
+    def _key(self) -> tuple[Any, ...]:
+        numbers = (self.fx, self.fy, self.cx, self.cy, self.width, self.height)
+        return (*numbers, self.camera_from_world.tobytes())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Camera) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())

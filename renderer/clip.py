@@ -1,0 +1,104 @@
+"""A clip as the rest of the program sees it: frames with photo, depth, masks, time and camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+
+ByteImage = NDArray[np.uint8]
+BoolImage = NDArray[np.bool_]
+
+
+class ClipError(ValueError):
+    """A clip cannot be read: the text says what was expected, what came, and where."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One moment of a clip."""
+
+    index: int
+    """Position in the clip, from 0."""
+    time: float
+    """In [0, 1): index / number of frames."""
+    image: ByteImage
+    """(H, W, 3) RGB."""
+    camera: Camera
+    tissue_mask: BoolImage
+    """(H, W), True = tissue whose colour is supervised; False = tool, burned-in text, surround."""
+    evaluation_mask: BoolImage
+    """(H, W), True = pixel counted by the metrics."""
+    depth: NDArray[np.float32] | None = None
+    """(H, W) along +z in the clip's unit; 0 = no measurement. None when the clip has no depth."""
+
+    @property
+    def depth_mask(self) -> BoolImage:
+        """(H, W), True where depth is measured on tissue."""
+        if self.depth is None:
+            return np.zeros(self.tissue_mask.shape, dtype=bool)
+        return self.tissue_mask & (self.depth > 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """A readable clip; frames are decoded when they are asked for, never all at once."""
+
+    name: str
+    path: Path
+    format: str
+    """"endonerf", "scared", "images", "video" or "image"."""
+    cameras: tuple[Camera, ...]
+    """One a frame."""
+    read_frame: Callable[[int], Frame]
+    read_image: Callable[[int], ByteImage]
+    """Only the photo of a frame: cheaper than read_frame."""
+    labels: tuple[str, ...]
+    """What a person calls each frame: its file name or number."""
+    has_depth: bool
+    unit: str
+    """"mm", or "scene units" where the scale is unknown."""
+    frames_per_second: float | None = None
+    notices: tuple[str, ...] = ()
+    """One sentence for each oddity met while opening: stray files, inverted masks, burned-in rows."""
+
+    def __len__(self) -> int:
+        return len(self.cameras)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.cameras[0].width, self.cameras[0].height
+
+    @property
+    def times(self) -> tuple[float, ...]:
+        return tuple(index / len(self) for index in range(len(self)))
+
+    @property
+    def test_indices(self) -> tuple[int, ...]:
+        """Frames held out for evaluation: (i - 1) % 8 == 0, the split of the field."""
+        return tuple(index for index in range(len(self)) if (index - 1) % 8 == 0)
+
+    @property
+    def train_indices(self) -> tuple[int, ...]:
+        return tuple(index for index in range(len(self)) if (index - 1) % 8 != 0)
+
+    @property
+    def camera_is_fixed(self) -> bool:
+        return all(camera == self.cameras[0] for camera in self.cameras)
+
+    def with_images(self, change: Callable[[ByteImage, Frame], ByteImage], name: str) -> Clip:
+        """The same clip with every photo passed through `change`, for example enhanced."""
+
+        def read_frame(index: int) -> Frame:
+            frame = self.read_frame(index)
+            return replace(frame, image=change(frame.image, frame))
+
+        return replace(
+            self, name=name, read_frame=read_frame, read_image=lambda index: read_frame(index).image
+        )

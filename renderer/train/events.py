@@ -1,0 +1,72 @@
+"""What training says while it runs: small immutable messages, the same for terminal, tests and window."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from renderer.gaussians import DynamicGaussians
+
+
+@dataclass(frozen=True)
+class Omission:
+    """One thing that this clip does not need and that is therefore left out."""
+
+    what: str
+    why: str
+    saves: str
+
+
+@dataclass(frozen=True)
+class Started:
+    iteration: int
+    """0, or the iteration of the checkpoint that is resumed."""
+    iterations: int
+    n_gaussians: int
+    omitted: tuple[Omission, ...]
+
+
+@dataclass(frozen=True)
+class Progress:
+    iteration: int
+    iterations: int
+    loss: float
+    """Mean loss since the last Progress."""
+    psnr: float
+    """dB, of the training frames' tissue pixels since the last Progress."""
+    seconds: float
+    """Training time so far, pauses, checkpoints and snapshots excluded."""
+    seconds_left: float
+    n_gaussians: int
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """A copy of the model, for the live preview. The newest replaces all older ones."""
+
+    iteration: int
+    model: DynamicGaussians
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """PSNR in dB on held-out frames, masked over all pixels (the convention of the field)."""
+
+    iteration: int
+    psnr: float
+
+
+@dataclass(frozen=True)
+class Warned:
+    """Something is wrong but training goes on."""
+
+    message: str
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    iteration: int
+    seconds: float
+    model: DynamicGaussians
+
+
+TrainEvent = Started | Progress | Snapshot | Evaluated | Warned | Finished
