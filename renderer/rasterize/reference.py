@@ -1,0 +1,164 @@
+"""The literal float64 reading of projection (paper Eqs 13-15) and blending (Eq 16): slow, the oracle.
+
+Every pixel looks at every splat; there are no tiles, no bounds and no fast exponential. The faster
+rasterisers and the OpenGL drawing are judged against it, values and gradients alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from renderer.camera import Camera
+
+LOW_PASS = 0.3
+"""Variance in px^2 added to every projected splat, so that none is thinner than a pixel."""
+ALPHA_MAX = 0.99
+ALPHA_CUT = 1 / 255
+STOP = 1e-4
+"""A pixel takes no further splat once its transmittance is below this."""
+GUARD_BAND = 0.3
+"""How far outside the image the Jacobian still follows the mean, in half widths of the image."""
+
+_ENTRIES_PER_CHUNK = 1 << 21
+
+
+@dataclass(frozen=True, eq=False)
+class Rendered:
+    """One view, float64: image (H, W, 3); alpha (H, W) in [0, 1]; depth (H, W) expected depth along
+    +z in scene units, 0 where alpha is 0."""
+
+    image: Tensor
+    alpha: Tensor
+    depth: Tensor
+
+
+@dataclass(frozen=True, eq=False)
+class Projected:
+    """The M splats in front of the near plane, nearest first, float64.
+
+    `indices` (M,) rows of the input; `centers` (M, 2) in pixels; `depths` (M,) along +z;
+    `covariances` (M, 2, 2) in px^2, low-pass included; `determinants` (M,) of the covariances, from
+    a sum of squares that stays accurate where a c - b^2 cancels.
+    """
+
+    indices: Tensor
+    centers: Tensor
+    depths: Tensor
+    covariances: Tensor
+    determinants: Tensor
+
+
+def rasterize_reference(
+    means: Tensor,
+    quats: Tensor,
+    scales: Tensor,
+    opacities: Tensor,
+    colors: Tensor,
+    camera: Camera,
+    background: Tensor | Sequence[float] = (0.0, 0.0, 0.0),
+    *,
+    near: float = 0.01,
+) -> Rendered:
+    """Render N splats in float64, differentiable by autograd in the first five arguments.
+
+    means (N, 3) world; quats (N, 4) wxyz of any length, the zero quaternion being no rotation;
+    scales (N, 3) standard deviations; opacities (N,) in [0, 1]; colors (N, 3) and background (3,) RGB.
+    `near` is in scene units; splats with z <= near are dropped. The splats are blended by camera
+    depth, ties by row: alpha = min(0.99, o exp(-d' conic d / 2)), none below 1/255, and none once the
+    transmittance is below 1e-4. The cut-offs and the sort carry no gradient.
+
+    Source: paper Eqs 13-16; 3D Gaussian Splatting (Kerbl et al. 2023); EWA splatting (Zwicker et al. 2001).
+    """
+    projected = project(means, quats, scales, camera, near=near)
+    front = projected.indices
+    behind = torch.as_tensor(background, dtype=torch.float64, device=means.device)
+    splats = (projected, opacities.double()[front], colors.double()[front])
+    rows_per_chunk = max(1, _ENTRIES_PER_CHUNK // (camera.width * max(1, len(front))))
+    rows = torch.arange(camera.height, dtype=torch.float64, device=means.device) + 0.5
+    columns = torch.arange(camera.width, dtype=torch.float64, device=means.device) + 0.5
+    chunks = [_blend(*splats, chunk, columns, behind) for chunk in torch.split(rows, rows_per_chunk)]
+    return Rendered(
+        image=torch.cat([chunk.image for chunk in chunks]),
+        alpha=torch.cat([chunk.alpha for chunk in chunks]),
+        depth=torch.cat([chunk.depth for chunk in chunks]),
+    )
+
+
+def project(means: Tensor, quats: Tensor, scales: Tensor, camera: Camera, *, near: float = 0.01) -> Projected:
+    """Centres, depths and image covariances of the splats beyond `near`, nearest first (Eqs 14, 15)."""
+    pose = torch.as_tensor(camera.camera_from_world.copy(), device=means.device)
+    local = means.double() @ pose[:3, :3].T + pose[:3, 3]
+    order = torch.sort(local[:, 2].detach(), stable=True).indices
+    order = order[local[order, 2] > near]
+    local = local[order]
+    x, y, z = local.unbind(1)
+    centers = torch.stack([camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy], dim=1)
+    spread = rotations(quats.double()[order]) * scales.double()[order, None, :]
+    factor = _jacobians(local, camera) @ pose[:3, :3] @ spread  # (M, 2, 3); Sigma' = factor factor'
+    low_pass = LOW_PASS * torch.eye(2, dtype=torch.float64, device=means.device)
+    first, second = factor.unbind(1)
+    minors = torch.linalg.cross(first, second)
+    determinants = (minors**2).sum(1) + LOW_PASS * (factor**2).sum((1, 2)) + LOW_PASS**2
+    return Projected(order, centers, z, factor @ factor.mT + low_pass, determinants)
+
+
+def rotations(quats: Tensor) -> Tensor:
+    """Rotation matrices (N, 3, 3) of quaternions (N, 4) wxyz of any length; zero gives the identity."""
+    is_zero = (quats == 0).all(1, keepdim=True)
+    identity = quats.new_tensor([1.0, 0.0, 0.0, 0.0])
+    quats = torch.where(is_zero, identity, quats)
+    w, x, y, z = (quats / quats.norm(dim=1, keepdim=True)).unbind(1)
+    entries = [
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
+    ]  # fmt: skip
+    return torch.stack(entries, dim=1).reshape(-1, 3, 3)
+
+
+def _jacobians(local: Tensor, camera: Camera) -> Tensor:
+    """(M, 2, 3) derivative of the pixel position at `local`, whose ray is held inside the guard band."""
+    x, y, z = local.unbind(1)
+    band_x = GUARD_BAND * 0.5 * camera.width / camera.fx
+    band_y = GUARD_BAND * 0.5 * camera.height / camera.fy
+    right = (camera.width - camera.cx) / camera.fx + band_x
+    down = (camera.height - camera.cy) / camera.fy + band_y
+    slope_x = (x / z).clamp(-camera.cx / camera.fx - band_x, right)
+    slope_y = (y / z).clamp(-camera.cy / camera.fy - band_y, down)
+    zero = torch.zeros_like(z)
+    along_x = torch.stack([camera.fx / z, zero, -camera.fx * slope_x / z], dim=1)
+    along_y = torch.stack([zero, camera.fy / z, -camera.fy * slope_y / z], dim=1)
+    return torch.stack([along_x, along_y], dim=1)
+
+
+def _blend(
+    projected: Projected,
+    opacities: Tensor,
+    colors: Tensor,
+    rows: Tensor,
+    columns: Tensor,
+    background: Tensor,
+) -> Rendered:
+    """Eq 16 over the pixels at `rows` x `columns`; the splats are sorted nearest first."""
+    dx = columns[None, :, None] - projected.centers[:, 0]
+    dy = rows[:, None, None] - projected.centers[:, 1]
+    # d' conic d by the Cholesky factor of the covariance, a sum of squares: never negative.
+    variance = projected.covariances[:, 0, 0]
+    shear = projected.covariances[:, 0, 1] / variance
+    distance = dx**2 / variance + (dy - shear * dx) ** 2 * (variance / projected.determinants)
+    alphas = (opacities * torch.exp(-0.5 * distance)).clamp(max=ALPHA_MAX)
+    alphas = torch.where(alphas >= ALPHA_CUT, alphas, 0.0)
+    clear = torch.ones_like(alphas[..., :1])
+    transmittance = torch.cumprod(torch.cat([clear, 1 - alphas[..., :-1]], dim=2), dim=2)[
+        ..., : len(opacities)
+    ]
+    weights = torch.where(transmittance >= STOP, alphas * transmittance, 0.0)
+    alpha = weights.sum(2)
+    image = weights @ colors + (1 - alpha)[..., None] * background
+    covered = alpha > 0
+    depth = torch.where(covered, weights @ projected.depths / torch.where(covered, alpha, 1.0), 0.0)
+    return Rendered(image, alpha, depth)
