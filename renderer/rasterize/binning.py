@@ -1,0 +1,123 @@
+"""Which splats touch which tile, front to back: one depth sort, then tile lists by counting."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from renderer.projection import CENTER_X, CENTER_Y, DEPTH, HALF_HEIGHT, HALF_WIDTH
+
+TILE = 16
+"""Side of a tile in pixels: one row of a tile is one vector of 16 float32."""
+_RADIX_BITS = 11
+
+
+@njit(cache=True)
+def depth_order(records: NDArray[np.float32], visible: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Indices of the visible splats by increasing depth, ties by index: a stable radix sort.
+
+    The bits of positive float32 numbers, read as whole numbers, are in the order of the numbers.
+    """
+    count = 0
+    order = np.empty(len(visible), np.int32)
+    keys = np.empty(len(visible), np.uint32)
+    depths = records[:, DEPTH].copy().view(np.uint32)
+    for n in range(len(visible)):
+        if visible[n]:
+            order[count] = n
+            keys[count] = depths[n]
+            count += 1
+    other_order, other_keys = np.empty(count, np.int32), np.empty(count, np.uint32)
+    order, keys = order[:count], keys[:count]
+    for shift in (0, _RADIX_BITS, 2 * _RADIX_BITS):
+        starts = np.zeros((1 << _RADIX_BITS) + 1, np.int64)
+        for i in range(count):
+            starts[((keys[i] >> np.uint32(shift)) & np.uint32((1 << _RADIX_BITS) - 1)) + 1] += 1
+        for bucket in range(1 << _RADIX_BITS):
+            starts[bucket + 1] += starts[bucket]
+        for i in range(count):
+            bucket = (keys[i] >> np.uint32(shift)) & np.uint32((1 << _RADIX_BITS) - 1)
+            place = starts[bucket]
+            other_order[place], other_keys[place] = order[i], keys[i]
+            starts[bucket] = place + 1
+        order, other_order = other_order, order
+        keys, other_keys = other_keys, keys
+    return order
+
+
+@njit(cache=True)
+def count_entries(
+    records: NDArray[np.float32],
+    visible: NDArray[np.bool_],
+    tile_wanted: NDArray[np.bool_],  # (tile rows, tile columns)
+    rectangles: NDArray[np.int16],  # (N, 4), out: first and last tile column, first and last tile row
+    slot_starts: NDArray[
+        np.int64
+    ],  # (N + 1,), out: entries of splat n are slot_starts[n] up to slot_starts[n + 1]
+    tile_starts: NDArray[np.int64],  # (tiles + 1,), out
+) -> int:
+    """Count the (tile, splat) entries; tiles that are not wanted get none. Returns their number."""
+    rows, columns = tile_wanted.shape
+    tile_starts[:] = 0
+    slot_starts[0] = 0
+    for n in range(len(visible)):
+        entries = 0
+        if visible[n]:
+            u, v = np.float64(records[n, CENTER_X]), np.float64(records[n, CENTER_Y])
+            half_width, half_height = np.float64(records[n, HALF_WIDTH]), np.float64(records[n, HALF_HEIGHT])
+            first_column = _tile_at(math.ceil(u - half_width - 0.5), columns)
+            last_column = _tile_at(math.floor(u + half_width - 0.5), columns)
+            first_row = _tile_at(math.ceil(v - half_height - 0.5), rows)
+            last_row = _tile_at(math.floor(v + half_height - 0.5), rows)
+            first_column, first_row = max(first_column, 0), max(first_row, 0)
+            last_column, last_row = min(last_column, columns - 1), min(last_row, rows - 1)
+            rectangles[n, 0], rectangles[n, 1] = first_column, last_column
+            rectangles[n, 2], rectangles[n, 3] = first_row, last_row
+            for row in range(first_row, last_row + 1):
+                for column in range(first_column, last_column + 1):
+                    if tile_wanted[row, column]:
+                        tile_starts[row * columns + column + 1] += 1
+                        entries += 1
+        slot_starts[n + 1] = slot_starts[n] + entries
+    for tile in range(rows * columns):
+        tile_starts[tile + 1] += tile_starts[tile]
+    return int(slot_starts[len(visible)])
+
+
+@njit(inline="always")
+def _tile_at(pixel: float, tiles: int) -> int:
+    """Tile of a pixel coordinate of any size; -1 before the first tile, `tiles` behind the last."""
+    return int(min(max(pixel, -1.0), tiles * float(TILE)) // TILE)
+
+
+@njit(cache=True)
+def fill_entries(
+    order: NDArray[np.int32],
+    tile_wanted: NDArray[np.bool_],
+    rectangles: NDArray[np.int16],
+    slot_starts: NDArray[np.int64],
+    tile_starts: NDArray[np.int64],
+    entry_splats: NDArray[np.int32],  # out, grouped by tile, front to back in each
+    entry_slots: NDArray[np.int32],  # out: the entry's own place for its gradient sums, grouped by splat
+) -> None:
+    columns = tile_wanted.shape[1]
+    cursors = tile_starts[:-1].copy()
+    for n in order:
+        slot = slot_starts[n]
+        for row in range(rectangles[n, 2], rectangles[n, 3] + 1):
+            for column in range(rectangles[n, 0], rectangles[n, 1] + 1):
+                if tile_wanted[row, column]:
+                    tile = row * columns + column
+                    place = cursors[tile]
+                    entry_splats[place], entry_slots[place] = n, slot
+                    cursors[tile] = place + 1
+                    slot += 1
+
+
+def balanced_order(tile_starts: NDArray[np.int64], n_threads: int) -> NDArray[np.int32]:
+    """Tiles ordered so that equal consecutive shares, one a thread, hold about equal work."""
+    by_work = np.argsort(-np.diff(tile_starts), kind="stable").astype(np.int32)
+    return np.concatenate([by_work[thread::n_threads] for thread in range(n_threads)])

@@ -1,0 +1,184 @@
+"""The CPU rasteriser: numpy arrays in, numpy arrays out, forward and backward. No torch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import get_num_threads
+from numpy.typing import NDArray
+
+from renderer.camera import Camera, FloatArray
+from renderer.projection import NEAR, RECORD_SIZE, SUM_SIZE, camera_vector, project, project_backward
+from renderer.rasterize.binning import TILE, balanced_order, count_entries, depth_order, fill_entries
+from renderer.rasterize.tiles import (
+    ADJOINT_PLANES,
+    BY_BLUE,
+    BY_DEPTH,
+    BY_GREEN,
+    BY_RED,
+    BY_WEIGHT,
+    LEFT,
+    PLANE_BLUE,
+    PLANE_DEPTH,
+    PLANE_RED,
+    PLANES,
+    TOTAL,
+    blend,
+    blend_backward,
+    reduce_slots,
+)
+from renderer.splats import Float32Array, Splats
+
+BoolArray = NDArray[np.bool_]
+Background = tuple[float, float, float]
+BLACK: Background = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rendered:
+    """A picture: image (H, W, 3) float32 over the background; alpha (H, W) in [0, 1]; depth (H, W)
+    the expected depth sum(w z) / sum(w) along +z, 0 where alpha is 0."""
+
+    image: Float32Array
+    alpha: Float32Array
+    depth: Float32Array
+
+
+@dataclass(frozen=True, eq=False)
+class Gradients:
+    """Gradients by the activated values of N splats, float32, shaped as they are in Splats."""
+
+    means: Float32Array
+    quats: Float32Array
+    scales: Float32Array
+    opacities: Float32Array
+    colors: Float32Array
+
+
+class Rasterizer:
+    """Draws one size of picture again and again and keeps its working arrays between pictures.
+
+    `forward` blends the splats into `planes` (see tiles.py), padded to whole tiles; `backward` turns an
+    adjoint of the same padding into gradients. The values between the two calls are kept here.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        self.rows, self.columns = -(-height // TILE), -(-width // TILE)
+        padded = (self.rows * TILE, self.columns * TILE)
+        self.planes = np.zeros((PLANES, *padded), np.float32)
+        self.adjoint = np.zeros((ADJOINT_PLANES, *padded), np.float32)
+        self._tile_starts = np.zeros(self.rows * self.columns + 1, np.int64)
+        self._tile_ends = np.zeros(self.rows * self.columns, np.int64)
+        self._all_tiles = np.ones((self.rows, self.columns), bool)
+        self._reserve_splats(0)
+        self._reserve_entries(0)
+
+    def _reserve_splats(self, count: int) -> None:
+        self.records = np.zeros((count, RECORD_SIZE), np.float32)
+        self.visible = np.zeros(count, bool)
+        self.sums = np.zeros((count, SUM_SIZE), np.float32)
+        self._rectangles = np.zeros((count, 4), np.int16)
+        self._slot_starts = np.zeros(count + 1, np.int64)
+
+    def _reserve_entries(self, count: int) -> None:
+        self._entry_splats = np.zeros(count, np.int32)
+        self._entry_slots = np.zeros(count, np.int32)
+        self._slots = np.zeros((count, SUM_SIZE), np.float32)
+
+    def forward(
+        self, splats: Splats, camera: Camera, near: float = NEAR, tile_wanted: BoolArray | None = None
+    ) -> int:
+        """Blend into `planes`; tiles that are not wanted stay empty. Returns the number of tile entries."""
+        if len(self.visible) != len(splats):
+            self._reserve_splats(len(splats))
+        self._wanted = self._all_tiles if tile_wanted is None else tile_wanted
+        self._view = camera_vector(camera, near)
+        project(
+            splats.means, splats.quats, splats.scales, splats.opacities, splats.colors,
+            self._view, self.records, self.visible,
+        )  # fmt: skip
+        return self.blend_records()
+
+    def blend_records(self) -> int:
+        """Sort, bin and blend the records as they stand."""
+        entries = count_entries(
+            self.records, self.visible, self._wanted, self._rectangles, self._slot_starts, self._tile_starts
+        )
+        if entries > len(self._entry_splats):
+            self._reserve_entries(entries + entries // 4)
+        order = depth_order(self.records, self.visible)
+        fill_entries(
+            order, self._wanted, self._rectangles, self._slot_starts, self._tile_starts,
+            self._entry_splats, self._entry_slots,
+        )  # fmt: skip
+        self._tile_order = balanced_order(self._tile_starts, get_num_threads())
+        blend(
+            self.records, self._tile_starts, self._tile_order, self._entry_splats, self.columns,
+            self.planes, self._tile_ends,
+        )  # fmt: skip
+        return entries
+
+    def backward_sums(self) -> None:
+        """From `adjoint` to the gradient sums of each splat; `visible` then says which have any."""
+        blend_backward(
+            self.records, self._tile_starts, self._tile_ends, self._tile_order,
+            self._entry_splats, self._entry_slots, self.columns, self.adjoint, self._slots,
+        )  # fmt: skip
+        reduce_slots(self._slots, self._slot_starts, self.visible, self.sums)
+
+    def backward(self, splats: Splats) -> Gradients:
+        """Gradients of the loss described by `adjoint`, for the splats of the last `forward`."""
+        self.backward_sums()
+        count = len(splats)
+        means, quats = np.empty((count, 3), np.float32), np.empty((count, 4), np.float32)
+        scales, opacities = np.empty((count, 3), np.float32), np.empty(count, np.float32)
+        project_backward(
+            splats.means, splats.quats, splats.scales, splats.opacities,
+            self._view, self.visible, self.sums, means, quats, scales, opacities,
+        )  # fmt: skip
+        return Gradients(means, quats, scales, opacities, self.sums[:, 6:9].copy())
+
+    def rendered(self, width: int, height: int, background: Background) -> Rendered:
+        """The blended planes as a picture over the background."""
+        planes = self.planes[:, :height, :width]
+        alpha = 1.0 - planes[LEFT]
+        color = (
+            planes[PLANE_RED : PLANE_BLUE + 1]
+            + planes[LEFT] * np.array(background, np.float32)[:, None, None]
+        )
+        weight = np.where(alpha > 0, alpha, np.float32(1.0))
+        depth = np.where(alpha > 0, planes[PLANE_DEPTH] / weight, np.float32(0.0))
+        return Rendered(np.ascontiguousarray(color.transpose(1, 2, 0)), alpha, depth)
+
+    def set_adjoint(
+        self,
+        by_image: FloatArray,
+        by_alpha: FloatArray,
+        by_depth: FloatArray,
+        rendered: Rendered,
+        background: Background,
+    ) -> None:
+        """Adjoint from gradients by image (H, W, 3), alpha (H, W) and expected depth (H, W)."""
+        height, width = rendered.alpha.shape
+        adjoint, planes = self.adjoint[:, :height, :width], self.planes[:, :height, :width]
+        weight = np.where(rendered.alpha > 0, rendered.alpha, np.inf)
+        self.adjoint[:] = 0.0
+        adjoint[BY_RED : BY_BLUE + 1] = by_image.transpose(2, 0, 1)
+        adjoint[BY_DEPTH] = by_depth / weight
+        behind = (by_image * np.array(background)).sum(axis=2)
+        adjoint[BY_WEIGHT] = by_alpha - behind - adjoint[BY_DEPTH] * rendered.depth
+        adjoint[TOTAL] = (
+            planes[PLANE_RED] * adjoint[BY_RED]
+            + planes[PLANE_RED + 1] * adjoint[BY_GREEN]
+            + planes[PLANE_BLUE] * adjoint[BY_BLUE]
+            + planes[PLANE_DEPTH] * adjoint[BY_DEPTH]
+            + rendered.alpha * adjoint[BY_WEIGHT]
+        )
+
+
+def render(splats: Splats, camera: Camera, background: Background = BLACK, *, near: float = NEAR) -> Rendered:
+    """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out."""
+    rasterizer = Rasterizer(camera.width, camera.height)
+    rasterizer.forward(splats, camera, near)
+    return rasterizer.rendered(camera.width, camera.height, background)
