@@ -1,0 +1,55 @@
+"""`vesselsplat`: exit code 0 on success, 2 with one line on bad input, 130 when interrupted."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+from app.cli import run
+from app.errors import UserError
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command. A mistake of the user is one line on stderr; a bug keeps its traceback."""
+    try:
+        run(sys.argv[1:] if arguments is None else arguments)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader of stdout left (`| head`); a second flush at exit must not complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt as interrupt:
+        return _fail(str(interrupt) or "interrupted", 130)
+    except UserError as error:
+        return _fail(str(error), 2)
+    except OSError as error:
+        return _fail(f"{error.strerror or error}: {error.filename or 'no file named'}", 2)
+    except ValueError as error:
+        line = mistake(error)
+        if line is None:
+            raise
+        return _fail(line, 2)
+    return 0
+
+
+def mistake(error: ValueError) -> str | None:
+    """The line for a mistake of the user, or None for a bug."""
+    from pydantic import ValidationError
+
+    from app.arguments import problem
+    from enhance import ImageError
+    from renderer.clip import ClipError
+
+    if isinstance(error, ValidationError):
+        return problem(error)
+    return str(error) if isinstance(error, ClipError | ImageError) else None
+
+
+def _fail(line: str, code: int) -> int:
+    sys.stderr.write(f"vesselsplat: {' '.join(line.split())}\n")
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

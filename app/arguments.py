@@ -1,0 +1,112 @@
+"""Flags made from the fields of parameter dataclasses: name, type, range, default and text from one source."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any, ClassVar, Literal, Protocol, TypeVar, get_args, get_origin
+
+from annotated_types import Interval, Unit
+from pydantic import ValidationError
+from pydantic.fields import FieldInfo
+
+from app.errors import UserError
+
+AUTO = "auto"
+
+
+class Parameters(Protocol):
+    """A pydantic dataclass, as far as flags need it."""
+
+    __pydantic_fields__: ClassVar[dict[str, FieldInfo]]
+
+
+T = TypeVar("T", bound=Parameters)
+
+
+def add_fields(parser: argparse.ArgumentParser, kind: type[Parameters], names: Sequence[str]) -> None:
+    """Add a flag for each named field of `kind`: --d-factor for d_factor.
+
+    Values stay text until `parameters` hands them to the dataclass, so that it alone validates.
+    """
+    for name in names:
+        field = kind.__pydantic_fields__[name]
+        flag = f"--{name.replace('_', '-')}"
+        options = _options(field.annotation)
+        parser.add_argument(flag, dest=name, default=argparse.SUPPRESS, help=_help(field), **options)
+
+
+def parameters(kind: type[T], flags: argparse.Namespace, **fixed: object) -> T:
+    """`kind` built from the flags that were given, its own defaults, and `fixed` defaults in their place.
+
+    Raises:
+        UserError: a value that the dataclass refuses; the line names the flag.
+    """
+    known = kind.__pydantic_fields__
+    given = {
+        name: _value(text, known[name].annotation) for name, text in vars(flags).items() if name in known
+    }
+    try:
+        return kind(**(fixed | given))
+    except ValidationError as error:
+        raise UserError(problem(error, flag=True)) from error
+
+
+def problem(error: ValidationError, *, flag: bool = False) -> str:
+    """The first thing wrong, in one line: which field or flag, what was expected, what came."""
+    first = error.errors(include_url=False, include_context=False)[0]
+    wanted = first["msg"].replace("Input should be", "expected").replace("Value error, ", "")
+    if not first["loc"]:
+        return f"{error.title}: {wanted}"
+    name = str(first["loc"][0])
+    shown = f"--{name.replace('_', '-')}" if flag else ".".join(str(part) for part in first["loc"])
+    return f"{shown}: {wanted}, got {first['input']!r}"
+
+
+def _value(given: Any, hint: Any) -> Any:
+    """The text given, ready for the dataclass: `auto` is None, one number of several may stand alone."""
+    parts = _alternatives(hint)
+    if given in (AUTO, [AUTO]) and type(None) in parts:
+        return None
+    alone = isinstance(given, list) and len(given) == 1 and float in parts
+    return given[0] if alone else given
+
+
+def _options(hint: Any) -> dict[str, Any]:
+    """How argparse reads a field of this type."""
+    parts = _alternatives(hint)
+    if bool in parts:
+        return {"action": argparse.BooleanOptionalAction}
+    choices = [str(value) for part in parts if get_origin(part) is Literal for value in get_args(part)]
+    if choices:
+        return {"metavar": "|".join(choices)}
+    several = any(get_origin(part) is tuple for part in parts)
+    number = "F" if float in parts else "N"
+    metavar = f"{AUTO}|{number}" if type(None) in parts else number
+    return {"metavar": metavar, "nargs": "+"} if several else {"metavar": metavar}
+
+
+def _alternatives(hint: Any) -> list[Any]:
+    """The plain types of a union, without their annotations."""
+    if hasattr(hint, "__metadata__"):
+        return _alternatives(hint.__origin__)
+    if get_origin(hint) is None or get_origin(hint) in (tuple, Literal):
+        return [hint]
+    return [plain for part in get_args(hint) for plain in _alternatives(part)]
+
+
+def _help(field: FieldInfo) -> str:
+    parts = [" ".join((field.description or "").split())]
+    for mark in dict.fromkeys([*field.metadata, *_marks(field.annotation)]):
+        if isinstance(mark, Interval):
+            parts.append(f"[{mark.ge} to {mark.le}]")
+        elif isinstance(mark, Unit):
+            parts.append(f"in {mark.unit}")
+    default = field.default if isinstance(field.default, tuple) else (field.default,)
+    parts.append("default " + " ".join(AUTO if value is None else str(value) for value in default))
+    return " ".join(part for part in parts if part).replace("%", "%%")
+
+
+def _marks(hint: Any) -> list[Any]:
+    inner = [mark for part in get_args(hint) for mark in _marks(part)]
+    return [*getattr(hint, "__metadata__", ()), *inner]

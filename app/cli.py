@@ -1,0 +1,97 @@
+"""The command line: which command is meant, its flags, and one line for a mistake.
+
+Only the module of the chosen command is imported, so that `--help`, `--version` and `info` are quick.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import NoReturn, Protocol, cast
+
+from app.errors import UserError
+
+COMMANDS = {
+    "gui": "open the app, on a clip, image, video or run when one is given",
+    "demo": "phantom clip: enhance, train, render, compare sheet and report",
+    "enhance": "enhance the vessels of an image, a folder of images or a video",
+    "train": "reconstruct a clip as dynamic 3D Gaussians",
+    "render": "draw the frames of a finished run",
+    "evaluate": "measure a finished run on its held-out frames",
+    "metrics": "DV/BV and contrast of images",
+    "phantom": "write a synthetic clip with exact truth",
+    "info": "versions, devices and licences",
+}
+
+
+class Command(Protocol):
+    """What each module of app.commands offers."""
+
+    def add_flags(self, parser: argparse.ArgumentParser) -> None: ...
+
+    def run(self, flags: argparse.Namespace) -> None: ...
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse whose mistakes are one line, like every other mistake of the user."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UserError(f"{message} (see {self.prog} --help)")
+
+
+def run(arguments: Sequence[str]) -> None:
+    """Do what the arguments ask.
+
+    Raises:
+        UserError: no such command, or flags that it does not have.
+        SystemExit: 0 after --help or --version.
+    """
+    if arguments and arguments[0] in ("-h", "--help"):
+        sys.stdout.write(overview())
+        return
+    if arguments and arguments[0] == "--version":
+        from app.provenance import NOTICE, version
+
+        sys.stdout.write(f"VesselSplat {version()}\n{NOTICE}\n")
+        return
+    name, rest = chosen(arguments)
+    command = load(name)
+    parser = Parser(prog=f"vesselsplat {name}", description=COMMANDS[name], allow_abbrev=False)
+    command.add_flags(parser)
+    command.run(parser.parse_args(rest))
+
+
+def chosen(arguments: Sequence[str]) -> tuple[str, list[str]]:
+    """Name of the command and its own arguments; without a command, or with a path, it is the app."""
+    if not arguments:
+        return "gui", []
+    first, rest = arguments[0], list(arguments[1:])
+    if first in COMMANDS:
+        return first, rest
+    if Path(first).exists() or len(Path(first).parts) > 1 or Path(first).suffix:
+        return "gui", [first, *rest]
+    raise UserError(f"expected a command ({', '.join(COMMANDS)}) or the path of a clip, got {first!r}")
+
+
+def load(name: str) -> Command:
+    return cast(Command, import_module(f"app.commands.{name}"))
+
+
+def overview() -> str:
+    """The text of `vesselsplat --help`."""
+    lines = [f"  {name:<10}{text}" for name, text in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: vesselsplat [COMMAND] [PATH] [flags]",
+            "",
+            "Makes blood vessels in endoscopic video visible, in 2D and in 3D.",
+            "",
+            *lines,
+            "",
+            "vesselsplat COMMAND --help lists the flags of a command; --version prints the version.",
+            "",
+        ]
+    )

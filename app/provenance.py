@@ -1,0 +1,119 @@
+"""Where a picture comes from, written into it: PNG with an iTXt chunk "vesselsplat" that holds JSON.
+
+No absolute path and no user name: a source is named by its base name and its SHA-256.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import struct
+import zlib
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from importlib.metadata import version as installed_version
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic_core import to_json
+
+from app.atomic import write_bytes
+from app.errors import UserError
+
+NOTICE = "Research use only. Not a medical device."
+KEYWORD = "vesselsplat"
+SCHEMA = 1
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+Image = NDArray[np.uint8] | NDArray[np.uint16]
+
+
+def version() -> str:
+    return installed_version("vesselsplat")
+
+
+def strict_json(value: object, *, indent: int | None = None) -> str:
+    """JSON text of numbers, arrays, dataclasses and containers of them; NaN and infinities become null."""
+    return to_json(value, inf_nan_mode="null", indent=indent, fallback=_plain).decode()
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"no JSON form for {type(value).__name__}")
+
+
+def provenance(**facts: object) -> dict[str, Any]:
+    """The given facts below what every export says: app, version, schema, UTC time, notice."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    head = {"app": "VesselSplat", "version": version(), "schema": SCHEMA, "utc": now, "notice": NOTICE}
+    return head | facts
+
+
+def source(path: Path) -> dict[str, str]:
+    """Base name and SHA-256 of a file or of all files of a folder."""
+    return {"name": path.absolute().name, "sha256": digest(path)}
+
+
+def digest(path: Path) -> str:
+    """SHA-256 in hex of a file's bytes, or of the manifest (relative name, SHA-256) of a folder's files.
+
+    Hidden files are left out, and so are run folders kept inside a clip, which change while it is in use.
+    """
+    if path.is_file():
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    manifest = hashlib.sha256()
+    for file_path in sorted(_files(path)):
+        manifest.update(f"{file_path.relative_to(path).as_posix()}\0{digest(file_path)}\n".encode())
+    return manifest.hexdigest()
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    for item in folder.iterdir():
+        if item.name.startswith("."):
+            continue
+        if item.is_file():
+            yield item
+        elif not (item / "run.json").exists():
+            yield from _files(item)
+
+
+def write_png(path: Path, image: Image, facts: dict[str, Any]) -> None:
+    """Write atomically an (H, W), (H, W, 3) RGB or (H, W, 4) RGBA image with its provenance and sRGB tag."""
+    write_bytes(path, encode_png(image, facts))
+
+
+def encode_png(image: Image, facts: dict[str, Any]) -> bytes:
+    """The bytes of a PNG that carries `facts`; 8 or 16 bits a channel as the image has."""
+    order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
+    stored = cv2.cvtColor(image, order[image.shape[2]]) if image.ndim == 3 else image
+    done, encoded = cv2.imencode(".png", stored)
+    assert done
+    plain = encoded.tobytes()
+    header_end = len(PNG_SIGNATURE) + 25
+    text = KEYWORD.encode() + b"\0\0\0\0\0" + strict_json(facts).encode()
+    # sRGB rendering intent 0: perceptual.
+    return plain[:header_end] + _chunk(b"sRGB", b"\0") + _chunk(b"iTXt", text) + plain[header_end:]
+
+
+def _chunk(kind: bytes, content: bytes) -> bytes:
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+
+def read_provenance(path: Path) -> dict[str, Any]:
+    """The facts inside a PNG of ours. Raises UserError when there are none."""
+    content = path.read_bytes()
+    prefix = KEYWORD.encode() + b"\0\0\0\0\0"
+    position = len(PNG_SIGNATURE)
+    while content.startswith(PNG_SIGNATURE) and position + 12 <= len(content):
+        (length,) = struct.unpack_from(">I", content, position)
+        body = content[position + 8 : position + 8 + length]
+        if content[position + 4 : position + 8] == b"iTXt" and body.startswith(prefix):
+            facts: dict[str, Any] = json.loads(body.removeprefix(prefix))
+            return facts
+        position += 12 + length
+    raise UserError(f"expected a PNG written by VesselSplat, found no provenance in {path.name}")

@@ -1,0 +1,181 @@
+"""A run on disk: run.json to repeat it, events.jsonl to follow it, checkpoints, and the model at the end.
+
+Run folders are private: run.json names the clip by its absolute path, so that training can go on.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass as plain_dataclass
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from app.arguments import problem
+from app.atomic import make_folder, replaced, write_bytes
+from app.errors import UserError
+from app.provenance import strict_json
+from enhance import EnhanceParams, Statistics
+from renderer.camera import Camera
+from renderer.gaussians import DynamicGaussians
+from renderer.train.config import TrainConfig
+from renderer.train.events import TrainEvent
+
+Input = Literal["original", "enhanced"]
+PARTIAL = re.compile(r"^\..*\.partial(\..*)?$")
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+class ClipRecord:
+    """The clip that a run was trained on."""
+
+    path: str
+    """Absolute."""
+    name: str
+    sha256: str
+    """Of the manifest, see `app.provenance.digest`."""
+    frames: int
+    unit: str
+    cameras: tuple[dict[str, Any], ...]
+    """`Camera.to_json`: one a frame, or a single one when the camera is fixed."""
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+class Enhancement:
+    """What turned the clip's photos into the run's own."""
+
+    params: EnhanceParams
+    statistics: Statistics
+    """Pooled over the training frames."""
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+class RunRecord:
+    """Everything needed to repeat a run: the content of run.json."""
+
+    schema: Literal[1] = 1
+    version: str
+    created: str
+    """UTC, ISO 8601."""
+    clip: ClipRecord
+    input: Input
+    config: TrainConfig
+    enhancement: Enhancement | None = None
+    """None when the run was trained on the original photos."""
+
+    def camera(self, index: int) -> Camera:
+        """The camera of frame `index`."""
+        cameras = self.clip.cameras
+        return Camera.from_json(cameras[index if len(cameras) > 1 else 0])
+
+    def time(self, index: int) -> float:
+        """The time of frame `index`, in [0, 1)."""
+        return index / self.clip.frames
+
+
+RECORD = TypeAdapter(RunRecord)
+
+
+@plain_dataclass(frozen=True)
+class RunFolder:
+    """Paths and files of one run."""
+
+    path: Path
+
+    @property
+    def record_path(self) -> Path:
+        return self.path / "run.json"
+
+    @property
+    def events_path(self) -> Path:
+        return self.path / "events.jsonl"
+
+    @property
+    def model_path(self) -> Path:
+        return self.path / "model.safetensors"
+
+    @property
+    def is_run(self) -> bool:
+        return self.record_path.is_file()
+
+    @property
+    def is_finished(self) -> bool:
+        return self.is_run and self.model_path.is_file()
+
+    @property
+    def is_vacant(self) -> bool:
+        """Nothing is here that a new run could harm."""
+        if not self.path.exists():
+            return True
+        return self.path.is_dir() and all(PARTIAL.match(item.name) for item in self.path.iterdir())
+
+    def create(self, record: RunRecord) -> None:
+        """Start a run here. Raises UserError when the folder holds anything."""
+        if not self.is_vacant:
+            raise UserError(
+                f"expected an empty or new folder for the run, got one with other files: {self.path}"
+            )
+        make_folder(self.path)
+        write_bytes(self.record_path, strict_json(record, indent=2).encode())
+
+    def record(self) -> RunRecord:
+        """Read run.json. Raises UserError when this is no run, or a damaged one."""
+        if not self.is_run:
+            raise UserError(f"expected a run folder with run.json, found none in {self.path}")
+        try:
+            return RECORD.validate_json(self.record_path.read_bytes())
+        except ValidationError as error:
+            raise UserError(f"{self.record_path}: {problem(error)}") from error
+
+    def log(self, event: TrainEvent) -> None:
+        """Append one event to events.jsonl: its name and plain fields, without the model."""
+        line = strict_json({"event": type(event).__name__} | _plain_fields(event))
+        # A killed run can leave half a line behind: start on a new one.
+        with self.events_path.open("ab+") as file:
+            end = file.seek(0, 2)
+            if end > 0:
+                file.seek(end - 1)
+                line = line if file.read(1) == b"\n" else f"\n{line}"
+            file.write(f"{line}\n".encode())
+
+    def events(self) -> list[dict[str, Any]]:
+        """The events logged so far, oldest first; half a line left by a killed run is passed over."""
+        if not self.events_path.exists():
+            return []
+        return [event for line in self.events_path.read_text().splitlines() if (event := _parsed(line))]
+
+    def train_seconds(self) -> float | None:
+        """Training time of the finished run, None when it was not logged."""
+        finished = [event["seconds"] for event in self.events() if event["event"] == "Finished"]
+        return float(finished[-1]) if finished else None
+
+    def save_model(self, model: DynamicGaussians) -> None:
+        with replaced(self.model_path) as temporary:
+            model.save(temporary)
+
+    def model(self) -> DynamicGaussians:
+        """The finished model. Raises UserError when there is none or it cannot be read."""
+        if not self.is_finished:
+            self.record()
+            raise UserError(f"expected a finished run with model.safetensors: {self.path} (train --resume)")
+        try:
+            return DynamicGaussians.load(self.model_path)
+        except ValueError as error:
+            raise UserError(str(error)) from error
+
+
+def _plain_fields(event: TrainEvent) -> dict[str, Any]:
+    values = {item.name: getattr(event, item.name) for item in fields(event)}
+    return {name: value for name, value in values.items() if not isinstance(value, DynamicGaussians)}
+
+
+def _parsed(line: str) -> dict[str, Any] | None:
+    try:
+        event = json.loads(line)
+    except json.JSONDecodeError:
+        return None
+    return event if isinstance(event, dict) and "event" in event else None

@@ -1,0 +1,121 @@
+"""The newest model of a training process, in shared memory: one slot, overwritten, never queued.
+
+The training process writes, the window reads. The reader never waits: while the slot is busy, or if the
+writer died holding it, it keeps what it has.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import secrets
+from dataclasses import dataclass, field
+from multiprocessing.context import SpawnContext
+from multiprocessing.shared_memory import SharedMemory
+from multiprocessing.synchronize import Lock
+
+import numpy as np
+from safetensors.numpy import load, save
+
+from renderer.gaussians import DynamicGaussians
+
+
+@dataclass(frozen=True)
+class Slot:
+    """What both processes know: the blocks' common name and, under a lock, which block holds what."""
+
+    name: str
+    state: ctypes.Array[ctypes.c_longlong]
+    """(generation of the block, bytes in use, sequence number); all 0 before the first write."""
+    lock: Lock
+
+    @classmethod
+    def make(cls, context: SpawnContext) -> Slot:
+        return cls(f"vs{secrets.token_hex(6)}", context.RawArray(ctypes.c_longlong, 3), context.Lock())
+
+    def block_name(self, generation: int) -> str:
+        return f"{self.name}-{generation}"
+
+
+@dataclass
+class SlotWriter:
+    """The training process's end."""
+
+    slot: Slot
+    _block: SharedMemory | None = None
+
+    def write(self, model: DynamicGaussians) -> None:
+        """Put `model` in the slot; a larger block takes the place of one that is too small."""
+        content = save({name: np.ascontiguousarray(value) for name, value in model.arrays().items()})
+        with self.slot.lock:
+            generation, _, sequence = self.slot.state[:]
+            if self._block is None or self._block.size < len(content):
+                generation += 1
+                self._grow(generation, 2 * len(content))
+            assert self._block is not None and self._block.buf is not None
+            self._block.buf[: len(content)] = content
+            self.slot.state[:] = [generation, len(content), sequence + 1]
+
+    def _grow(self, generation: int, size: int) -> None:
+        larger = SharedMemory(self.slot.block_name(generation), create=True, size=size)
+        if self._block is not None:
+            self._block.close()
+            self._block.unlink()
+        self._block = larger
+
+
+@dataclass
+class SlotReader:
+    """The window's end. Owns the blocks' removal, since the writer may be killed at any moment."""
+
+    slot: Slot
+    _block: SharedMemory | None = None
+    _generation: int = 0
+    _sequence: int = 0
+    _newest: DynamicGaussians | None = field(default=None, repr=False)
+
+    def newest(self) -> DynamicGaussians | None:
+        """The last model written; the same object as long as there is no newer one."""
+        content = self._take()
+        if content is not None:
+            self._newest = DynamicGaussians(**load(content))
+        return self._newest
+
+    def _take(self) -> bytes | None:
+        if not self.slot.lock.acquire(block=False):
+            return None
+        try:
+            generation, size, sequence = self.slot.state[:]
+            if sequence == self._sequence:
+                return None
+            self._sequence = sequence
+            block = self._attached(generation)
+            return None if block is None or block.buf is None else bytes(block.buf[:size])
+        finally:
+            self.slot.lock.release()
+
+    def _attached(self, generation: int) -> SharedMemory | None:
+        if generation != self._generation:
+            if self._block is not None:
+                self._block.close()
+            self._block, self._generation = _open(self.slot.block_name(generation)), generation
+        return self._block
+
+    def close(self) -> None:
+        """Remove every block. Call when the writer has ended."""
+        if self._block is not None:
+            self._block.close()
+        generation = self.slot.state[0]
+        # A writer killed while it grew can leave the block before or after the one it announced.
+        for number in range(max(generation - 1, 1), generation + 2):
+            block = _open(self.slot.block_name(number))
+            if block is not None:
+                block.close()
+                block.unlink()
+        self._block, self._generation = None, 0
+
+
+def _open(name: str) -> SharedMemory | None:
+    try:
+        return SharedMemory(name)
+    except FileNotFoundError:
+        return None

@@ -1,0 +1,136 @@
+"""Training as the app asks for it: from a clip on disk to a run folder, as a stream of events."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from itertools import tee
+from pathlib import Path
+
+from app.errors import UserError
+from app.provenance import digest, version
+from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
+from enhance import EnhanceParams, enhance, measure
+from renderer.clip import ByteImage, Clip, Frame
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+from renderer.train.events import Finished, Snapshot, TrainEvent
+
+RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
+"""For frames that are reconstructed (Tables 1-2 of the paper)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainRequest:
+    """One training run, by value: crosses to the training process as it stands."""
+
+    clip_path: Path
+    run_path: Path
+    config: TrainConfig
+    input: Input = "original"
+    enhance_params: EnhanceParams = RECONSTRUCTION_PARAMS
+    """Used when `input` is "enhanced"."""
+    resume: bool = False
+    """Go on from the newest checkpoint in `run_path`; start when there is nothing there yet."""
+
+
+def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
+    """Train, log and save; the run folder holds all that came of it, also when this is cut short.
+
+    Raises:
+        ClipError: the clip cannot be read.
+        UserError: the run folder holds something else, or another run than the one to resume.
+    """
+    run = RunFolder(request.run_path)
+    _check_vacancy(request, run)
+    clip = open_clip(request.clip_path)
+    if run.is_run:
+        record = run.record()
+        _check_same(request, record)
+    else:
+        record = _new_record(request, clip)
+        run.create(record)
+    if run.is_finished:
+        yield _finished_before(run)
+        return
+    yield from _train(request, run, input_clip(clip, record))
+
+
+def _train(request: TrainRequest, run: RunFolder, clip: Clip) -> Generator[TrainEvent, None, None]:
+    # The trainer compiles its kernels on import: only the process that trains pays for it.
+    from renderer.train.trainer import train
+
+    for event in train(clip, request.config, folder=run.path, resume=request.resume):
+        if isinstance(event, Finished):
+            run.save_model(event.model)
+        if not isinstance(event, Snapshot):
+            run.log(event)
+        yield event
+
+
+def input_clip(clip: Clip, record: RunRecord) -> Clip:
+    """The clip with the photos that the run was trained on: its own, or the same enhanced again."""
+    if record.enhancement is None:
+        return clip
+    params, statistics = record.enhancement.params, record.enhancement.statistics
+
+    def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
+        result: ByteImage = enhance(image, params, tissue_mask=frame.tissue_mask, statistics=statistics).image
+        return result
+
+    return clip.with_images(enhanced, f"{clip.name} enhanced")
+
+
+def pooled(clip: Clip, params: EnhanceParams) -> Enhancement:
+    """`params` with statistics pooled over the tissue of the training frames, so that colours agree."""
+    # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
+    frames, again = tee(clip.read_frame(index) for index in clip.train_indices)
+    images, masks = (frame.image for frame in frames), (frame.tissue_mask for frame in again)
+    return Enhancement(params=params, statistics=measure(images, params, masks))
+
+
+def _new_record(request: TrainRequest, clip: Clip) -> RunRecord:
+    cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
+    return RunRecord(
+        version=version(),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        clip=ClipRecord(
+            path=str(request.clip_path.absolute()),
+            name=clip.name,
+            sha256=digest(request.clip_path),
+            frames=len(clip),
+            unit=clip.unit,
+            cameras=tuple(camera.to_json() for camera in cameras),
+        ),
+        input=request.input,
+        config=request.config,
+        enhancement=pooled(clip, request.enhance_params) if request.input == "enhanced" else None,
+    )
+
+
+def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
+    if run.is_run and not request.resume:
+        state = "a finished" if run.is_finished else "an unfinished"
+        hint = "choose another folder" if run.is_finished else "add --resume to go on"
+        raise UserError(f"{run.path} holds {state} run already: {hint}")
+    if not run.is_run and not run.is_vacant:
+        raise UserError(f"expected an empty or new folder for the run, got one with other files: {run.path}")
+
+
+def _check_same(request: TrainRequest, record: RunRecord) -> None:
+    """A run goes on as it began, or not at all: anything else would not be repeatable."""
+    began = {"input": record.input, "clip": record.clip.sha256, **vars(record.config)}
+    asked = {"input": request.input, "clip": digest(request.clip_path), **vars(request.config)}
+    if record.enhancement is not None:
+        began |= vars(record.enhancement.params)
+        asked |= vars(request.enhance_params)
+    for name, value in began.items():
+        if asked[name] != value:
+            raise UserError(f"cannot resume: the run began with {name} {value}, got {asked[name]}")
+
+
+def _finished_before(run: RunFolder) -> Finished:
+    events = [event for event in run.events() if event["event"] == "Finished"]
+    iteration = int(events[-1]["iteration"]) if events else 0
+    return Finished(iteration, run.train_seconds() or 0.0, run.model())

@@ -1,0 +1,107 @@
+"""The training process: runs the steps, tells what happens, obeys single words between steps."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import traceback
+from collections.abc import Callable, Generator
+from contextlib import closing
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Literal
+
+import psutil  # type: ignore[import-untyped]
+
+from app.errors import UserError
+from app.shared_model import Slot, SlotWriter
+from app.training import TrainRequest
+from enhance import ImageError
+from renderer.clip import ClipError
+from renderer.train.events import Finished, Snapshot, TrainEvent
+
+Steps = Callable[[TrainRequest], Generator[TrainEvent, None, None]]
+"""`app.training.run_training`, or what takes its place in tests: a function that the process can import."""
+Word = Literal["pause", "resume", "cancel"]
+
+
+@dataclass(frozen=True)
+class Paused:
+    """Training stands still until resumed or cancelled."""
+
+
+@dataclass(frozen=True)
+class Resumed:
+    """Training goes on."""
+
+
+@dataclass(frozen=True)
+class Cancelled:
+    """Training ended because it was asked to; the last checkpoint is kept."""
+
+
+@dataclass(frozen=True)
+class Failed:
+    """Training ended by itself before it was done; the last checkpoint is kept."""
+
+    reason: str
+    """One sentence for a person."""
+    details: str = ""
+    """The traceback when it is a bug."""
+
+
+@dataclass(frozen=True)
+class Ended:
+    """Finished, without the model: that is in the run folder."""
+
+    iteration: int
+    seconds: float
+
+
+def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> None:
+    """Run `steps` to their end, sending every small event; models go to the slot.
+
+    Ends quietly, at its next step, when the process at the other end of the pipe is gone.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C in a terminal reaches both; the parent decides.
+    psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else 10)
+    try:
+        last = _run(pipe, SlotWriter(slot), steps, request)
+    except (BrokenPipeError, EOFError):
+        return
+    except (UserError, ClipError, ImageError) as error:
+        last = Failed(str(error))
+    except MemoryError:
+        last = Failed("training ran out of memory: try fewer Gaussians or a smaller clip")
+    except Exception as error:
+        last = Failed(f"{type(error).__name__}: {error}", traceback.format_exc())
+    pipe.send(last)
+
+
+def _run(
+    pipe: Connection, models: SlotWriter, steps: Steps, request: TrainRequest
+) -> Ended | Cancelled | Failed:
+    with closing(steps(request)) as events:
+        for event in events:
+            if isinstance(event, Finished):
+                return Ended(event.iteration, event.seconds)
+            if isinstance(event, Snapshot):
+                models.write(event.model)
+            else:
+                pipe.send(event)
+            if not _may_go_on(pipe):
+                return Cancelled()
+    return Failed("training ended before it was finished")
+
+
+def _may_go_on(pipe: Connection) -> bool:
+    """Obey the words that have come, waiting while paused; False when training shall end."""
+    paused = False
+    while paused or pipe.poll():
+        word: Word = pipe.recv()
+        if word == "cancel":
+            return False
+        if paused != (word == "pause"):
+            paused = not paused
+            pipe.send(Paused() if paused else Resumed())
+    return True
