@@ -1,0 +1,58 @@
+"""Brightness (Eqs 1 and 2): lift the dark range by as much as the histogram asks for."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance.image import BoolImage, Float32Image
+
+BLACK: Final = 24 / 255
+"""V below which keep_black fades: the surround of real endoscopes holds noise of up to some 10 levels."""
+
+
+def value(colors: Float32Image) -> Float32Image:
+    """V of HSV, (H, W): the largest of R, G, B; a grey image is its own V."""
+    return colors if colors.ndim == 2 else colors.max(axis=2)
+
+
+def value_histogram(value: Float32Image, keep: BoolImage) -> NDArray[np.int64]:
+    """(256,) counts of V, rounded to 8 bits, over the kept pixels."""
+    levels = np.rint(value[keep] * np.float32(255)).astype(np.uint8)
+    return np.bincount(levels, minlength=256)
+
+
+def level(histogram: NDArray[np.int64]) -> int:
+    """L of Eq 2: the smallest grey level where the cumulative distribution reaches 0.1."""
+    cumulative = np.cumsum(histogram)
+    return int(np.argmax(10 * cumulative >= cumulative[-1]))
+
+
+def z_from_level(level: float) -> float:
+    """Eq 2, with L in grey levels, 0 to 255."""
+    return min(max((level - 50) / 100, 0.0), 1.0)
+
+
+def brighten(value: Float32Image, z: float) -> Float32Image:
+    """Vn of Eq 1, in [0, 1]; strictly increasing in V; exactly V at z = 1."""
+    lift = value ** np.float32(0.75 * z + 0.25)
+    lift += np.float32(0.4 * (1 - z)) * (1 - value)
+    lift += value ** np.float32(2 - z)
+    return lift * np.float32(0.5)
+
+
+def fade_black(colors: Float32Image, enhanced: Float32Image, value: Float32Image) -> Float32Image:
+    """`keep_black`: below V = 24/255 the enhanced colours fade back to the original ones, `colors`.
+
+    The weight is a smoothstep of the original V, 0 at V = 0: exact black stays exact black, there is no kink,
+    and Eq 1, which never darkens, still rises with V. At z = 0 the steepest step of two neighbouring 8-bit
+    levels shrinks from 32 levels to 7, so that noise in the dark is not blown up. Where enhancement changes
+    nothing, neither does the fade.
+    """
+    t = np.minimum(value * np.float32(1 / BLACK), np.float32(1))
+    weight = np.asarray(t * t * (3 - 2 * t), dtype=np.float32)
+    if colors.ndim == 3:
+        weight = weight[..., None]
+    return np.asarray(weight * enhanced + (1 - weight) * colors, dtype=np.float32)

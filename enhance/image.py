@@ -1,0 +1,109 @@
+"""The edge: which images are accepted, and how the result gets the input's type back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+AnyImage = NDArray[Any]
+Float32Image = NDArray[np.float32]
+BoolImage = NDArray[np.bool_]
+
+
+class ImageError(ValueError):
+    """An image, its mask or its statistics cannot be used: what was expected and what came."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """An accepted image, colours apart from alpha."""
+
+    colors: Float32Image
+    """(H, W) grey or (H, W, 3), in [0, 1]."""
+    alpha: AnyImage | None
+    """(H, W) as it came, or None."""
+    dtype: np.dtype[Any]
+    """Type of the input, and of the result."""
+
+    @property
+    def visible(self) -> BoolImage:
+        """(H, W), False where alpha is 0."""
+        if self.alpha is None:
+            return np.ones(self.colors.shape[:2], dtype=bool)
+        return np.asarray(self.alpha > 0)
+
+    def with_colors(self, colors: Float32Image) -> AnyImage:
+        """`colors` (shape of self.colors) as an image of the input's type, alpha untouched."""
+        full = full_scale(self.dtype)
+        clipped = np.clip(colors, 0.0, 1.0)
+        pixels = (np.rint(clipped * full) if full > 1 else clipped).astype(self.dtype)
+        return pixels if self.alpha is None else np.dstack((pixels, self.alpha))
+
+
+def full_scale(dtype: np.dtype[Any]) -> int:
+    """The value that means 1.0: 255, 65535, or 1 for floats."""
+    return int(np.iinfo(dtype).max) if dtype.kind == "u" else 1
+
+
+def read_picture(image: AnyImage) -> Picture:
+    """Check an image and bring it to float32 in [0, 1]; the input is not modified.
+
+    Args:
+        image: (H, W) grey, (H, W, 3) or (H, W, 4) with alpha last; uint8, uint16 (full scale 65535) or
+            float in [0, 1]. The order of the three colours does not matter: the maths is symmetric.
+
+    Raises:
+        ImageError: anything else, and NaN.
+    """
+    image = np.asarray(image)
+    _check_shape(image)
+    _check_values(image)
+    alpha = image[..., 3] if image.ndim == 3 and image.shape[2] == 4 else None
+    colors = image if alpha is None else image[..., :3]
+    scaled = colors.astype(np.float32) / np.float32(full_scale(image.dtype))
+    return Picture(colors=np.ascontiguousarray(scaled), alpha=alpha, dtype=image.dtype)
+
+
+def read_mask(mask: AnyImage | None, picture: Picture) -> BoolImage:
+    """Pixels that statistics are taken from: visible and, where there is a mask, kept by it.
+
+    Args:
+        mask: (H, W) bool or integers, non-zero = keep; None keeps all.
+
+    Raises:
+        ImageError: another shape or type.
+    """
+    if mask is None:
+        return picture.visible
+    mask = np.asarray(mask)
+    expected = picture.colors.shape[:2]
+    if mask.shape != expected or mask.dtype.kind not in "bui":
+        raise ImageError(
+            f"expected a tissue_mask of shape {expected}, bool or integers, got {mask.shape} {mask.dtype}"
+        )
+    return np.asarray(picture.visible & (mask != 0))
+
+
+def _check_shape(image: AnyImage) -> None:
+    grey, color = image.ndim == 2, image.ndim == 3 and image.shape[-1] in (3, 4)
+    if not (grey or color):
+        raise ImageError(f"expected an image of shape (H, W), (H, W, 3) or (H, W, 4), got {image.shape}")
+    if image.size == 0:
+        raise ImageError(f"expected an image with at least one pixel, got shape {image.shape}")
+
+
+def _check_values(image: AnyImage) -> None:
+    if image.dtype in (np.uint8, np.uint16):
+        return
+    if image.dtype.kind != "f":
+        raise ImageError(f"expected uint8, uint16 or float in [0, 1], got {image.dtype}")
+    low, high = float(image.min()), float(image.max())
+    if np.isnan(low):
+        raise ImageError("expected an image without NaN; replace NaN before enhancing")
+    if low < 0.0 or high > 1.0:
+        raise ImageError(
+            f"expected float values in [0, 1], got {low:g} to {high:g}; scale or clip them first"
+        )

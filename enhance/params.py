@@ -1,0 +1,55 @@
+"""What a user sets of the 2D vascular enhancement: one declaration for checks, sliders, flags and JSON."""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Literal
+
+from annotated_types import Interval, Len, Unit
+from pydantic import ConfigDict, model_validator
+from pydantic.dataclasses import dataclass
+
+PForm = Literal["literal", "continuous"]
+Exponent = Annotated[float, Interval(ge=0.0, le=4.0)]
+Radius = Annotated[int, Interval(ge=1, le=512), Unit("px")]
+
+
+@dataclass(
+    frozen=True,
+    kw_only=True,
+    config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
+)
+class EnhanceParams:
+    """Parameters of Eqs 1-12.
+
+    Raises:
+        pydantic.ValidationError: (a ValueError) a value out of its range, or as many P as there are not
+            scales.
+    """
+
+    z: Annotated[float, Interval(ge=0.0, le=1.0)] | None = None
+    """Brightness factor of Eq 1: 0 lifts dark areas most, 1 leaves brightness alone. None: from the
+    image, by Eq 2."""
+    p: Exponent | tuple[Exponent, ...] | None = None
+    """Strength of local detail, the exponent P of Eq 7: 0 is off. One number, or one for each scale.
+    None: from the image, by Eq 9."""
+    p_form: PForm = "literal"
+    """Eq 9 as printed, or the middle branch continued until it meets the outer two (no jumps)."""
+    radii: Annotated[tuple[Radius, ...], Len(1, 6)] = (4, 16, 64)
+    """Window radii of the guided filters, one for each scale; a window is 2 r + 1 pixels wide."""
+    eps: Annotated[float, Interval(ge=1e-6, le=1.0)] = 0.0025
+    """Regularisation of the guided filter, a variance on [0, 1]: larger smooths stronger edges away."""
+    subsample: Annotated[int, Interval(ge=1, le=8)] = 2
+    """The guided filter's coefficients are computed on an image this many times smaller."""
+    d_factor: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.0
+    """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation alone."""
+    keep_black: bool = True
+    """Keep the black surround of an endoscope black; without it, black becomes grey 51 at z = 0."""
+
+    @model_validator(mode="after")
+    def _one_p_a_scale(self) -> EnhanceParams:
+        if isinstance(self.p, tuple) and len(self.p) != len(self.radii):
+            raise ValueError(f"p must be one number or one for each of {len(self.radii)} radii, got {self.p}")
+        return self
+
+
+DEFAULTS: Final = EnhanceParams()

@@ -1,0 +1,174 @@
+"""The literal reading of Eqs 1-12: float64, every printed equation on a line of its own, slow. The oracle.
+
+It shares the parameters and the statistics' form with the pipeline, and no arithmetic. The decisions that the
+paper leaves open are the same: the floor e in Eq 7, windows clipped at the border, k = d_factor.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance.image import AnyImage, BoolImage
+from enhance.params import DEFAULTS, EnhanceParams
+from enhance.statistics import Statistics
+
+Float64Image = NDArray[np.float64]
+
+
+def enhance_reference(
+    image: AnyImage,
+    params: EnhanceParams = DEFAULTS,
+    *,
+    tissue_mask: BoolImage | None = None,
+    statistics: Statistics | None = None,
+) -> tuple[Float64Image, Statistics]:
+    """What `enhance` computes, in float64 and not rounded: the image in [0, 1] and the statistics used.
+
+    The image must be one that `enhance` accepts; it is not checked.
+    """
+    full = np.iinfo(image.dtype).max if image.dtype.kind == "u" else 1
+    scaled = image.astype(np.float64) / full
+    if image.ndim == 2:
+        value, visible = scaled, np.ones(image.shape, dtype=bool)
+        hue, chroma = np.zeros_like(value), np.zeros_like(value)
+    else:
+        hue, chroma, value = hsv_from_rgb(scaled[..., :3])
+        visible = scaled[..., 3] > 0 if image.shape[2] == 4 else np.ones(value.shape, dtype=bool)
+    keep = visible if tissue_mask is None else visible & tissue_mask
+    filtered = [guided(value, radius, params) for radius in params.radii]
+    used = statistics or _measured(value, chroma, filtered, keep, params)
+    enhanced = _new_value(value, filtered, used)
+    if image.ndim == 3:
+        new_chroma = stretched(chroma, used.saturation_mean, params.d_factor)
+        enhanced = rgb_from_hsv(hue, new_chroma, enhanced)
+    if params.keep_black:
+        enhanced = _faded(scaled[..., :3] if image.ndim == 3 else scaled, enhanced, value)
+    return enhanced if image.ndim == 2 else np.concatenate((enhanced, scaled[..., 3:]), axis=2), used
+
+
+def _measured(
+    value: Float64Image,
+    chroma: Float64Image,
+    filtered: list[Float64Image],
+    keep: BoolImage,
+    params: EnhanceParams,
+) -> Statistics:
+    levels = np.sort(np.rint(255 * value[keep]))
+    level = levels[-(-len(levels) // 10) - 1]  # the first at which a tenth of all is reached
+    z = 0.0 if level <= 50 else (level - 50) / 100 if level < 150 else 1.0  # Eq 2
+    sigmas = tuple(float(np.std(255 * q[keep])) for q in filtered)
+    p = tuple(_exponent(sigma, params) for sigma in sigmas)
+    return Statistics(
+        level=float(level),
+        z=float(z) if params.z is None else params.z,
+        saturation_mean=float(np.mean(chroma[keep])),
+        sigmas=sigmas,
+        p=p if params.p is None else params.p if isinstance(params.p, tuple) else (params.p,) * len(p),
+        scope="image",
+    )
+
+
+def _exponent(sigma: float, params: EnhanceParams) -> float:
+    first, last = (2.0, 10.0) if params.p_form == "literal" else (2.125, 10.25)
+    if sigma <= first:  # Eq 9
+        return 7 / 4
+    if sigma < last:
+        return (27 - 2 * sigma) / 13
+    return 1 / 2
+
+
+def _new_value(value: Float64Image, filtered: list[Float64Image], used: Statistics) -> Float64Image:
+    z = used.z
+    brightened = (value ** (0.75 * z + 0.25) + 0.4 * (1 - value) * (1 - z) + value ** (2 - z)) / 2  # Eq 1
+    total = np.zeros_like(value)
+    for q, p in zip(filtered, used.p, strict=True):
+        ratio = ((q + 1 / 255) / (value + 1 / 255)) ** p  # Eq 7
+        total += brightened**ratio  # Eq 8
+    return total / len(filtered)  # Eq 10
+
+
+def _faded(scaled: Float64Image, enhanced: Float64Image, value: Float64Image) -> Float64Image:
+    t = np.clip(value * 255 / 24, 0, 1)
+    weight = 3 * t**2 - 2 * t**3
+    if scaled.ndim == 3:
+        weight = weight[..., None]
+    return scaled + weight * (enhanced - scaled)
+
+
+def guided(value: Float64Image, radius: int, params: EnhanceParams) -> Float64Image:
+    """Q of Eqs 3-6 with guide and input both `value`: subsampled, solved, and brought up again."""
+    s = params.subsample
+    rows, columns = value.shape
+    padded = np.pad(value, ((0, -rows % s), (0, -columns % s)), mode="edge")
+    low = sum((padded[i::s, j::s] for i in range(s) for j in range(s)), np.zeros(())) / s**2
+    r = max(1, int(np.floor(radius / s + 0.5)))
+    mu = mean_bar = window_mean(low, r)
+    sigma2 = window_mean(low**2, r) - mu**2
+    a = (window_mean(low * low, r) - mu * mean_bar) / (sigma2 + params.eps)  # Eq 4
+    b = mean_bar - a * mu  # Eq 5
+    a_bar = bilinear(window_mean(a, r), s)[:rows, :columns]
+    b_bar = bilinear(window_mean(b, r), s)[:rows, :columns]
+    return a_bar * value + b_bar  # Eq 6
+
+
+def window_mean(image: Float64Image, radius: int) -> Float64Image:
+    """Mean of the part of each window inside the image, by a double-precision summed-area table."""
+    rows, columns = image.shape
+    table = np.zeros((rows + 1, columns + 1))
+    table[1:, 1:] = image.cumsum(axis=0).cumsum(axis=1)
+    top, bottom = np.maximum(np.arange(rows) - radius, 0), np.minimum(np.arange(rows) + radius + 1, rows)
+    left = np.maximum(np.arange(columns) - radius, 0)
+    right = np.minimum(np.arange(columns) + radius + 1, columns)
+    total = table[bottom][:, right] - table[top][:, right] - table[bottom][:, left] + table[top][:, left]
+    return np.asarray(total / np.outer(bottom - top, right - left))
+
+
+def bilinear(low: Float64Image, factor: int) -> Float64Image:
+    """`low` enlarged by a whole factor, pixel centres aligned, borders repeated."""
+    for axis in (0, 1):
+        size = low.shape[axis]
+        at = np.clip((np.arange(size * factor) + 0.5) / factor - 0.5, 0, size - 1)
+        first = np.minimum(at.astype(int), max(size - 2, 0))
+        second = np.minimum(first + 1, size - 1)
+        weight = np.expand_dims(at - first, 1 - axis)
+        low = (1 - weight) * low.take(first, axis) + weight * low.take(second, axis)
+    return low
+
+
+def stretched(chroma: Float64Image, mean: float, d_factor: float) -> Float64Image:
+    """S* of Eqs 11 and 12 as printed; S = 0 stays 0, S_m = 1 keeps only full saturation, k = 0 is off."""
+    if d_factor == 0:
+        return chroma
+    out = np.where(chroma == 1, 1.0, 0.0)
+    d_below = 2 * mean**3 - 3 * mean**2 + 1
+    if d_below == 0:
+        return out
+    d = (3 * mean**2 - 2 * mean**3) / d_below  # Eq 12
+    some = chroma > 0
+    out[some] = 1 / (1 + d_factor * d * (1 / chroma[some] - 1) ** 2)  # Eq 11
+    return out
+
+
+def hsv_from_rgb(rgb: Float64Image) -> tuple[Float64Image, Float64Image, Float64Image]:
+    """H in [0, 6), S and V in [0, 1], each (H, W); H = 0 for grey and S = 0 for black."""
+    red, green, blue = np.moveaxis(rgb, 2, 0)
+    value, low = rgb.max(axis=2), rgb.min(axis=2)
+    spread = np.where(value > low, value - low, 1.0)
+    sector = np.where(
+        value == red,
+        (green - blue) / spread % 6,
+        np.where(value == green, (blue - red) / spread + 2, (red - green) / spread + 4),
+    )
+    hue = np.where(value > low, sector, 0.0)
+    chroma = np.where(value > 0, (value - low) / np.where(value > 0, value, 1.0), 0.0)
+    return hue, chroma, value
+
+
+def rgb_from_hsv(hue: Float64Image, chroma: Float64Image, value: Float64Image) -> Float64Image:
+    """(H, W, 3) in [0, 1], by Smith's trapezoids (1978): a channel is V (1 - S clip(...))."""
+    channels = []
+    for offset in (5, 3, 1):
+        k = (offset + hue) % 6
+        channels.append(value * (1 - chroma * np.clip(np.minimum(k, 4 - k), 0, 1)))
+    return np.stack(channels, axis=2)

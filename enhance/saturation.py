@@ -1,0 +1,70 @@
+"""Saturation (Eqs 11 and 12), and back to colours without ever computing a hue."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from enhance.image import Float32Image
+
+
+@dataclass(frozen=True, eq=False)
+class Saturation:
+    """S of HSV and its complement, each to full relative precision; both (H, W) in [0, 1]."""
+
+    chroma: Float32Image
+    """S = (max - min) / max of R, G, B; 0 at black."""
+    white: Float32Image
+    """1 - S = min / max; 1 at black."""
+
+
+def saturation(colors: Float32Image, value: Float32Image) -> Saturation:
+    """S of an (H, W, 3) image with V `value`."""
+    low = colors.min(axis=2)
+    lit = value > 0
+    return Saturation(
+        chroma=np.divide(value - low, value, out=np.zeros_like(value), where=lit),
+        white=np.divide(low, value, out=np.ones_like(value), where=lit),
+    )
+
+
+def stretch(saturation: Saturation, mean: float, d_factor: float) -> Float32Image:
+    """S* of Eqs 11 and 12, (H, W) in [0, 1].
+
+    With k = d_factor and m = mean, d = B / A where A = (1 - m)^2 (1 + 2 m) and B = m^2 (3 - 2 m), so that
+    S* = A S^2 / (A S^2 + k B (1 - S)^2): no pole at m = 1 or S = 0. What remains of 0/0 (no colour at S = 0,
+    full colour at S = 1) is a fixed point, S* = S. k = 0 means that the stage is off, S* = S everywhere: the
+    limit of the formula would be full saturation.
+
+    Args:
+        mean: S_m of Eq 12, in [0, 1].
+        d_factor: k >= 0; the pivot S* = S lies at k d / (1 + k d), so smaller means more colour.
+    """
+    chroma, white = saturation.chroma, saturation.white
+    if d_factor == 0:
+        return chroma
+    a = (1 - mean) ** 2 * (1 + 2 * mean)
+    b = mean**2 * (3 - 2 * mean)
+    colored = np.float32(a) * chroma * chroma
+    total = colored + np.float32(d_factor * b) * white * white
+    return np.asarray(np.divide(colored, total, out=chroma.copy(), where=total > 0))
+
+
+def recolor(
+    colors: Float32Image,
+    value: Float32Image,
+    saturation: Saturation,
+    new_value: Float32Image,
+    new_saturation: Float32Image,
+) -> Float32Image:
+    """The (H, W, 3) image with the hue of `colors`, V = `new_value` and S = `new_saturation`.
+
+    With M and D the largest and the spread of a pixel's channels, c becomes V* (1 - S* (M - c) / D): what
+    HSV to RGB gives for the same hue. Grey stays exactly grey.
+    """
+    chroma = saturation.chroma
+    gain = np.divide(new_saturation, chroma, out=np.zeros_like(chroma), where=chroma > 0)
+    lit = value[..., None] > 0
+    below = np.divide(value[..., None] - colors, value[..., None], out=np.zeros_like(colors), where=lit)
+    return np.asarray(new_value[..., None] * (1 - gain[..., None] * below))

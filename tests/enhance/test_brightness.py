@@ -1,0 +1,77 @@
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from enhance import brightness
+
+LEVELS = np.arange(256, dtype=np.float32)[None] / np.float32(255)
+FACTORS = st.floats(0.0, 1.0)
+
+
+@given(FACTORS)
+def test_brightening_never_darkens_keeps_order_and_fixes_white(z: float) -> None:
+    lifted = brightness.brighten(LEVELS, z)
+    assert lifted.dtype == np.float32
+    assert np.all(np.diff(lifted) > 0)
+    assert np.all(lifted >= LEVELS - 1e-7)
+    assert lifted[0, 255] == 1
+    np.testing.assert_allclose(lifted[0, 0], 0.2 * (1 - z), atol=1e-7)
+
+
+def test_brightening_at_one_is_exactly_nothing() -> None:
+    values = np.random.default_rng(1).random((50, 61), dtype=np.float32)
+    assert np.array_equal(brightness.brighten(values, 1.0), values)
+
+
+def test_brightening_at_zero_maps_the_darkest_levels_far_apart() -> None:
+    lifted = 255 * brightness.brighten(LEVELS[:, :4], 0.0)
+    assert np.rint(lifted).tolist() == [[51, 83, 89, 92]]
+
+
+@pytest.mark.parametrize(
+    ("level", "z"), [(0, 0), (50, 0), (51, 0.01), (100, 0.5), (149, 0.99), (150, 1), (255, 1)]
+)
+def test_z_follows_the_level(level: int, z: float) -> None:
+    assert brightness.z_from_level(level) == pytest.approx(z, abs=1e-12)
+
+
+@given(st.lists(st.integers(0, 255), min_size=1, max_size=60))
+def test_level_is_the_smallest_that_a_tenth_of_all_pixels_reach(levels: list[int]) -> None:
+    found = brightness.level(np.bincount(levels, minlength=256))
+
+    def share(level: int) -> Fraction:
+        return Fraction(sum(one <= level for one in levels), len(levels))
+
+    assert share(found) >= Fraction(1, 10)
+    assert found == 0 or share(found - 1) < Fraction(1, 10)
+
+
+def test_histogram_counts_rounded_levels_of_kept_pixels() -> None:
+    value = np.array([[0, 0.49 / 255, 0.51 / 255, 1]], dtype=np.float32)
+    keep = np.array([[True, True, True, False]])
+    histogram = brightness.value_histogram(value, keep)
+    assert histogram.shape == (256,)
+    assert histogram[:2].tolist() == [2, 1]
+    assert histogram.sum() == 3
+
+
+@given(FACTORS)
+def test_fade_keeps_black_order_and_everything_above_24_levels(z: float) -> None:
+    lifted = brightness.brighten(LEVELS, z)
+    faded = brightness.fade_black(LEVELS, lifted, LEVELS)
+    assert faded[0, 0] == 0
+    assert np.all(np.diff(faded) > 0)
+    assert np.array_equal(faded[:, 24:], lifted[:, 24:])
+    assert 255 * np.diff(faded).max() < 7.1  # 31.7 without the fade, at z = 0
+
+
+def test_fade_has_no_kink() -> None:
+    fine = np.linspace(0, 40 / 255, 40_001, dtype=np.float64)[None].astype(np.float32)
+    faded = brightness.fade_black(np.zeros_like(fine), np.ones_like(fine), fine)
+    slope = np.diff(faded[0, ::100].astype(np.float64))
+    assert np.abs(np.diff(slope)).max() < 1e-3  # a straight ramp of the same width bends by 4e-3

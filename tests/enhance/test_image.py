@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from enhance import EnhanceParams, ImageError, enhance
+from tests.enhance.pictures import DTYPES, as_type, vessels
+
+GOOD = np.full((4, 5, 3), 0.5, dtype=np.float32)
+
+
+def changed(value: float) -> NDArray[np.float32]:
+    image = GOOD.copy()
+    image[2, 3, 1] = value
+    return image
+
+
+@pytest.mark.parametrize(
+    ("image", "says"),
+    [
+        (np.zeros((0, 5), np.uint8), r"at least one pixel.*\(0, 5\)"),
+        (np.zeros((5, 0, 3), np.uint8), "at least one pixel"),
+        (np.zeros(5, np.uint8), r"\(H, W\).*got \(5,\)"),
+        (np.zeros((2, 4, 5, 3), np.uint8), r"got \(2, 4, 5, 3\)"),
+        (np.zeros((4, 5, 2), np.uint8), r"got \(4, 5, 2\)"),
+        (np.zeros((4, 5, 1), np.uint8), r"got \(4, 5, 1\)"),
+        (np.zeros((4, 5), np.int32), "uint8, uint16 or float.*int32"),
+        (np.zeros((4, 5), bool), "got bool"),
+        (np.zeros((4, 5), complex), "got complex128"),
+        (changed(np.nan), "NaN"),
+        (changed(np.inf), "to inf"),
+        (changed(-np.inf), "-inf to"),
+        (changed(1.5), "0.5 to 1.5"),
+        (changed(-0.25), "-0.25 to 0.5"),
+    ],
+)
+def test_bad_images_are_refused_with_a_reason(image: NDArray[Any], says: str) -> None:
+    with pytest.raises(ImageError, match=says):
+        enhance(image)
+
+
+@pytest.mark.parametrize(
+    ("mask", "says"),
+    [
+        (np.ones((5, 4), bool), r"shape \(4, 5\).*\(5, 4\)"),
+        (np.ones((4, 5, 3), bool), r"\(4, 5, 3\)"),
+        (np.ones((4, 5), np.float32), "float32"),
+        (np.zeros((4, 5), bool), "at least one pixel to measure"),
+    ],
+)
+def test_bad_masks_are_refused_with_a_reason(mask: NDArray[Any], says: str) -> None:
+    with pytest.raises(ImageError, match=says):
+        enhance(GOOD, tissue_mask=mask)
+
+
+def test_every_type_gives_the_same_picture() -> None:
+    values = vessels(40, 50) / 255
+    expected = enhance(values).image
+    for dtype in DTYPES:
+        image = as_type(values, dtype)
+        result = enhance(image).image
+        assert result.dtype == image.dtype
+        full = np.iinfo(image.dtype).max if image.dtype.kind == "u" else 1
+        # The quarter-power of Eq 1 magnifies float16's rounding of dark pixels.
+        error = np.abs(result / full - expected)
+        assert error.max() < (0.01 if dtype == np.float16 else 0.6 / 255)
+
+
+def test_alpha_passes_through_and_hides_pixels_from_the_statistics() -> None:
+    color = vessels(40, 50)
+    alpha = np.full((40, 50), 255, np.uint8)
+    alpha[:, 25:] = 0
+    result = enhance(np.dstack((color, alpha)))
+    assert np.array_equal(result.image[..., 3], alpha)
+    masked = enhance(color, tissue_mask=alpha > 0)
+    assert result.statistics == masked.statistics != enhance(color).statistics
+    assert np.array_equal(result.image[..., :3], masked.image)
+    with pytest.raises(ImageError, match="hides all"):
+        enhance(np.dstack((color, np.zeros_like(alpha))))
+
+
+def test_views_are_read_and_never_written() -> None:
+    wide = np.repeat(np.repeat(vessels(40, 50), 2, axis=0), 3, axis=1)
+    view = wide[::-2, ::3][:, ::-1]
+    before = wide.copy()
+    wide.flags.writeable = False
+    expected = enhance(np.ascontiguousarray(view)).image
+    result = enhance(view).image
+    assert np.array_equal(result, expected)
+    assert np.array_equal(wide, before)
+    assert result.flags.writeable
+    assert not np.shares_memory(result, wide)
+
+
+def test_nothing_aliases_the_input_even_when_nothing_changes() -> None:
+    image = vessels(20, 30).astype(np.float32) / np.float32(255)
+    identity = EnhanceParams(z=1.0, p=0.0, d_factor=0.0)
+    for view in (image, image[..., 0]):
+        result = enhance(view, identity).image
+        assert not np.shares_memory(result, image)
+        np.testing.assert_allclose(result, view, atol=2e-7)
