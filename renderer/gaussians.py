@@ -10,8 +10,16 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
-from renderer.deformation.spline import spline_taps
+from renderer.deformation.nodes import add_shared
+from renderer.deformation.spline import add_curve, spline_taps
 from renderer.splats import Float32Array, Splats
+
+
+def sigmoid(logits: Float32Array) -> Float32Array:
+    """1 / (1 + exp(-x)) without overflow."""
+    half = np.float32(0.5)
+    values: Float32Array = half + half * np.tanh(half * logits)
+    return values
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,21 +64,30 @@ class DynamicGaussians:
     def at(self, time: float) -> Splats:
         """The activated splats at `time` in [0, 1]."""
         return Splats(
-            means=self.means + self._displacement(time),
+            means=self.means_at(time),
             quats=self.quats,
             scales=np.exp(self.log_scales),
-            opacities=(1.0 / (1.0 + np.exp(-self.opacity_logits))).astype(np.float32),
-            colors=self.colors + _curve(self.color_controls, time),
+            opacities=sigmoid(self.opacity_logits),
+            colors=self.colors_at(time),
         )
 
-    def _displacement(self, time: float) -> Float32Array | float:
-        own = _curve(self.position_controls, time)
-        if len(self.node_indices) == 0:
-            return own
-        nodes = _curve(self.node_controls, time)
-        assert isinstance(nodes, np.ndarray)
-        shared: Float32Array = np.einsum("nk,nkc->nc", self.node_weights, nodes[self.node_indices])
-        return own + shared
+    def means_at(self, time: float) -> Float32Array:
+        """(N, 3) positions at `time`."""
+        means = self.means.copy()
+        if self.position_controls.size:
+            add_curve(self.position_controls, *spline_taps(time, self.position_controls.shape[1]), means)
+        if self.node_indices.size:
+            nodes = np.zeros((len(self.node_controls), 3), np.float32)
+            add_curve(self.node_controls, *spline_taps(time, self.node_controls.shape[1]), nodes)
+            add_shared(nodes, self.node_indices, self.node_weights, means)
+        return means
+
+    def colors_at(self, time: float) -> Float32Array:
+        """(N, 3) colours at `time`."""
+        colors = self.colors.copy()
+        if self.color_controls.size:
+            add_curve(self.color_controls, *spline_taps(time, self.color_controls.shape[1]), colors)
+        return colors
 
     def arrays(self) -> dict[str, NDArray[np.float32] | NDArray[np.int32]]:
         """Every array by field name, in a fixed order."""
@@ -93,13 +110,3 @@ class DynamicGaussians:
                 return cls(**{item.name: file.get_tensor(item.name) for item in fields(cls)})
         except (SafetensorError, OSError) as error:
             raise ValueError(f"expected a model in safetensors format, got {error}: {path}") from error
-
-
-def _curve(controls: Float32Array, time: float) -> Float32Array | float:
-    """(R, K, C) control values to their (R, C) values at `time`; 0 where the channel has no rows."""
-    if controls.shape[0] == 0 or controls.shape[1] == 0:
-        return 0.0
-    first, weights = spline_taps(time, controls.shape[1])
-    taps = controls[:, first : first + 4]
-    values: Float32Array = np.einsum("k,nkc->nc", weights, taps)
-    return values

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit, prange
 from numpy.typing import NDArray
 
 MIN_CONTROLS = 4
+FRAMES_PER_CONTROL = 3.7
+"""17 control values for the 63 frames of the feasibility study's clip; more overfit in time."""
 
 
 def spline_taps(time: float, n_controls: int) -> tuple[int, NDArray[np.float32]]:
@@ -23,12 +26,26 @@ def spline_taps(time: float, n_controls: int) -> tuple[int, NDArray[np.float32]]
     position = min(max(time, 0.0), 1.0) * segments
     first = min(int(position), segments - 1)
     u = position - first
-    weights = np.array(
-        [(1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3], dtype=np.float64
-    )
+    weights = np.array([(1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3])
     return first, (weights / 6.0).astype(np.float32)
 
 
 def controls_for(n_frames: int) -> int:
-    """Number of control values for a clip: one per 3.7 frames, as 17 for 63 (feasibility study)."""
-    return max(MIN_CONTROLS, round(n_frames / 3.7))
+    """Number of control values for a clip."""
+    return max(MIN_CONTROLS, round(n_frames / FRAMES_PER_CONTROL))
+
+
+@njit(parallel=True, cache=True)
+def add_curve(
+    controls: NDArray[np.float32],  # (N, K, C)
+    first: int,
+    weights: NDArray[np.float32],  # (4,)
+    out: NDArray[np.float32],  # (N, C), added to
+) -> None:
+    """Add the value of each row's curve at the time of the taps."""
+    for n in prange(controls.shape[0]):
+        for c in range(controls.shape[2]):
+            value = np.float32(0.0)
+            for tap in range(4):
+                value += weights[tap] * controls[n, first + tap, c]
+            out[n, c] += value

@@ -1,0 +1,73 @@
+"""Checkpoints: one safetensors file each, atomic (write, sync, rename), the last two kept. No pickle."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save
+
+KEPT = 2
+_NAME = re.compile(r"checkpoint-(\d+)\.safetensors")
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """Everything that the next step depends on."""
+
+    iteration: int
+    """Steps done."""
+    seconds: float
+    """Training time so far."""
+    fingerprint: str
+    """Configuration and clip that the run was started with, as text."""
+    arrays: dict[str, NDArray[np.float32] | NDArray[np.int32] | NDArray[np.int64]]
+
+
+def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
+    """Write `checkpoint-NNNNNNN.safetensors` and drop all but the last two."""
+    state = {
+        "iteration": checkpoint.iteration,
+        "seconds": checkpoint.seconds,
+        "fingerprint": checkpoint.fingerprint,
+    }
+    arrays = {name: np.ascontiguousarray(array) for name, array in checkpoint.arrays.items()}
+    path = folder / f"checkpoint-{checkpoint.iteration:07d}.safetensors"
+    write_atomically(path, save(arrays, {"state": json.dumps(state)}))
+    for old in checkpoint_paths(folder)[:-KEPT]:
+        old.unlink()
+    return path
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """`path` holds its old content or all of the new, whatever happens meanwhile."""
+    partial = path.with_name(path.name + ".partial")
+    with partial.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    partial.replace(path)
+
+
+def checkpoint_paths(folder: Path) -> list[Path]:
+    """Checkpoints in `folder`, oldest first."""
+    return sorted(path for path in folder.iterdir() if _NAME.fullmatch(path.name))
+
+
+def read_newest_checkpoint(folder: Path) -> Checkpoint | None:
+    """The newest readable checkpoint, or None. A damaged file is passed over for the one before it."""
+    for path in reversed(checkpoint_paths(folder)):
+        try:
+            with safe_open(path, framework="numpy") as file:
+                state = json.loads(file.metadata()["state"])
+                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        except (SafetensorError, OSError, KeyError, TypeError, ValueError):
+            continue
+        return Checkpoint(int(state["iteration"]), float(state["seconds"]), str(state["fingerprint"]), arrays)
+    return None

@@ -1,0 +1,59 @@
+"""What a training run is asked to do. Rates are relative to the scene, so that units do not matter."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from annotated_types import Interval
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass
+
+Method = Literal["vesselsplat", "static"]
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
+class TrainConfig:
+    """One run of training. Lengths are fractions of the scene size, the median depth of the tissue."""
+
+    method: Method = "vesselsplat"
+    """vesselsplat: moving tissue by a shared-knot B-spline in time; static: nothing moves."""
+    iterations: Annotated[int, Interval(ge=1, le=100_000)] = 3000
+    """Training steps, one frame each."""
+    seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
+    """Decides the sampled points and the order of the frames."""
+    n_gaussians: Annotated[int, Interval(ge=1, le=1_000_000)] = 30_000
+    """Gaussians sampled from the depth of the training frames; fewer are faster and less sharp."""
+    n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
+    """Control values in time; empty: one per 3.7 frames. More follow faster motion and overfit sooner."""
+    node_columns: Annotated[int, Interval(ge=2, le=200)] = 20
+    """Motion nodes across the view that neighbours share."""
+    half_resolution_share: Annotated[float, Interval(ge=0, le=1)] = 1 / 3
+    """Share of the steps at half resolution, first."""
+    initial_spacing: Annotated[float, Interval(ge=0.05, le=5)] = 0.8
+    """Initial standard deviation of a Gaussian, in mean spacings of its neighbours."""
+    initial_opacity: Annotated[float, Interval(ge=0.01, le=0.99)] = 0.9
+    """Opacity that every Gaussian starts with."""
+    depth_weight: Annotated[float, Interval(ge=0, le=100)] = 0.5
+    """Weight of the mean relative depth error beside the mean colour error."""
+    smoothing: Annotated[float, Interval(ge=0, le=0.5)] = 0.004
+    """Share by which a control value is pulled to the mean of its neighbours in time, each step."""
+    mean_rate: Annotated[float, Interval(ge=0, le=1)] = 3e-5
+    """Learning rate of the canonical positions, in scene sizes."""
+    motion_rate: Annotated[float, Interval(ge=0, le=1)] = 1e-3
+    """Learning rate of the position control values and of the nodes, in scene sizes."""
+    color_rate: Annotated[float, Interval(ge=0, le=1)] = 1e-3
+    """Learning rate of the base colours."""
+    color_motion_rate: Annotated[float, Interval(ge=0, le=1)] = 1e-2
+    """Learning rate of the colour control values."""
+    opacity_rate: Annotated[float, Interval(ge=0, le=1)] = 5e-2
+    """Learning rate of the opacity logits."""
+    scale_rate: Annotated[float, Interval(ge=0, le=1)] = 5e-3
+    """Learning rate of the log-scales."""
+    quat_rate: Annotated[float, Interval(ge=0, le=1)] = 1e-3
+    """Learning rate of the quaternions."""
+    rate_decay: Annotated[float, Interval(ge=1, le=1000)] = 10.0
+    """All rates fall by this factor, log-linearly, over the run."""
+    hold_out: bool = False
+    """Keep training frames with index % 8 == 5 out and evaluate on them: for choosing settings."""
+    checkpoint_every: Annotated[int, Interval(ge=1, le=1_000_000)] = 500
+    """Steps between checkpoints."""

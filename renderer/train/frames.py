@@ -1,0 +1,85 @@
+"""Training frames ready for the kernels: padded to whole tiles, uint8 colours, masks, wanted tiles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+from renderer.clip import Frame
+from renderer.rasterize.binning import TILE
+
+
+@dataclass(frozen=True, eq=False)
+class TrainFrame:
+    """One supervised view; arrays are padded at the right and bottom to multiples of TILE."""
+
+    time: float
+    camera: Camera
+    colors: NDArray[np.uint8]  # (H, W, 3)
+    color_mask: NDArray[np.bool_]  # (H, W)
+    depth: NDArray[np.float32]  # (H, W), 0 = not supervised
+    tile_wanted: NDArray[np.bool_]  # (tile rows, tile columns)
+    n_colors: int
+    """Supervised pixels."""
+    n_depths: int
+
+
+def train_frame(frame: Frame) -> TrainFrame:
+    """A frame at its own resolution. Only tissue is supervised, and depth only where it is measured."""
+    depth = np.zeros(frame.tissue_mask.shape, np.float32) if frame.depth is None else frame.depth
+    depth = np.where(frame.depth_mask, depth, np.float32(0.0))
+    return _padded(frame.time, frame.camera, frame.image, frame.tissue_mask, depth)
+
+
+def halved(frame: TrainFrame) -> TrainFrame:
+    """The frame at half resolution: means over the supervised pixels of each 2x2 block."""
+    width, height = frame.camera.width, frame.camera.height
+    half = (max(width // 2, 1), max(height // 2, 1))
+    mask = frame.color_mask[:height, :width].astype(np.float32)
+    colors = _masked_mean(frame.colors[:height, :width].astype(np.float32), mask, half)
+    depth_values = frame.depth[:height, :width]
+    depth = _masked_mean(depth_values, (depth_values > 0).astype(np.float32), half)
+    tissue = cv2.resize(mask, half, interpolation=cv2.INTER_AREA) >= 0.5
+    camera = frame.camera.resized(*half)
+    return _padded(frame.time, camera, np.rint(colors).astype(np.uint8), tissue, np.where(tissue, depth, 0.0))
+
+
+def _masked_mean(
+    values: NDArray[np.float32], mask: NDArray[np.float32], size: tuple[int, int]
+) -> NDArray[np.float32]:
+    """Area mean over True pixels; 0 where they cover less than half of the area."""
+    share = cv2.resize(mask, size, interpolation=cv2.INTER_AREA)
+    weights = mask[:, :, None] if values.ndim == 3 else mask
+    total = cv2.resize(values * weights, size, interpolation=cv2.INTER_AREA)
+    known = share >= 0.5
+    divisor = np.where(known, share, 1.0)
+    known_3d, divisor_3d = (known[:, :, None], divisor[:, :, None]) if values.ndim == 3 else (known, divisor)
+    return np.where(known_3d, total / divisor_3d, 0.0).astype(np.float32)
+
+
+def _padded(
+    time: float,
+    camera: Camera,
+    colors: NDArray[np.uint8],
+    mask: NDArray[np.bool_],
+    depth: NDArray[np.float32],
+) -> TrainFrame:
+    rows, columns = -(-camera.height // TILE), -(-camera.width // TILE)
+    below, beside = rows * TILE - camera.height, columns * TILE - camera.width
+    mask = np.pad(mask, ((0, below), (0, beside)))
+    depth = np.pad(depth.astype(np.float32), ((0, below), (0, beside)))
+    tiles: NDArray[np.bool_] = np.logical_or.reduce(mask.reshape(rows, TILE, columns, TILE), axis=(1, 3))
+    return TrainFrame(
+        time=time,
+        camera=camera,
+        colors=np.pad(colors, ((0, below), (0, beside), (0, 0))),
+        color_mask=mask,
+        depth=depth,
+        tile_wanted=tiles,
+        n_colors=int(mask.sum()),
+        n_depths=int((depth > 0).sum()),
+    )

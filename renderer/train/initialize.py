@@ -1,0 +1,85 @@
+"""Gaussians from the measured depth of the training frames."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import ClipError, Frame
+from renderer.deformation.nodes import attach, node_grid
+from renderer.deformation.spline import controls_for
+from renderer.gaussians import DynamicGaussians
+from renderer.train.config import TrainConfig
+
+Float32Array = NDArray[np.float32]
+
+# Depth at both ends of a frame's range is stereo error more often than tissue.
+LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 0.1, 99.9
+
+
+def scene_size(frames: list[Frame]) -> float:
+    """Median depth of the tissue in the clip's unit: every length in training is relative to it.
+
+    Raises:
+        ClipError: no frame has depth on tissue.
+    """
+    medians = [float(np.median(frame.depth[frame.depth_mask])) for frame in frames if _has_depth(frame)]  # type: ignore[index]
+    if not medians:
+        raise ClipError("reconstruction expects measured depth on the tissue, and this clip has none")
+    return float(np.median(medians))
+
+
+def initialize(frames: list[Frame], n_frames: int, config: TrainConfig) -> DynamicGaussians:
+    """Random tissue pixels of the given frames in equal shares, placed behind the centre of their pixel.
+
+    A Gaussian's size follows from the spacing that the samples have on the tissue at its depth. The
+    curves in time start at zero. `n_frames` is the length of the clip, which decides the control values.
+    """
+    rng = np.random.default_rng(config.seed)
+    measured = [frame for frame in frames if _has_depth(frame)]
+    shares = np.full(len(measured), config.n_gaussians // len(measured))
+    shares[: config.n_gaussians % len(measured)] += 1
+    parts = [_sample(frame, int(share), rng) for frame, share in zip(measured, shares, strict=True)]
+    means, pixel_sizes, colors = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    covered = np.mean([frame.depth_mask.sum() for frame in measured])
+    spacing = np.sqrt(covered / len(means)) * pixel_sizes
+    quats = np.zeros((len(means), 4), np.float32)
+    quats[:, 0] = 1.0
+    odds = config.initial_opacity / (1 - config.initial_opacity)
+    camera = measured[0].camera
+    grid = node_grid(camera, config.node_columns)
+    indices, weights = attach(means, camera, grid)
+    n_controls = controls_for(n_frames) if config.n_controls is None else config.n_controls
+    moving = config.method != "static"
+    rows, nodes = (len(means), grid[0] * grid[1]) if moving else (0, 0)
+    return DynamicGaussians(
+        means=means,
+        quats=quats,
+        log_scales=np.log(config.initial_spacing * spacing)[:, None].repeat(3, axis=1).astype(np.float32),
+        opacity_logits=np.full(len(means), np.log(odds), np.float32),
+        colors=colors,
+        position_controls=np.zeros((rows, n_controls, 3), np.float32),
+        color_controls=np.zeros((rows, n_controls, 3), np.float32),
+        node_controls=np.zeros((nodes, n_controls, 3), np.float32),
+        node_indices=indices[:rows],
+        node_weights=weights[:rows],
+    )
+
+
+def _has_depth(frame: Frame) -> bool:
+    return bool(frame.depth_mask.any())
+
+
+def _sample(
+    frame: Frame, share: int, rng: np.random.Generator
+) -> tuple[Float32Array, Float32Array, Float32Array]:
+    """World positions (S, 3), size of a pixel at their depth (S,) and colours (S, 3), S <= share."""
+    assert frame.depth is not None
+    measured = frame.depth[frame.depth_mask]
+    lowest, highest = np.percentile(measured, (LOWEST_PERCENTILE, HIGHEST_PERCENTILE))
+    candidates = np.flatnonzero(frame.depth_mask & (frame.depth >= lowest) & (frame.depth <= highest))
+    chosen = rng.choice(candidates, min(share, len(candidates)), replace=False)
+    points = frame.camera.unproject(frame.depth).reshape(-1, 3)[chosen]
+    colors = frame.image.reshape(-1, 3)[chosen] / np.float32(255)
+    pixel_sizes = frame.depth.reshape(-1)[chosen] / np.float32(frame.camera.fx)
+    return points.astype(np.float32), pixel_sizes, colors

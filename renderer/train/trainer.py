@@ -1,0 +1,176 @@
+"""Training as a generator of events: the terminal, the tests and the window iterate the same stream."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from renderer.clip import Clip
+from renderer.metrics import psnr
+from renderer.rasterize.cpu import render
+from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_checkpoint
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Finished, Omission, Progress, Snapshot, Started, TrainEvent
+from renderer.train.frames import TrainFrame, halved, train_frame
+from renderer.train.initialize import initialize, scene_size
+from renderer.train.model import NEAR_SHARE, StepResult, TrainModel
+
+PROGRESS_SECONDS = 0.25
+SNAPSHOT_SECONDS = 1.0
+HELD_OUT_PHASE = 5
+
+
+class TrainingError(RuntimeError):
+    """Training cannot go on: the text says why and what to do."""
+
+
+def train(
+    clip: Clip, config: TrainConfig, *, folder: Path | None = None, resume: bool = False
+) -> Iterator[TrainEvent]:
+    """Reconstruct `clip` from its training frames.
+
+    With a `folder`, checkpoints are written there; `resume` goes on from the newest. One seed gives the
+    same bytes on the CPU, whether interrupted or not and whatever the number of threads.
+
+    Raises:
+        ClipError: frames cannot be read, or there is no depth to start from.
+        TrainingError: the checkpoint belongs to another run, or the loss is no longer finite.
+    """
+    fit, held_out = split(clip, config)
+    frames = [clip.read_frame(index) for index in fit]
+    size = scene_size(frames)
+    model = TrainModel(initialize(frames, len(clip), config), config, size)
+    full = [train_frame(frame) for frame in frames]
+    del frames
+    start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)
+    yield Started(start, config.iterations, len(model.gaussians), omissions(clip, config))
+
+    meter = _Meter(config.iterations, len(model.gaussians), seconds)
+    half = [halved(frame) for frame in full] if start < half_steps(config) else []
+    for iteration in range(start, config.iterations):
+        frame = frame_of(iteration, half if iteration < half_steps(config) else full, config.seed)
+        began = time.perf_counter()
+        result = model.step(frame, iteration)
+        meter.add(result, time.perf_counter() - began)
+        if not math.isfinite(result.loss):
+            raise TrainingError(f"the loss is not finite at iteration {iteration}: lower the learning rates")
+        done = iteration + 1
+        if folder and (done % config.checkpoint_every == 0 or done == config.iterations):
+            state = Checkpoint(done, meter.seconds, fingerprint(clip, config), model.arrays())
+            write_checkpoint(folder, state)
+        if meter.progress_is_due() or done == config.iterations:
+            yield meter.progress(done)
+        if meter.snapshot_is_due():
+            yield Snapshot(done, model.snapshot())
+    if held_out:
+        yield Evaluated(config.iterations, held_out_psnr(model, clip, held_out, size))
+    yield Finished(config.iterations, meter.seconds, model.gaussians)
+
+
+def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Frames to fit and training frames held out of the fit; test frames are in neither."""
+    if not config.hold_out:
+        return clip.train_indices, ()
+    held_out = tuple(index for index in clip.train_indices if index % 8 == HELD_OUT_PHASE)
+    return tuple(index for index in clip.train_indices if index not in held_out), held_out
+
+
+def half_steps(config: TrainConfig) -> int:
+    """Steps at half resolution, which come first."""
+    return round(config.iterations * config.half_resolution_share)
+
+
+def frame_of(iteration: int, frames: list[TrainFrame], seed: int) -> TrainFrame:
+    """Every frame once an epoch, in an order that depends on seed and epoch alone."""
+    epoch, place = divmod(iteration, len(frames))
+    order = np.random.default_rng([seed, epoch]).permutation(len(frames))
+    return frames[int(order[place])]
+
+
+def fingerprint(clip: Clip, config: TrainConfig) -> str:
+    """What a checkpoint must have in common with the run that resumes it."""
+    identity = {"clip": clip.name, "labels": clip.labels, "size": clip.size, "config": asdict(config)}
+    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
+
+
+def omissions(clip: Clip, config: TrainConfig) -> tuple[Omission, ...]:
+    """What this clip and this method leave out."""
+    left_out = [
+        Omission("tiles without tissue", "no pixel of them is supervised", "their share of the raster"),
+        Omission("moments of unseen Gaussians and of far control values", "no gradient", "most of Adam"),
+    ]
+    if clip.camera_is_fixed:
+        left_out.append(
+            Omission("spherical harmonics", "one camera: no view dependence", "45 of 59 numbers a Gaussian")
+        )
+    if config.method == "static":
+        left_out.append(Omission("deformation", "the method is static", "all motion and colour curves"))
+    return tuple(left_out)
+
+
+def held_out_psnr(model: TrainModel, clip: Clip, indices: tuple[int, ...], size: float) -> float:
+    """Mean PSNR in dB over the frames, masked over all pixels, 8-bit rounded."""
+    values = []
+    for index in indices:
+        frame = clip.read_frame(index)
+        picture = render(model.gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size).image
+        rounded = np.rint(np.clip(picture, 0, 1) * 255) / 255
+        values.append(psnr(rounded, frame.image / 255.0, frame.evaluation_mask))
+    return float(np.mean(values))
+
+
+def _resumed(model: TrainModel, folder: Path, clip: Clip, config: TrainConfig) -> tuple[int, float]:
+    """Restore the newest checkpoint: its iteration and training seconds; (0, 0) when there is none."""
+    checkpoint = read_newest_checkpoint(folder)
+    if checkpoint is None:
+        return 0, 0.0
+    if checkpoint.fingerprint != fingerprint(clip, config):
+        raise TrainingError(f"the checkpoint belongs to another clip or configuration: {folder.name}")
+    model.restore(checkpoint.arrays)
+    return checkpoint.iteration, checkpoint.seconds
+
+
+class _Meter:
+    """Adds up what the steps measured and says when it is time to tell."""
+
+    def __init__(self, iterations: int, n_gaussians: int, seconds: float) -> None:
+        self.seconds = seconds
+        self._iterations, self._n_gaussians = iterations, n_gaussians
+        self._results: list[StepResult] = []
+        self._recent: list[float] = []
+        self._told = self._shown = time.perf_counter()
+
+    def add(self, result: StepResult, seconds: float) -> None:
+        self.seconds += seconds
+        self._results.append(result)
+        self._recent = [*self._recent[-49:], seconds]
+
+    def progress_is_due(self) -> bool:
+        return time.perf_counter() - self._told > PROGRESS_SECONDS
+
+    def snapshot_is_due(self) -> bool:
+        due = time.perf_counter() - self._shown > SNAPSHOT_SECONDS
+        if due:
+            self._shown = time.perf_counter()
+        return due
+
+    def progress(self, iteration: int) -> Progress:
+        error = float(np.mean([result.squared_error for result in self._results]))
+        event = Progress(
+            iteration=iteration,
+            iterations=self._iterations,
+            loss=float(np.mean([result.loss for result in self._results])),
+            psnr=-10 * math.log10(max(error, 1e-12)),
+            seconds=self.seconds,
+            seconds_left=float(np.median(self._recent)) * (self._iterations - iteration),
+            n_gaussians=self._n_gaussians,
+        )
+        self._results, self._told = [], time.perf_counter()
+        return event
