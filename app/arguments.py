@@ -1,10 +1,10 @@
-"""Flags made from the fields of parameter dataclasses: name, type, range, default and text from one source."""
+"""Flags made from the fields of parameter dataclasses: name, type, range and text from one source."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal, Protocol, TypeVar, get_args, get_origin
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from annotated_types import Interval, Unit
 from pydantic import ValidationError
@@ -15,22 +15,16 @@ from app.errors import UserError
 AUTO = "auto"
 
 
-class Parameters(Protocol):
-    """A pydantic dataclass, as far as flags need it."""
-
-    __pydantic_fields__: ClassVar[dict[str, FieldInfo]]
+T = TypeVar("T")
 
 
-T = TypeVar("T", bound=Parameters)
-
-
-def add_fields(parser: argparse.ArgumentParser, kind: type[Parameters], names: Sequence[str]) -> None:
-    """Add a flag for each named field of `kind`: --d-factor for d_factor.
+def add_fields(parser: argparse.ArgumentParser, kind: type[Any], names: Sequence[str]) -> None:
+    """Add a flag for each named field of the pydantic dataclass `kind`: --d-factor for d_factor.
 
     Values stay text until `parameters` hands them to the dataclass, so that it alone validates.
     """
     for name in names:
-        field = kind.__pydantic_fields__[name]
+        field = _fields(kind)[name]
         flag = f"--{name.replace('_', '-')}"
         options = _options(field.annotation)
         parser.add_argument(flag, dest=name, default=argparse.SUPPRESS, help=_help(field), **options)
@@ -42,7 +36,7 @@ def parameters(kind: type[T], flags: argparse.Namespace, **fixed: object) -> T:
     Raises:
         UserError: a value that the dataclass refuses; the line names the flag.
     """
-    known = kind.__pydantic_fields__
+    known = _fields(kind)
     given = {
         name: _value(text, known[name].annotation) for name, text in vars(flags).items() if name in known
     }
@@ -61,6 +55,11 @@ def problem(error: ValidationError, *, flag: bool = False) -> str:
     name = str(first["loc"][0])
     shown = f"--{name.replace('_', '-')}" if flag else ".".join(str(part) for part in first["loc"])
     return f"{shown}: {wanted}, got {first['input']!r}"
+
+
+def _fields(kind: Any) -> dict[str, FieldInfo]:
+    fields: dict[str, FieldInfo] = kind.__pydantic_fields__
+    return fields
 
 
 def _value(given: Any, hint: Any) -> Any:

@@ -48,19 +48,21 @@ class SlotWriter:
         content = save({name: np.ascontiguousarray(value) for name, value in model.arrays().items()})
         with self.slot.lock:
             generation, _, sequence = self.slot.state[:]
-            if self._block is None or self._block.size < len(content):
+            block = self._block
+            if block is None or block.size < len(content):
                 generation += 1
-                self._grow(generation, 2 * len(content))
-            assert self._block is not None and self._block.buf is not None
-            self._block.buf[: len(content)] = content
+                block = self._grown(generation, 2 * len(content))
+            assert block.buf is not None
+            block.buf[: len(content)] = content
             self.slot.state[:] = [generation, len(content), sequence + 1]
 
-    def _grow(self, generation: int, size: int) -> None:
+    def _grown(self, generation: int, size: int) -> SharedMemory:
         larger = SharedMemory(self.slot.block_name(generation), create=True, size=size)
         if self._block is not None:
             self._block.close()
             self._block.unlink()
         self._block = larger
+        return larger
 
 
 @dataclass

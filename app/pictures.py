@@ -1,0 +1,116 @@
+"""Picture files of a person, in and out: 8 and 16 bit, float, alpha kept; RGB order inside."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from app.atomic import write_bytes
+from app.errors import UserError
+from app.provenance import encode_png
+from renderer.pictures import SUFFIXES, is_picture, natural_key
+
+ArrayImage = NDArray[Any]
+
+TIFF = frozenset({".tif", ".tiff"})
+BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
+
+
+def is_image(path: Path) -> bool:
+    """Whether the name is one of a picture, or of a numpy array that may hold one."""
+    return is_picture(path) or path.suffix.lower() == ".npy"
+
+
+def images_in(folder: Path) -> list[Path]:
+    """Pictures of a folder in natural order. Raises UserError when there are none."""
+    inside = folder / "images"
+    paths = [path for path in folder.iterdir() if path.is_file() and is_image(path)]
+    if not paths and inside.is_dir():
+        return images_in(inside)
+    if not paths:
+        raise UserError(f"expected a folder with pictures, found none in {folder}")
+    return sorted(paths, key=natural_key)
+
+
+def read_image(path: Path) -> ArrayImage:
+    """(H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA with the values and type that the file stores.
+
+    Raises:
+        UserError: missing, truncated, or no picture. The values are for the caller to judge.
+    """
+    if not path.is_file():
+        raise UserError(f"expected a picture, got no such file: {path}")
+    if path.suffix.lower() == ".npy":
+        return _read_array(path)
+    if path.suffix.lower() not in TIFF:
+        _check_whole(path)
+    stored = _decoded(path)
+    if stored is None:
+        raise UserError(f"expected a whole picture, got a damaged file or one of another kind: {path}")
+    order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
+    return cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
+
+
+def _decoded(path: Path) -> ArrayImage | None:
+    """What OpenCV makes of the file, without its own words on stderr: a damaged file is one line of ours."""
+    level = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+
+
+def _check_whole(path: Path) -> None:
+    """OpenCV fills what a truncated file lacks without a word; Pillow tells."""
+    try:
+        with Image.open(path) as picture:
+            picture.load()
+    except BROKEN as error:
+        reason = str(error).replace(str(path), path.name)
+        raise UserError(f"expected a whole picture, got a damaged one ({reason}): {path}") from error
+
+
+def _read_array(path: Path) -> ArrayImage:
+    try:
+        loaded = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise UserError(f"expected a numpy array, got a file that is none: {path}") from error
+    if not isinstance(loaded, np.ndarray):
+        raise UserError(f"expected one numpy array, got several: {path}")
+    return loaded
+
+
+def write_image(path: Path, image: ArrayImage, facts: dict[str, Any]) -> None:
+    """Write atomically in the format of the suffix; PNG carries `facts`.
+
+    Raises:
+        UserError: a suffix that is unknown or cannot hold this type of image.
+    """
+    write_bytes(path, _encoded(path, image, facts))
+
+
+def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any]) -> bytes:
+    suffix = path.suffix.lower()
+    if suffix == ".npy":
+        buffer = io.BytesIO()
+        np.save(buffer, image)
+        return buffer.getvalue()
+    if suffix not in SUFFIXES:
+        raise UserError(f"expected an output named {', '.join(sorted(SUFFIXES))} or .npy, got {path.name}")
+    if image.dtype != np.uint8 and suffix not in TIFF and (suffix != ".png" or image.dtype != np.uint16):
+        raise UserError(f"{suffix} cannot hold {image.dtype} values; name the output .tiff or .npy: {path}")
+    if suffix == ".png":
+        return encode_png(image, facts)
+    order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
+    stored = cv2.cvtColor(image, order[image.shape[2]]) if image.ndim == 3 else image
+    done, encoded = cv2.imencode(suffix, stored)
+    if not done:
+        raise UserError(f"{suffix} cannot hold a picture of shape {image.shape}: {path}")
+    return encoded.tobytes()

@@ -1,0 +1,58 @@
+"""What `enhance` works on: one picture, a folder of them, or the frames of a video, read one at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.errors import UserError
+from app.pictures import ArrayImage, images_in, is_image, read_image
+from renderer.sources import open_clip
+
+
+@dataclass(frozen=True)
+class Series:
+    """Pictures by number, with the name that each output takes from its input."""
+
+    names: tuple[str, ...]
+    """Without suffix, all different."""
+    sources: tuple[Path, ...]
+    """The file that each picture comes from."""
+    read: Callable[[int], ArrayImage]
+    frames_per_second: float
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __iter__(self) -> Iterator[ArrayImage]:
+        return (self.read(index) for index in range(len(self)))
+
+
+FRAMES_PER_SECOND = 25.0
+"""Of folders, which do not say."""
+
+
+def open_series(path: Path) -> Series:
+    """Raises UserError or ClipError: nothing there, nothing readable, or two pictures of one name."""
+    if not path.exists():
+        raise UserError(f"expected a picture, a folder of pictures or a video, got no such file: {path}")
+    if path.is_dir():
+        return _of_files(tuple(images_in(path)))
+    return _of_files((path,)) if is_image(path) else _of_video(path)
+
+
+def _of_files(paths: tuple[Path, ...]) -> Series:
+    names = tuple(path.stem for path in paths)
+    first: dict[str, Path] = {}
+    for path in paths:
+        other = first.setdefault(path.stem, path)
+        if other != path:
+            raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
+    return Series(names, paths, lambda index: read_image(paths[index]), FRAMES_PER_SECOND)
+
+
+def _of_video(path: Path) -> Series:
+    clip = open_clip(path)
+    names = tuple(f"frame-{index:06d}" for index in range(len(clip)))
+    return Series(names, (path,) * len(clip), clip.read_image, clip.frames_per_second or FRAMES_PER_SECOND)
