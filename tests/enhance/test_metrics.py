@@ -44,6 +44,14 @@ def between_class_variance(grey: NDArray[np.uint8], threshold: int) -> float:
     return float(share * (1 - share) * (grey[above].mean() - grey[~above].mean()) ** 2)
 
 
+def test_grey_is_luma() -> None:
+    """BT.601: the two dark and the two bright classes of pure primaries have known greys."""
+    primaries = np.array([[(0, 0, 255), (255, 0, 0), (0, 255, 0), (255, 255, 0)]], np.uint8)
+    result = dvbv_otsu(primaries)
+    assert result.bv == pytest.approx(np.var([29, 76]))
+    assert result.dv == pytest.approx(np.var([150, 226]))
+
+
 def test_undefined_measures_are_nan() -> None:
     flat = np.full((9, 9), 90, np.uint8)
     assert math.isnan(dvbv_otsu(flat).ratio)
@@ -88,6 +96,8 @@ def test_contrast_of_a_drawn_vessel() -> None:
     assert vessel_contrast(image, mask) == pytest.approx(0.4)
     assert vessel_contrast(image[..., 1], mask) == pytest.approx(0.4)
     assert vessel_contrast(image // 2, mask) == pytest.approx(0.4)
+    image[:, np.abs(np.arange(60) - 29.5) > 9] = 255  # further than 7 pixels: not the ring either
+    assert vessel_contrast(image, mask) == pytest.approx(0.4)
     image[mask, 1] = 150
     assert vessel_contrast(image, mask) == pytest.approx(-0.5)
 
