@@ -1,0 +1,50 @@
+"""Pictures of splats without a window, as arrays."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from renderer.camera import Camera
+from renderer.draw.splat_view import Precision, SplatView
+from renderer.splats import Float32Array, Splats
+
+
+def render_offscreen(
+    ctx: moderngl.Context,
+    splats: Splats,
+    camera: Camera,
+    background: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    precision: Precision = "float",
+    *,
+    near: float = 0.01,
+) -> Float32Array:
+    """The view of `camera` over an RGB background: image (H, W, 3), top row first, not clipped to [0, 1]."""
+    view = SplatView(ctx, precision=precision, keys="float32", near=near)
+    framebuffer = ctx.simple_framebuffer((camera.width, camera.height), 4, dtype="f4")
+    try:
+        view.upload(splats)
+        view.draw(camera, framebuffer, background=background)
+        return read_image(framebuffer)
+    finally:
+        framebuffer.release()
+        view.release()
+
+
+def render_depth_offscreen(
+    ctx: moderngl.Context, splats: Splats, camera: Camera, *, near: float = 0.01
+) -> Float32Array:
+    """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
+    view = SplatView(ctx, precision="float", keys="float32", near=near)
+    try:
+        view.upload(splats)
+        return view.read_depth(camera)
+    finally:
+        view.release()
+
+
+def read_image(framebuffer: moderngl.Framebuffer) -> Float32Array:
+    """The RGB (H, W, 3) of a framebuffer, top row first; 8-bit colours become [0, 1]."""
+    raw = framebuffer.read(components=3, dtype="f4", alignment=1)
+    image = np.frombuffer(raw, dtype=np.float32).reshape(framebuffer.height, framebuffer.width, 3)
+    return np.ascontiguousarray(image[::-1])

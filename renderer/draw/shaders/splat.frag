@@ -1,0 +1,20 @@
+#version 330 core
+// Premultiplied colour of one splat at one pixel (Eq 16 without the sum, which blending makes).
+
+const float ALPHA_MAX = 0.99;
+const float ALPHA_CUT = 1.0 / 255.0;
+
+flat in vec2 center;
+flat in vec3 shape;
+flat in vec4 paint;
+
+out vec4 premultiplied;
+
+void main() {
+    vec2 offset = gl_FragCoord.xy - center;
+    float sheared = offset.y - shape.x * offset.x;
+    float distance = offset.x * offset.x * shape.y + sheared * sheared * shape.z;
+    float alpha = min(ALPHA_MAX, paint.a * exp(-0.5 * distance));
+    if (alpha < ALPHA_CUT) discard;
+    premultiplied = vec4(paint.rgb * alpha, alpha);
+}

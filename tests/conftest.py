@@ -1,0 +1,33 @@
+"""One OpenGL context without a window for the whole run, and a watch on errors around every test of it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import moderngl
+import pytest
+
+from renderer.draw.context import OpenGLUnavailable, standalone_context
+
+
+@pytest.fixture(scope="session")
+def gl_context() -> Iterator[moderngl.Context]:
+    """The session's context. Without OpenGL its tests are skipped, but fail where CI is set."""
+    try:
+        ctx = standalone_context()
+    except OpenGLUnavailable as error:
+        if os.environ.get("CI"):
+            pytest.fail(str(error))
+        pytest.skip(str(error))
+    yield ctx
+    ctx.release()
+
+
+@pytest.fixture
+def ctx(gl_context: moderngl.Context) -> Iterator[moderngl.Context]:
+    """The session's context, which a test finds and must leave without an OpenGL error."""
+    with gl_context:
+        assert gl_context.error == "GL_NO_ERROR"
+        yield gl_context
+        assert gl_context.error == "GL_NO_ERROR"
