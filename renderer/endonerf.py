@@ -21,7 +21,7 @@ from renderer.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
 
 POSES = "poses_bounds.npy"
-FINE_STEPS = 64
+FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
 
 _SAMPLES = 4
@@ -58,7 +58,7 @@ def open_endonerf(path: Path, options: EndoNerfOptions = DEFAULTS) -> Clip:
     """Opens a folder in EndoNeRF layout; frames are decoded when they are asked for.
 
     Files are paired by the last number in their names. depth/ holds millimetres along z in 8-bit,
-    16-bit or float pictures, 0 = none; depth_fine/ (1/64 mm, 16 bit), which `write_endonerf` adds,
+    16-bit or float pictures, 0 = none; depth_fine/ (1/32 mm, 16 bit), which `write_endonerf` adds,
     is preferred. Without masks every pixel is tissue; without depth the clip has none.
 
     `Frame.tissue_mask` is the complement of masks without burned-in rows. `Frame.evaluation_mask`
@@ -305,8 +305,8 @@ def write_endonerf(folder: Path, frames: Iterable[Frame]) -> None:
     """Writes frames that have depth in EndoNeRF layout into `folder`, creating it.
 
     masks/ is the complement of tissue_mask, gt_masks/ of evaluation_mask; depth/ holds whole
-    millimetres as in the wild, depth_fine/ the same in 1/64 mm (error at most 1/128 mm, up to
-    1023 mm). Poses are OpenCV camera-to-world.
+    millimetres as in the wild, depth_fine/ the same in 1/32 mm (error at most 1/64 mm, up to
+    2047 mm). Poses are OpenCV camera-to-world.
 
     Raises:
         ClipError: a frame without depth.
