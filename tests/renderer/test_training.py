@@ -1,0 +1,272 @@
+"""The parts of a training step, and runs on a small scene with known motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from renderer.camera import Camera
+from renderer.clip import Clip, ClipError, Frame
+from renderer.gaussians import DynamicGaussians
+from renderer.rasterize.cpu import Rasterizer, render
+from renderer.splats import Splats
+from renderer.train.adam import corrected_rate, update_rows, update_taps
+from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_checkpoint, write_checkpoint
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Finished, Progress, Started
+from renderer.train.frames import halved, train_frame
+from renderer.train.initialize import initialize, scene_size
+from renderer.train.losses import COLOR_LOSS, DEPTH_LOSS, masked_loss
+from renderer.train.trainer import TrainingError, frame_of, split, train
+
+SIZE = (48, 32)
+N_FRAMES = 12
+
+
+def moving_sheet(unit: float = 1.0, shift: float = 6.0) -> Clip:
+    """A textured sheet that slides and comes nearer: frames drawn from known Gaussians, depth exact."""
+    camera = Camera(50.0, 50.0, 24.0, 16.0, *SIZE)
+    rng = np.random.default_rng(3)
+    grid = np.stack(np.meshgrid(np.linspace(-32, 32, 34), np.linspace(-22, 22, 24)), -1).reshape(-1, 2)
+    colors = rng.uniform(0.1, 0.9, (len(grid), 3)).astype(np.float32)
+
+    def read_frame(index: int) -> Frame:
+        time = index / N_FRAMES
+        z = (50.0 - 5.0 * np.sin(2 * np.pi * time)) * unit
+        means = np.column_stack(
+            [(grid[:, 0] + shift * time) * unit, grid[:, 1] * unit, np.full(len(grid), z)]
+        )
+        splats = Splats(
+            means.astype(np.float32),
+            np.tile(np.array([1, 0, 0, 0], np.float32), (len(grid), 1)),
+            np.full((len(grid), 3), 1.2 * unit, np.float32),
+            np.full(len(grid), 0.95, np.float32),
+            colors,
+        )
+        image = np.rint(np.clip(render(splats, camera).image, 0, 1) * 255).astype(np.uint8)
+        mask = np.ones(image.shape[:2], bool)
+        mask[:8, :10] = False
+        return Frame(index, time, image, camera, mask, mask, np.full(mask.shape, z, np.float32))
+
+    return Clip(
+        name="sheet",
+        path=Path("sheet"),
+        format="images",
+        cameras=(camera,) * N_FRAMES,
+        read_frame=read_frame,
+        read_image=lambda index: read_frame(index).image,
+        labels=tuple(map(str, range(N_FRAMES))),
+        has_depth=True,
+        unit="mm",
+    )
+
+
+SMALL = TrainConfig(
+    iterations=300, n_gaussians=500, n_controls=7, node_columns=5, checkpoint_every=40, hold_out=True
+)
+
+
+def finished(clip: Clip, config: TrainConfig, **arguments: object) -> tuple[DynamicGaussians, float]:
+    events = list(train(clip, config, **arguments))  # type: ignore[arg-type]
+    assert isinstance(events[0], Started)
+    assert isinstance(events[-1], Finished)
+    held_out = [event.psnr for event in events if isinstance(event, Evaluated)]
+    return events[-1].model, held_out[0] if held_out else float("nan")
+
+
+def same_bytes(a: DynamicGaussians, b: DynamicGaussians) -> bool:
+    return all(
+        x.tobytes() == y.tobytes() for x, y in zip(a.arrays().values(), b.arrays().values(), strict=True)
+    )
+
+
+def test_moving_tissue_is_recovered_and_static_is_not_enough() -> None:
+    clip = moving_sheet()
+    _, moving = finished(clip, SMALL)
+    _, static = finished(clip, replace(SMALL, method="static"))
+    assert moving > 27
+    assert moving > static + 3
+
+
+def test_depth_of_the_model_follows_the_tissue() -> None:
+    clip = moving_sheet()
+    model, _ = finished(clip, SMALL)
+    frame = clip.read_frame(5)
+    assert frame.depth is not None
+    got = render(model.at(frame.time), frame.camera)
+    error = np.abs(got.depth - frame.depth)[(got.alpha > 0.5) & frame.tissue_mask]
+    assert np.median(error) < 1.0  # mm at 50 mm; the depth itself swings by 10 mm
+
+
+def test_units_do_not_matter() -> None:
+    """Metres or millimetres: the same picture quality from the same settings."""
+    _, millimetres = finished(moving_sheet(1.0), SMALL)
+    _, metres = finished(moving_sheet(1e-3), SMALL)
+    assert metres == pytest.approx(millimetres, abs=0.3)
+
+
+def test_one_seed_gives_the_same_bytes() -> None:
+    clip = moving_sheet()
+    short = replace(SMALL, iterations=30)
+    assert same_bytes(finished(clip, short)[0], finished(clip, short)[0])
+    assert not same_bytes(finished(clip, short)[0], finished(clip, replace(short, seed=1))[0])
+
+
+@pytest.mark.parametrize("stop_after", [45, 85])
+def test_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, stop_after: int) -> None:
+    clip = moving_sheet()
+    config = replace(SMALL, iterations=100)
+    whole, _ = finished(clip, config)
+    for event in train(clip, config, folder=tmp_path):
+        if isinstance(event, Progress) and event.iteration >= stop_after:
+            break
+        if len(checkpoint_paths(tmp_path)) * 40 >= stop_after:
+            break
+    resumed, _ = finished(clip, config, folder=tmp_path, resume=True)
+    assert same_bytes(whole, resumed)
+
+
+def test_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
+    clip = moving_sheet()
+    list(train(clip, replace(SMALL, iterations=40), folder=tmp_path))
+    with pytest.raises(TrainingError, match="another clip or configuration"):
+        list(train(clip, replace(SMALL, iterations=80), folder=tmp_path, resume=True))
+
+
+def test_two_checkpoints_are_kept_and_a_damaged_one_is_passed_over(tmp_path: Path) -> None:
+    for iteration in (10, 20, 30):
+        write_checkpoint(
+            tmp_path, Checkpoint(iteration, 1.5, "x", {"means": np.full((2, 3), iteration, np.float32)})
+        )
+    assert [path.name for path in checkpoint_paths(tmp_path)] == [
+        "checkpoint-0000020.safetensors",
+        "checkpoint-0000030.safetensors",
+    ]
+    newest = checkpoint_paths(tmp_path)[-1]
+    newest.write_bytes(newest.read_bytes()[:50])
+    checkpoint = read_newest_checkpoint(tmp_path)
+    assert checkpoint is not None
+    assert checkpoint.iteration == 20
+    assert (checkpoint.arrays["means"] == 20).all()
+
+
+def test_clip_without_depth_is_refused() -> None:
+    clip = moving_sheet()
+    blind = replace(
+        clip, read_frame=lambda index: replace(clip.read_frame(index), depth=None), has_depth=False
+    )
+    with pytest.raises(ClipError, match="depth"):
+        next(iter(train(blind, SMALL)))
+
+
+def test_absurd_rates_end_in_a_clear_failure_or_a_finite_model() -> None:
+    wild = replace(
+        SMALL, iterations=60, motion_rate=1.0, mean_rate=1.0, scale_rate=1.0, color_motion_rate=1.0
+    )
+    try:
+        model, _ = finished(moving_sheet(), wild)
+    except TrainingError:
+        return
+    assert all(np.isfinite(value).all() for value in model.arrays().values())
+
+
+def test_initial_points_lie_on_the_surface_behind_pixel_centres() -> None:
+    clip = moving_sheet()
+    frames = [clip.read_frame(index) for index in (0, 2)]
+    model = initialize(frames, N_FRAMES, SMALL)
+    depths = {float(frame.depth[0, 0]) for frame in frames if frame.depth is not None}
+    assert {round(float(z), 3) for z in model.means[:, 2]} == {round(z, 3) for z in depths}
+    pixels, _ = frames[0].camera.project(model.means.astype(np.float64))
+    assert np.abs(pixels - np.floor(pixels) - 0.5).max() < 1e-3
+    inside = np.floor(pixels).astype(int)
+    assert frames[0].tissue_mask[inside[:, 1], inside[:, 0]].all()
+    assert scene_size(frames) == pytest.approx(np.median(sorted(depths)), rel=1e-6)
+
+
+def test_every_frame_once_an_epoch_and_test_frames_never() -> None:
+    clip = moving_sheet()
+    fit, held_out = split(clip, SMALL)
+    assert not set(fit) & set(held_out)
+    assert not (set(fit) | set(held_out)) & set(clip.test_indices)
+    frames = [train_frame(clip.read_frame(index)) for index in fit]
+    for epoch in range(3):
+        steps = range(epoch * len(frames), (epoch + 1) * len(frames))
+        assert sorted(frame_of(step, frames, 0).time for step in steps) == sorted(
+            frame.time for frame in frames
+        )
+
+
+def test_half_resolution_frame_keeps_means_and_masks() -> None:
+    frame = train_frame(moving_sheet().read_frame(3))
+    small = halved(frame)
+    assert (small.camera.width, small.camera.height) == (24, 16)
+    blocks = frame.colors[:32, :48].reshape(16, 2, 24, 2, 3).mean(axis=(1, 3))
+    inside = small.color_mask[:16, :24]
+    assert np.abs(small.colors[:16, :24] - blocks)[inside].max() <= 0.5 + 1e-4
+    assert not inside[:4, :5].any()
+    assert small.depth[8, 20] == pytest.approx(frame.depth[16, 40], rel=1e-6)
+
+
+def test_loss_adjoint_is_the_slope_of_the_loss() -> None:
+    """Central differences of the loss through the raster, with splats so wide that no cut-off moves."""
+    frame = train_frame(moving_sheet().read_frame(1))
+    rng = np.random.default_rng(0)
+    count = 20
+    means = np.column_stack(
+        [rng.uniform(-20, 20, count), rng.uniform(-14, 14, count), rng.uniform(45, 60, count)]
+    )
+    splats = Splats(
+        means.astype(np.float32), rng.normal(size=(count, 4)).astype(np.float32),
+        rng.uniform(20, 30, (count, 3)).astype(np.float32), rng.uniform(0.05, 0.2, count).astype(np.float32),
+        rng.uniform(0, 1, (count, 3)).astype(np.float32),
+    )  # fmt: skip
+    rasterizer = Rasterizer(*SIZE)
+    rows = np.empty((frame.color_mask.shape[0], 3))
+
+    def loss(changed: Splats) -> float:
+        rasterizer.forward(changed, frame.camera)
+        masked_loss(
+            rasterizer.planes, frame.colors, frame.color_mask, frame.depth, frame.tile_wanted,
+            0.7, 0.2, rasterizer.adjoint, rows,
+        )  # fmt: skip
+        return float(0.7 * rows[:, COLOR_LOSS].sum() + 0.2 * rows[:, DEPTH_LOSS].sum())
+
+    loss(splats)
+    gradients = rasterizer.backward(splats)
+    for name, step in (("colors", 1e-3), ("opacities", 1e-4), ("means", 1e-2)):
+        direction = rng.normal(size=getattr(splats, name).shape).astype(np.float32)
+        ahead = replace(splats, **{name: getattr(splats, name) + np.float32(step) * direction})
+        behind = replace(splats, **{name: getattr(splats, name) - np.float32(step) * direction})
+        slope = (loss(ahead) - loss(behind)) / (2 * step)
+        assert float((getattr(gradients, name) * direction).sum()) == pytest.approx(slope, rel=0.03)
+
+
+def test_adam_rows_follow_the_published_algorithm_and_skip_unseen_rows() -> None:
+    rng = np.random.default_rng(4)
+    values = rng.normal(size=(5, 3)).astype(np.float32)
+    start = values.copy()
+    first, second = np.zeros_like(values), np.zeros_like(values)
+    seen = np.array([True, True, False, True, False])
+    expected, m, v = values.astype(np.float64), np.zeros((5, 3)), np.zeros((5, 3))
+    for step in range(1, 6):
+        gradient = rng.normal(size=(5, 3)).astype(np.float32)
+        update_rows(values, gradient, first, second, seen, corrected_rate(0.1, step))
+        m, v = 0.9 * m + 0.1 * gradient, 0.999 * v + 0.001 * gradient.astype(np.float64) ** 2
+        expected -= 0.1 * (m / (1 - 0.9**step)) / np.sqrt(v / (1 - 0.999**step))
+    assert np.allclose(values[seen], expected[seen], atol=1e-5)
+    assert np.array_equal(values[~seen], start[~seen])
+
+
+def test_only_the_active_control_values_move() -> None:
+    controls = np.zeros((2, 8, 1), np.float32)
+    first, second = np.zeros_like(controls), np.zeros_like(controls)
+    weights = np.array([0.1, 0.6, 0.2, 0.1], np.float32)
+    seen = np.array([True, False])
+    rates = np.full(4, 0.5, np.float32)
+    update_taps(controls, np.ones((2, 1), np.float32), first, second, seen, 2, weights, rates, 0.0)
+    assert (controls[0, 2:6, 0] < 0).all()
+    assert not controls[0, [0, 1, 6, 7]].any()
+    assert not controls[1].any()
