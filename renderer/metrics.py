@@ -1,0 +1,103 @@
+"""How near a picture is to its reference: PSNR both ways, SSIM, depth error. All sums in float64."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import BoolImage
+
+AnyFloat = NDArray[np.floating[Any]]
+
+_WINDOW, _SIGMA = 11, 1.5
+_C1, _C2 = 0.01**2, 0.03**2
+
+
+def psnr(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """PSNR in dB as the field publishes it: both pictures times the mask, mean over all pixels.
+
+    Pictures (H, W, 3) or (H, W) in [0, 1]; mask (H, W), True = counted. Pixels outside count as
+    free of error, so the value is higher than `psnr_masked` by -10 log10(share of the mask).
+    Rounding to 8 bits, which published figures have, is the caller's. Infinite for equal pictures.
+
+    Raises:
+        ValueError: shapes that do not agree.
+    """
+    error = _squared_error(image, reference, mask)
+    return _decibel(float(error.sum()) / error.size)
+
+
+def psnr_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """PSNR in dB over the pixels of the mask alone; NaN for an empty mask. Otherwise as `psnr`."""
+    error = _squared_error(image, reference, mask)
+    counted = np.count_nonzero(mask) * (error.size // mask.size)
+    return _decibel(float(error.sum()) / counted) if counted else float("nan")
+
+
+def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """Mean structural similarity, at most 1 (Wang et al. 2004, Eq 13), as the field publishes it.
+
+    Both pictures times the mask, 11x11 Gaussian window of sigma 1.5, zeros beyond the border,
+    mean over all pixels and channels. Arguments and errors as for `psnr`.
+    """
+    x, y = _masked(image, reference, mask)
+    mean_x, mean_y = _window(x), _window(y)
+    variance_x = _window(x * x) - mean_x**2
+    variance_y = _window(y * y) - mean_y**2
+    covariance = _window(x * y) - mean_x * mean_y
+    similarity = (2 * mean_x * mean_y + _C1) * (2 * covariance + _C2)
+    similarity /= (mean_x**2 + mean_y**2 + _C1) * (variance_x + variance_y + _C2)
+    return float(similarity.mean())
+
+
+def depth_rmse(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """Root mean square difference of two depth maps (H, W), in their unit (mm).
+
+    Over the pixels of the mask where both are measured (> 0); NaN when there is none.
+
+    Raises:
+        ValueError: shapes that do not agree.
+    """
+    _check(depth, reference, mask)
+    both = mask & (depth > 0) & (reference > 0)
+    if not both.any():
+        return float("nan")
+    difference = depth[both].astype(np.float64) - reference[both]
+    return float(np.sqrt(np.mean(difference**2)))
+
+
+def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:
+    if image.shape != reference.shape or image.shape[:2] != mask.shape or mask.dtype != np.bool_:
+        shapes = f"{image.shape}, {reference.shape} and {mask.dtype} {mask.shape}"
+        raise ValueError(f"expected two pictures of one shape and a bool mask of their size, got {shapes}")
+
+
+def _masked(
+    image: AnyFloat, reference: AnyFloat, mask: BoolImage
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Both pictures as (H, W, channels) float64, zero outside the mask whatever they hold there."""
+    _check(image, reference, mask)
+    keep = mask[:, :, None]
+    x, y = (
+        np.where(keep, picture.reshape(*mask.shape, -1).astype(np.float64), 0.0)
+        for picture in (image, reference)
+    )
+    return x, y
+
+
+def _squared_error(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArray[np.float64]:
+    x, y = _masked(image, reference, mask)
+    return (x - y) ** 2
+
+
+def _decibel(mean_squared_error: float) -> float:
+    return float("inf") if mean_squared_error == 0 else float(-10 * np.log10(mean_squared_error))
+
+
+def _window(picture: NDArray[np.float64]) -> NDArray[np.float64]:
+    kernel = cv2.getGaussianKernel(_WINDOW, _SIGMA, cv2.CV_64F)
+    means = cv2.sepFilter2D(picture, cv2.CV_64F, kernel, kernel, borderType=cv2.BORDER_CONSTANT)
+    return np.asarray(means, dtype=np.float64).reshape(picture.shape)
