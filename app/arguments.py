@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from annotated_types import Interval, Unit
@@ -30,8 +30,10 @@ def add_fields(parser: argparse.ArgumentParser, kind: type[Any], names: Sequence
         parser.add_argument(flag, dest=name, default=argparse.SUPPRESS, help=_help(field), **options)
 
 
-def parameters(kind: type[T], flags: argparse.Namespace, **fixed: object) -> T:
-    """`kind` built from the flags that were given, its own defaults, and `fixed` defaults in their place.
+def parameters(kind: type[T], flags: argparse.Namespace, spelled: Mapping[str, str] | None = None) -> T:
+    """`kind` built from the flags that were given and its own defaults.
+
+    `spelled` has the flags of fields that are not called as their flag.
 
     Raises:
         UserError: a value that the dataclass refuses; the line names the flag.
@@ -41,19 +43,20 @@ def parameters(kind: type[T], flags: argparse.Namespace, **fixed: object) -> T:
         name: _value(text, known[name].annotation) for name, text in vars(flags).items() if name in known
     }
     try:
-        return kind(**(fixed | given))
+        return kind(**given)
     except ValidationError as error:
-        raise UserError(problem(error, flag=True)) from error
+        flag_of = {name: f"--{name.replace('_', '-')}" for name in known} | dict(spelled or {})
+        raise UserError(problem(error, flag_of)) from error
 
 
-def problem(error: ValidationError, *, flag: bool = False) -> str:
+def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) -> str:
     """The first thing wrong, in one line: which field or flag, what was expected, what came."""
     first = error.errors(include_url=False, include_context=False)[0]
     wanted = first["msg"].replace("Input should be", "expected").replace("Value error, ", "")
     if not first["loc"]:
         return f"{error.title}: {wanted}"
-    name = str(first["loc"][0])
-    shown = f"--{name.replace('_', '-')}" if flag else ".".join(str(part) for part in first["loc"])
+    place = ".".join(str(part) for part in first["loc"])
+    shown = flag_of[str(first["loc"][0])] if flag_of else place
     return f"{shown}: {wanted}, got {first['input']!r}"
 
 

@@ -16,6 +16,7 @@ from renderer.clip import ByteImage, Clip, Frame
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, TrainEvent
+from renderer.train.trainer import TrainingError, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
@@ -40,7 +41,8 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
 
     Raises:
         ClipError: the clip cannot be read.
-        UserError: the run folder holds something else, or another run than the one to resume.
+        UserError: the run folder holds something else, or another run than the one to resume; or the
+            training does not converge.
     """
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
@@ -58,26 +60,28 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
 
 
 def _train(request: TrainRequest, run: RunFolder, clip: Clip) -> Generator[TrainEvent, None, None]:
-    # The trainer compiles its kernels on import: only the process that trains pays for it.
-    from renderer.train.trainer import train
-
-    for event in train(clip, request.config, folder=run.path, resume=request.resume):
-        if isinstance(event, Finished):
-            run.save_model(event.model)
-        if not isinstance(event, Snapshot):
-            run.log(event)
-        yield event
+    try:
+        for event in train(clip, request.config, folder=run.path, resume=request.resume):
+            if isinstance(event, Finished):
+                run.save_model(event.model)
+            if not isinstance(event, Snapshot):
+                run.log(event)
+            yield event
+    except TrainingError as error:
+        raise UserError(f"{error}; run: {run.path}") from error
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:
     """The clip with the photos that the run was trained on: its own, or the same enhanced again."""
-    if record.enhancement is None:
-        return clip
-    params, statistics = record.enhancement.params, record.enhancement.statistics
+    return enhanced_clip(clip, record.enhancement) if record.enhancement else clip
+
+
+def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
+    """The clip with every photo enhanced, all with the same statistics."""
 
     def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
-        result: ByteImage = enhance(image, params, tissue_mask=frame.tissue_mask, statistics=statistics).image
-        return result
+        result = enhance(image, enhancement.params, statistics=enhancement.statistics)
+        return result.image
 
     return clip.with_images(enhanced, f"{clip.name} enhanced")
 

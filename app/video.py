@@ -15,7 +15,9 @@ from app.pictures import ArrayImage
 
 
 def write_video(path: Path, frames: Iterator[ArrayImage], frames_per_second: float) -> None:
-    """Write at least one uint8 frame, (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA without its alpha; whole or not at all.
+    """Write at least one uint8 frame, (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA, whose alpha is lost.
+
+    The file appears whole or not at all.
 
     Raises:
         UserError: frames of another type or of different sizes, or no encoder on this machine.

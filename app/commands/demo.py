@@ -1,0 +1,149 @@
+"""`vesselsplat demo`: the whole product on the embedded phantom clip, and sheets to look at."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.atomic import make_folder, write_bytes
+from app.commands.evaluate import measured
+from app.commands.train import follow
+from app.display import has_display
+from app.drawing import Drawn, colored_depth, draw_on_cpu, near_plane
+from app.errors import UserError
+from app.evaluate import Evaluation, FrameMeasures, open_evaluation
+from app.progress import progress
+from app.provenance import NOTICE, provenance, source, strict_json, write_png
+from app.run_folder import Input, RunFolder
+from app.sheet import ByteImage, Tile, sheet
+from app.training import RECONSTRUCTION_PARAMS, TrainRequest, enhanced_clip, pooled
+from assets import phantom_path
+from renderer.clip import Clip
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+
+INPUTS: tuple[Input, ...] = ("original", "enhanced")
+CONFIG = TrainConfig(iterations=1000)
+"""Enough to see what the method does within the minutes that a demo may take."""
+STRIP_COLUMNS = 6
+FOOT = f"Embedded phantom clip (synthetic). {NOTICE}"
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--headless", action="store_true", help="do not open the app at the end")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out/demo"), metavar="DIR", help="folder to write into (out/demo)"
+    )
+
+
+def run(flags: argparse.Namespace) -> None:
+    out: Path = flags.out
+    runs = {name: out / f"{name}-run" for name in INPUTS}
+    _clear(out, list(runs.values()))
+    path = phantom_path()
+    clip = open_clip(path)
+    seconds: dict[str, float] = {}
+    with _timed("enhance", seconds):
+        _write_enhanced(out / "enhanced", clip)
+    for name, run_path in runs.items():
+        with _timed(f"train {name}", seconds):
+            follow(TrainRequest(clip_path=path, run_path=run_path, config=CONFIG, input=name))
+    evaluations = {name: open_evaluation(run_path) for name, run_path in runs.items()}
+    with _timed("evaluate", seconds):
+        reports = {name: evaluation.report(measured(evaluation)) for name, evaluation in evaluations.items()}
+    with _timed("draw", seconds):
+        facts = {"source": source(path), "config": CONFIG, "params": RECONSTRUCTION_PARAMS}
+        write_png(out / "compare.png", _compare(evaluations, reports), provenance(**facts))
+        write_png(out / "strip.png", _strip(evaluations), provenance(**facts))
+    report = provenance(**facts, seconds=seconds, total_seconds=sum(seconds.values()), runs=reports)
+    write_bytes(out / "report.json", strict_json(report, indent=2).encode())
+    sys.stdout.write(f"{out}: compare.png, strip.png, report.json in {sum(seconds.values()):.0f} s\n")
+    if has_display() and not flags.headless:
+        from app.gui.window import run_app
+
+        run_app(runs["enhanced"])
+
+
+def _clear(out: Path, runs: list[Path]) -> None:
+    """Make room: the runs of an earlier demo go, anything else stays and is an error."""
+    make_folder(out)
+    for path in runs:
+        if RunFolder(path).is_run:
+            shutil.rmtree(path)
+        elif path.exists():
+            raise UserError(f"expected an earlier demo or nothing, got something else: {path}")
+
+
+@contextmanager
+def _timed(name: str, seconds: dict[str, float]) -> Iterator[None]:
+    began = time.perf_counter()
+    yield
+    seconds[name] = time.perf_counter() - began
+    sys.stderr.write(f"{name}: {seconds[name]:.1f} s\n")
+
+
+def _write_enhanced(folder: Path, clip: Clip) -> None:
+    enhancement = pooled(clip, RECONSTRUCTION_PARAMS)
+    photos = enhanced_clip(clip, enhancement)
+    make_folder(folder)
+    facts: dict[str, Any] = {"source": source(clip.path), "enhancement": enhancement}
+    with progress("enhance", len(clip)) as report:
+        for index in range(len(clip)):
+            image, name = photos.read_image(index), f"frame-{index:06d}.png"
+            write_png(folder / name, image, provenance(**facts, frame=index))
+            report(index + 1, name)
+
+
+def _draw(evaluation: Evaluation, index: int) -> Drawn:
+    camera, model = evaluation.clip.cameras[index], evaluation.model
+    return draw_on_cpu(model.at(evaluation.clip.times[index]), camera, near_plane(model, camera))
+
+
+def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str, Any]]) -> ByteImage:
+    """A held-out frame: photo and enhanced photo, the renders of both runs, depth."""
+    original, enhanced = (evaluations[name] for name in INPUTS)
+    index = original.indices[len(original.indices) // 2]
+    drawn = {name: _draw(evaluation, index) for name, evaluation in evaluations.items()}
+    depth, (near, far) = colored_depth(drawn["original"].depth)
+    psnr = {name: _frame(report, index).psnr for name, report in reports.items()}
+    tiles = [
+        Tile("Original", original.photos.read_image(index)),
+        Tile("Enhanced", enhanced.photos.read_image(index)),
+        Tile(f"Depth, {near:.0f} (yellow) to {far:.0f} {original.clip.unit}", depth),
+        Tile(f"Render of original, PSNR {psnr['original']:.1f} dB", drawn["original"].bytes),
+        Tile(f"Render of enhanced, PSNR {psnr['enhanced']:.1f} dB", drawn["enhanced"].bytes),
+        Tile("Render against photo, difference x4", _difference(original, index, drawn["original"])),
+    ]
+    title = f"VesselSplat: held-out frame {index} after {CONFIG.iterations} iterations"
+    return sheet(title, tiles, FOOT, columns=3, tile_width=480)
+
+
+def _frame(report: dict[str, Any], index: int) -> FrameMeasures:
+    frames: list[FrameMeasures] = report["frames"]
+    return next(frame for frame in frames if frame.index == index)
+
+
+def _difference(evaluation: Evaluation, index: int, drawn: Drawn) -> ByteImage:
+    """Absolute difference in grey levels times 4, black where a tool hides the tissue."""
+    frame = evaluation.photos.read_frame(index)
+    apart = np.abs(drawn.bytes.astype(np.int16) - frame.image) * frame.evaluation_mask[..., None]
+    return np.asarray(np.minimum(4 * apart, 255), dtype=np.uint8)
+
+
+def _strip(evaluations: dict[Input, Evaluation]) -> ByteImage:
+    """A few moments from left to right: photos above, renders of both runs below."""
+    clip = evaluations["original"].clip
+    indices = np.unique(np.linspace(0, len(clip) - 1, STRIP_COLUMNS).round().astype(int)).tolist()
+    tiles = [Tile(f"Original, time {clip.times[index]:.2f}", clip.read_image(index)) for index in indices]
+    for name, evaluation in evaluations.items():
+        tiles += [Tile(f"Render of {name}", _draw(evaluation, index).bytes) for index in indices]
+    title = "VesselSplat: the same tissue through time"
+    return sheet(title, tiles, FOOT, columns=len(indices), tile_width=300)

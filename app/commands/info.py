@@ -1,0 +1,83 @@
+"""`vesselsplat info`: versions, devices and licences, without loading anything heavy."""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import os
+import platform
+import sys
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as installed_version
+from typing import Any
+
+from app.display import has_display
+from app.provenance import NOTICE, strict_json, version
+from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
+
+PACKAGES = ("numpy", "numba", "opencv-contrib-python-headless", "torch", "gsplat", "moderngl", "imgui-bundle")
+LICENSE = "VesselSplat: Apache-2.0; its dependencies carry their own licences, see LICENSE"
+CUDA_DRIVERS = {"win32": "nvcuda.dll"}
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def run(flags: argparse.Namespace) -> None:
+    facts = collect()
+    if flags.json:
+        sys.stdout.write(strict_json(facts) + "\n")
+        return
+    for name, value in facts.items():
+        if isinstance(value, dict):
+            text = ", ".join(f"{key} {item or 'not installed'}" for key, item in value.items())
+        else:
+            text = str(value)
+        sys.stdout.write(f"{name.replace('_', ' '):<14}{text}\n")
+
+
+def collect() -> dict[str, Any]:
+    """All facts, by name."""
+    return {
+        "version": version(),
+        "python": platform.python_version(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "cores": os.cpu_count(),
+        "packages": {name: _installed(name) for name in PACKAGES},
+        "opengl": _opengl(),
+        "cuda_devices": cuda_devices(),
+        "display": has_display(),
+        "training": "numba on the CPU",
+        "licences": LICENSE,
+        "notice": NOTICE,
+    }
+
+
+def _installed(package: str) -> str | None:
+    try:
+        return installed_version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _opengl() -> str:
+    try:
+        context = standalone_context()
+    except OpenGLUnavailable as error:
+        return f"none: {error}"
+    name = renderer_name(context)
+    context.release()
+    return name
+
+
+def cuda_devices() -> int:
+    """How many devices the CUDA driver sees; 0 without a driver."""
+    try:
+        driver = ctypes.CDLL(CUDA_DRIVERS.get(sys.platform, "libcuda.so.1"))
+    except OSError:
+        return 0
+    count = ctypes.c_int(0)
+    if driver.cuInit(0) != 0 or driver.cuDeviceGetCount(ctypes.byref(count)) != 0:
+        return 0
+    return count.value

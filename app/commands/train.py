@@ -1,0 +1,80 @@
+"""`vesselsplat train CLIP --run RUN`: a clip becomes dynamic 3D Gaussians in a run folder."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from app.arguments import add_fields, parameters
+from app.errors import UserError
+from app.progress import progress
+from app.provenance import provenance, strict_json
+from app.training import TrainRequest, run_training
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("clip", metavar="CLIP", type=Path, help="EndoNeRF folder with depth")
+    parser.add_argument("--run", type=Path, required=True, metavar="RUN", help="folder of the run to write")
+    add_fields(parser, TrainConfig, ("method",))
+    parser.add_argument(
+        "--input",
+        choices=("original", "enhanced"),
+        default="original",
+        help="reconstruct the photos as they are, or enhanced (default original)",
+    )
+    add_fields(parser, TrainConfig, ("iterations", "seed"))
+    parser.add_argument(
+        "--device", choices=("auto", "cpu", "cuda"), default="auto", help="what computes (default auto)"
+    )
+    parser.add_argument("--resume", action="store_true", help="go on from the last checkpoint in RUN")
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def run(flags: argparse.Namespace) -> None:
+    config = parameters(TrainConfig, flags)
+    if flags.device == "cuda":
+        raise UserError("--device cuda: training on CUDA is not available in this version; use cpu or auto")
+    request = TrainRequest(
+        clip_path=flags.clip, run_path=flags.run, config=config, input=flags.input, resume=flags.resume
+    )
+    try:
+        started, finished = follow(request)
+    except KeyboardInterrupt as interrupt:
+        kept = f"interrupted; the checkpoints in {flags.run} are kept, --resume goes on"
+        raise KeyboardInterrupt(kept) from interrupt
+    summary = {
+        "run": flags.run.absolute().name,
+        "iterations": finished.iteration,
+        "train_seconds": finished.seconds,
+        "n_gaussians": len(finished.model),
+        "omitted": started.omitted if started else (),
+    }
+    if flags.json:
+        sys.stdout.write(strict_json(provenance(config=config, input=flags.input, **summary)) + "\n")
+    else:
+        done = f"{finished.iteration} iterations in {finished.seconds:.1f} s"
+        sys.stdout.write(f"{flags.run}: {len(finished.model)} Gaussians, {done}\n")
+
+
+def follow(request: TrainRequest) -> tuple[Started | None, Finished]:
+    """Train with progress on stderr; Started is None when the run had finished before."""
+    started: Started | None = None
+    finished: Finished | None = None
+    with progress(f"train {request.input}", request.config.iterations) as report:
+        for event in run_training(request):
+            match event:
+                case Started():
+                    started = event
+                case Progress():
+                    report(event.iteration, f"loss {event.loss:.4f} PSNR {event.psnr:.2f} dB")
+                case Evaluated():
+                    report(event.iteration, f"held-out PSNR {event.psnr:.2f} dB")
+                case Warned():
+                    sys.stderr.write(f"{event.message}\n")
+                case Finished():
+                    finished = event
+    assert finished is not None
+    return started, finished

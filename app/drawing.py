@@ -1,0 +1,109 @@
+"""One moment of a model as a picture, by the renderer of choice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import UserError
+from renderer.camera import Camera
+from renderer.gaussians import DynamicGaussians
+from renderer.splats import Float32Array, Splats
+from renderer.train.model import NEAR_SHARE
+
+Renderer = Literal["gl", "cpu", "reference"]
+Draw = Callable[[Splats, Camera, float], "Drawn"]
+"""Splats, camera and near plane (in scene units) to a picture over black."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """image (H, W, 3) RGB, not clipped; depth (H, W) expected depth in scene units, 0 where nothing is."""
+
+    image: Float32Array
+    depth: Float32Array
+
+    @property
+    def bytes(self) -> NDArray[np.uint8]:
+        """(H, W, 3) rounded to 8 bits."""
+        rounded: NDArray[np.uint8] = np.rint(np.clip(self.image, 0.0, 1.0) * 255.0).astype(np.uint8)
+        return rounded
+
+
+def drawer(renderer: Renderer) -> tuple[Draw, str]:
+    """What draws, and its name for provenance. Raises UserError when it cannot work here."""
+    if renderer == "gl":
+        return _gl()
+    if renderer == "reference":
+        return _reference, "float64 reference"
+    return draw_on_cpu, "numba on the CPU"
+
+
+def near_plane(model: DynamicGaussians, camera: Camera) -> float:
+    """The near plane that training used, up to rounding: a share of the model's median depth."""
+    pose = camera.camera_from_world
+    depth = model.means @ pose[2, :3] + pose[2, 3]
+    before = depth[depth > 0]
+    return NEAR_SHARE * float(np.median(before)) if len(before) else NEAR_SHARE
+
+
+def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, float]]:
+    """(H, W, 3) viridis from near (yellow) to far, black where nothing is, and the range it spans.
+
+    The range is the 1st to 99th percentile, so that a few stray splats do not flatten the picture.
+    """
+    seen = depth > 0
+    if not seen.any():
+        return np.zeros((*depth.shape, 3), dtype=np.uint8), (0.0, 0.0)
+    near, far = (float(value) for value in np.percentile(depth[seen], (1, 99)))
+    level = np.clip((far - depth) / max(far - near, 1e-12), 0.0, 1.0)
+    colors = cv2.applyColorMap(np.rint(level * 255).astype(np.uint8), cv2.COLORMAP_VIRIDIS)
+    picture = cv2.cvtColor(colors, cv2.COLOR_BGR2RGB).astype(np.uint8)
+    picture[~seen] = 0
+    return picture, (near, far)
+
+
+def draw_on_cpu(splats: Splats, camera: Camera, near: float) -> Drawn:
+    from renderer.rasterize.cpu import render
+
+    rendered = render(splats, camera, near=near)
+    return Drawn(rendered.image, rendered.depth)
+
+
+def _reference(splats: Splats, camera: Camera, near: float) -> Drawn:
+    import torch
+
+    from renderer.rasterize.reference import rasterize_reference
+
+    with torch.no_grad():
+        rendered = rasterize_reference(
+            torch.from_numpy(splats.means),
+            torch.from_numpy(splats.quats),
+            torch.from_numpy(splats.scales),
+            torch.from_numpy(splats.opacities),
+            torch.from_numpy(splats.colors),
+            camera,
+            near=near,
+        )
+    return Drawn(rendered.image.numpy().astype(np.float32), rendered.depth.numpy().astype(np.float32))
+
+
+def _gl() -> tuple[Draw, str]:
+    from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
+    from renderer.draw.offscreen import render_depth_offscreen, render_offscreen
+
+    try:
+        context = standalone_context()
+    except OpenGLUnavailable as error:
+        raise UserError(f"{error} Or draw with --with cpu.") from error
+
+    def draw(splats: Splats, camera: Camera, near: float) -> Drawn:
+        image = render_offscreen(context, splats, camera, near=near)
+        return Drawn(image, render_depth_offscreen(context, splats, camera, near=near))
+
+    return draw, f"OpenGL, {renderer_name(context)}"

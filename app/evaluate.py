@@ -1,0 +1,163 @@
+"""A finished run measured on its held-out frames, against the photos that it was trained on."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.drawing import Drawn, draw_on_cpu, near_plane
+from app.errors import UserError
+from app.provenance import digest
+from app.run_folder import RunFolder, RunRecord
+from app.training import input_clip
+from enhance.metrics import dvbv_otsu
+from renderer.clip import ByteImage, Clip, Frame
+from renderer.gaussians import DynamicGaussians
+from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
+from renderer.sources import open_clip
+
+DEFINITIONS = {
+    "psnr": "dB, both pictures times the evaluation mask, mean over all pixels, render rounded to 8 bits",
+    "psnr_masked": "dB, mean over the evaluated pixels only",
+    "dv_bv": "inferred definition: variances of grey above and below each picture's own Otsu threshold",
+    "lpips": "not measured: its weights are not part of this program",
+    "mean": "mean over the test frames, (index - 1) % 8 == 0; means leave out what was not measured",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameMeasures:
+    """One frame; NaN where a measure is undefined, None where it was not taken."""
+
+    index: int
+    label: str
+    time: float
+    psnr: float
+    psnr_masked: float
+    ssim: float
+    lpips: float | None
+    depth_rmse_mm: float | None
+    dv: float
+    bv: float
+    dv_bv: float
+    ms_per_frame: float
+    original_photo: dict[str, float]
+    """DV, BV and their ratio of the clip's own photo."""
+    input_photo: dict[str, float]
+    """The same of the photo that the run was trained on."""
+
+
+AVERAGED = ("psnr", "psnr_masked", "ssim", "lpips", "depth_rmse_mm", "dv", "bv", "dv_bv", "ms_per_frame")
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """All that is needed to measure a run."""
+
+    run: RunFolder
+    record: RunRecord
+    clip: Clip
+    photos: Clip
+    """The clip with the photos that the run was trained on."""
+    model: DynamicGaussians
+
+    @property
+    def indices(self) -> tuple[int, ...]:
+        """The held-out frames; of a clip too short to hold one out, its only frame."""
+        return self.clip.test_indices or self.clip.train_indices
+
+    def frames(self) -> Iterator[FrameMeasures]:
+        """Measure the frames one after the other."""
+        first = self.photos.read_frame(self.indices[0])
+        near = near_plane(self.model, first.camera)
+        # The first picture compiles the kernels: it is not part of the time a picture takes.
+        draw_on_cpu(self.model.at(first.time), first.camera, near)
+        for index in self.indices:
+            frame = self.photos.read_frame(index)
+            began = time.perf_counter()
+            drawn = draw_on_cpu(self.model.at(frame.time), frame.camera, near)
+            seconds = time.perf_counter() - began
+            original = self.clip.read_image(index)
+            yield measure_frame(frame, drawn, original, self.clip.labels[index], self.clip.unit, seconds)
+
+    def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
+        """The JSON of `evaluate`."""
+        constant = {"n_gaussians": len(self.model), "train_seconds": self.run.train_seconds()}
+        return {
+            "run": self.run.path.absolute().name,
+            "clip": {"name": self.record.clip.name, "sha256": self.record.clip.sha256},
+            "method": self.record.config.method,
+            "input": self.record.input,
+            "mean": {name: _mean(getattr(frame, name) for frame in frames) for name in AVERAGED} | constant,
+            "original_photo": _mean_photo(frame.original_photo for frame in frames),
+            "input_photo": _mean_photo(frame.input_photo for frame in frames),
+            "frames": list(frames),
+            "definitions": DEFINITIONS,
+        }
+
+
+def open_evaluation(run_path: Path) -> Evaluation:
+    """Raises UserError or ClipError: no finished run, or its clip is gone or has changed."""
+    run = RunFolder(run_path)
+    record, model = run.record(), run.model()
+    clip = run_clip(record)
+    return Evaluation(run, record, clip, input_clip(clip, record), model)
+
+
+def run_clip(record: RunRecord) -> Clip:
+    """The clip that the run was trained on. Raises UserError when it is not the same any more."""
+    path = Path(record.clip.path)
+    clip = open_clip(path)
+    if digest(path) != record.clip.sha256:
+        raise UserError(f"expected the clip that the run was trained on, its files have changed: {path}")
+    return clip
+
+
+def measure_frame(
+    frame: Frame, drawn: Drawn, original: ByteImage, label: str, unit: str, seconds: float
+) -> FrameMeasures:
+    """Compare the picture of the model with the photo `frame.image`."""
+    render, photo, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
+    dvbv = _dvbv(drawn.bytes)
+    return FrameMeasures(
+        index=frame.index,
+        label=label,
+        time=frame.time,
+        psnr=psnr(render, photo, mask),
+        psnr_masked=psnr_masked(render, photo, mask),
+        ssim=ssim(render, photo, mask),
+        lpips=None,
+        depth_rmse_mm=_depth_error(frame, drawn) if unit == "mm" else None,
+        ms_per_frame=1000.0 * seconds,
+        original_photo=_dvbv(original),
+        input_photo=_dvbv(frame.image),
+        **dvbv,
+    )
+
+
+def _depth_error(frame: Frame, drawn: Drawn) -> float | None:
+    if frame.depth is None:
+        return None
+    return float(depth_rmse(drawn.depth, frame.depth, frame.evaluation_mask))
+
+
+def _dvbv(image: ByteImage) -> dict[str, float]:
+    measured = dvbv_otsu(image)
+    return {"dv": measured.dv, "bv": measured.bv, "dv_bv": measured.ratio}
+
+
+def _mean(values: Iterator[float | None]) -> float | None:
+    """None when nothing was measured; frames where a measure is undefined are left out."""
+    measured = [value for value in values if value is not None and not math.isnan(value)]
+    return float(np.mean(measured)) if measured else None
+
+
+def _mean_photo(photos: Iterator[dict[str, float]]) -> dict[str, float | None]:
+    listed = list(photos)
+    return {name: _mean(photo[name] for photo in listed) for name in ("dv", "bv", "dv_bv")}
