@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.camera import Camera
+from renderer.camera import Camera, FloatArray
 from renderer.draw.context import is_software
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
@@ -33,8 +33,8 @@ class SplatView:
 
     `near` > 0 in scene units: splats at or before it are not drawn. Without a `precision` a GPU blends
     in half floats and a software driver, for which they are no faster and which truncates them, in
-    floats. The splats are sorted, by `keys`, only when they or the camera changed. Drawing leaves the
-    OpenGL state as it found it.
+    floats. The splats are sorted, by `keys`, only when they or the depth axis of the camera changed.
+    Drawing leaves the OpenGL state as it found it.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class SplatView:
         self._storage = _Storage(ctx, self._program, rows=1)
         self._means = np.zeros((0, 3), dtype=np.float32)
         self._opaque = np.zeros(0, dtype=np.bool_)
-        self._sorted_for: Camera | None = None
+        self._sorted_along: FloatArray | None = None
         self._visible = 0
 
     def upload(self, splats: Splats) -> None:
@@ -82,7 +82,7 @@ class SplatView:
         self._storage.records.write(_packed(splats, rows))
         self._means = splats.means
         self._opaque = splats.opacities >= 1 / 255
-        self._sorted_for = None
+        self._sorted_along = None
 
     def draw(
         self,
@@ -159,11 +159,11 @@ class SplatView:
 
     def _sort(self, camera: Camera) -> None:
         """Write the indices of the visible splats, farthest first."""
-        if self._sorted_for == camera:
+        axis = camera.camera_from_world[2]
+        if self._sorted_along is not None and np.array_equal(self._sorted_along, axis):
             return
-        self._sorted_for = camera
-        pose = camera.camera_from_world
-        depths = self._means @ pose[2, :3] + pose[2, 3]
+        self._sorted_along = axis
+        depths = self._means @ axis[:3] + axis[3]
         visible = np.flatnonzero((depths > self._near) & self._opaque).astype(np.uint32)
         self._visible = len(visible)
         order = visible[depth_order(depths[visible], self._keys)]

@@ -4,6 +4,7 @@
 
 const float LOW_PASS = 0.3;      // px^2
 const float MARGIN = 0.02;       // px; covers the snapping of corners to the sub-pixel grid
+const float LARGEST = 1e12;      // scene units; flat over any picture, and its square still a float
 
 uniform sampler2D records;       // four texels a splat: mean opacity | quat wxyz | scales - | color -
 uniform int splats_per_row;
@@ -48,6 +49,7 @@ void main() {
     vec4 mean_opacity = texelFetch(records, texel, 0);
     vec4 quat = texelFetch(records, texel + ivec2(1, 0), 0);
     vec3 scales = texelFetch(records, texel + ivec2(2, 0), 0).xyz;
+    scales = min(abs(scales), vec3(LARGEST));
     vec3 color = texelFetch(records, texel + ivec2(3, 0), 0).rgb;
 
     vec3 local = rotation * mean_opacity.xyz + translation;

@@ -117,7 +117,8 @@ def test_every_drawing_restores_unusual_state(ctx: moderngl.Context, view: Splat
 def test_unusual_state_does_not_reach_the_picture(
     ctx: moderngl.Context, view: SplatView, driver: Driver
 ) -> None:
-    framebuffer = ctx.simple_framebuffer((40, 30))
+    srgb = ctx.texture((40, 30), 4, internal_format=0x8C43)
+    framebuffer = ctx.framebuffer([srgb])
     view.draw(CAMERA, framebuffer, background=(0.2, 0.4, 0.6))
     plain = framebuffer.read(components=4)
     framebuffer.clear()
