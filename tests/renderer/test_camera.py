@@ -1,0 +1,79 @@
+"""Camera conventions: where a known point falls, and that projecting and unprojecting are inverse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from renderer.camera import Camera
+from tests.renderer.scenes import turned_camera
+
+
+def test_known_point_falls_on_known_pixel() -> None:
+    """OpenCV axes: x right, y down, z forward; (0, 0) is the outer corner of the first pixel."""
+    camera = Camera(100, 200, 32, 24, 64, 48)
+    pixels, depths = camera.project(np.array([[0.0, 0, 2], [0.1, 0, 2], [0, 0.1, 2]]))
+    assert pixels.tolist() == [[32, 24], [37, 24], [32, 34]]
+    assert depths.tolist() == [2, 2, 2]
+
+
+def test_unproject_is_the_inverse_of_project_at_pixel_centres() -> None:
+    camera = turned_camera(31, 22)
+    depth = np.random.default_rng(0).uniform(5, 90, (22, 31))
+    pixels, depths = camera.project(camera.unproject(depth).reshape(-1, 3))
+    column, row = np.meshgrid(np.arange(31) + 0.5, np.arange(22) + 0.5)
+    assert np.allclose(pixels, np.stack([column.ravel(), row.ravel()], 1), atol=1e-9)
+    assert np.allclose(depths, depth.ravel(), atol=1e-9)
+
+
+def test_position_is_where_depth_is_zero() -> None:
+    camera = turned_camera(31, 22)
+    local = camera.camera_from_world @ np.array([*camera.position, 1.0])
+    assert np.allclose(local[:3], 0, atol=1e-12)
+
+
+@given(st.integers(1, 400), st.integers(1, 400))
+def test_resizing_scales_pixel_positions(width: int, height: int) -> None:
+    camera = turned_camera(64, 48)
+    points = camera.world_from_camera[:3, 3] + camera.world_from_camera[:3, :3] @ np.array([0.3, -0.2, 4.0])
+    before, _ = camera.project(points[None])
+    after, _ = camera.resized(width, height).project(points[None])
+    assert np.allclose(after[0] / [width, height], before[0] / [64, 48], atol=1e-12)
+
+
+def test_json_round_trip_is_exact() -> None:
+    camera = turned_camera(64, 48)
+    assert Camera.from_json(camera.to_json()) == camera
+    assert hash(Camera.from_json(camera.to_json())) == hash(camera)
+    assert camera != camera.resized(32, 24)
+
+
+def test_field_of_view() -> None:
+    camera = Camera.from_fov(90, 64, 48)
+    pixels, _ = camera.project(np.array([[-1.0, 0, 1], [1, 0, 1]]))
+    assert np.allclose(pixels[:, 0], [0, 64])
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"width": 0}, "at least 1x1"),
+        ({"fx": 0.0}, "fx, fy > 0"),
+        ({"cy": float("nan")}, "finite intrinsics"),
+        ({"camera_from_world": np.eye(3)}, r"\(4, 4\)"),
+        ({"camera_from_world": np.full((4, 4), np.inf)}, "finite"),
+    ],
+)
+def test_impossible_cameras_are_refused(changes: dict[str, object], words: str) -> None:
+    values: dict[str, object] = {"fx": 10.0, "fy": 10.0, "cx": 4.0, "cy": 4.0, "width": 8, "height": 8}
+    with pytest.raises(ValueError, match=words):
+        Camera(**(values | changes))  # type: ignore[arg-type]
+
+
+def test_json_without_a_field_says_so() -> None:
+    values = turned_camera(8, 8).to_json()
+    del values["cx"]
+    with pytest.raises(ValueError, match="cx"):
+        Camera.from_json(values)
