@@ -1,0 +1,280 @@
+"""What a person can do, as functions on the state. No ImGui, no OpenGL: tested as plain code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+
+from app.gui.opening import Opened, OpenRequest, finished_model
+from app.gui.orbit import Orbit
+from app.gui.picture_view import PictureView
+from app.gui.settings import save_settings
+from app.gui.state import AppState, Banner, Job, Reconstruction, Toast
+from app.gui.viewing import ShownModel, middle_distance
+from app.training import TrainRequest
+from enhance import EnhanceParams
+from renderer.gaussians import DynamicGaussians
+
+TOAST_SECONDS = 6.0
+MakeJob = Callable[[TrainRequest], Job]
+
+
+def say(state: AppState, line: str) -> None:
+    """A line for the log panel."""
+    state.log.append(line)
+
+
+def fail(state: AppState, sentence: str) -> None:
+    """Show what went wrong until it is dismissed."""
+    state.banner = Banner(sentence)
+    say(state, sentence)
+
+
+def announce(state: AppState, sentence: str) -> None:
+    """Show what went well for a few seconds."""
+    state.toast = Toast(sentence, state.now + TOAST_SECONDS)
+    say(state, sentence)
+
+
+def acknowledge(state: AppState) -> None:
+    """The first-start notice has been read."""
+    state.settings = replace(state.settings, acknowledged=True)
+    _save(state)
+
+
+def remember_recent(state: AppState, remember: bool) -> None:
+    state.settings = state.settings.remembering(remember)
+    _save(state)
+
+
+def _save(state: AppState) -> None:
+    try:
+        save_settings(state.places.settings_file, state.settings)
+    except OSError as error:
+        say(state, f"settings cannot be kept: {error.strerror}")
+
+
+# ---- clip and time
+
+
+def open_path(state: AppState, path: Path) -> None:
+    """Ask for a clip or a run; what is open stays until the new one is there."""
+    state.opening = OpenRequest(path)
+    state.banner = None
+
+
+def show_opened(state: AppState, path: Path, opened: Opened) -> None:
+    """Take over what has been opened: the start of a session with it."""
+    state.opening = None
+    if opened.clip is not None:
+        state.clip, state.pictures = opened.clip, None
+        state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
+        state.linked = True
+        seek(state, 0)
+    if not state.reconstruction.is_alive:
+        _show_run(state, opened)
+    for notice in opened.notices:
+        say(state, notice)
+    say(state, f"opened {path.name}")
+    state.settings = state.settings.opened(path)
+    _save(state)
+
+
+def _show_run(state: AppState, opened: Opened) -> None:
+    draft = state.reconstruction
+    state.reconstruction = Reconstruction(config=draft.config, input=draft.input, d_factor=draft.d_factor)
+    state.model, state.view, state.orbit = None, None, Orbit()
+    if opened.run is None:
+        return
+    record, run = opened.run.record, opened.run
+    state.model = run.model
+    state.linked = opened.clip is not None
+    state.reconstruction = Reconstruction(
+        config=record.config,
+        input=record.input,
+        clip=opened.clip,
+        run_path=run.path,
+        status="none" if run.model else "cancelled",
+    )
+
+
+def seek(state: AppState, index: int) -> None:
+    """Go to a frame, kept within the clip."""
+    if state.clip is not None:
+        state.frame_index = min(max(index, 0), len(state.clip) - 1)
+        state.playhead = float(state.frame_index)
+
+
+def step(state: AppState, frames: int) -> None:
+    """One frame on or back, standing still; thaws a frozen picture, which would not show it."""
+    state.playing, state.frozen_index = False, None
+    seek(state, state.frame_index + frames)
+
+
+def toggle_play(state: AppState) -> None:
+    if state.clip is not None and len(state.clip) > 1:
+        state.playing = not state.playing
+        state.playhead = float(state.frame_index)
+
+
+def toggle_freeze(state: AppState) -> None:
+    """Hold the pictures' frame, or let them follow the time again."""
+    if state.clip is not None:
+        state.frozen_index = state.frame_index if state.frozen_index is None else None
+
+
+def seek_view(state: AppState, time: float) -> None:
+    """Time of the 3D view; moves the clip's frame when they are linked."""
+    if state.linked and state.clip is not None:
+        seek(state, round(time * len(state.clip)))
+    else:
+        state.view_time = min(max(time, 0.0), 1.0)
+
+
+def toggle_link(state: AppState) -> None:
+    """Unlinked, the 3D view stays at the time it shows."""
+    state.view_time = state.time
+    state.linked = not state.linked
+
+
+# ---- enhancement
+
+
+def set_params(state: AppState, params: EnhanceParams) -> None:
+    """Live, while a slider moves; `settle_params` makes it a step of undo."""
+    state.params = params
+
+
+def settle_params(state: AppState) -> None:
+    """Called while no control is held: one drag of a slider is one step of undo."""
+    if state.params != state.past[-1]:
+        state.past.append(state.params)
+        state.future.clear()
+
+
+def undo(state: AppState) -> None:
+    settle_params(state)
+    if len(state.past) > 1:
+        state.future.append(state.past.pop())
+        state.params = state.past[-1]
+
+
+def redo(state: AppState) -> None:
+    if state.future:
+        state.past.append(state.future.pop())
+        state.params = state.past[-1]
+
+
+def reset_params(state: AppState) -> None:
+    state.params = EnhanceParams()
+
+
+def toggle_enhancement(state: AppState) -> None:
+    state.enhancing = not state.enhancing
+
+
+def white_light(state: AppState) -> None:
+    """Plain white light on both sides, whatever was on."""
+    state.enhancing = state.peeking = False
+
+
+# ---- reconstruction
+
+
+def start_reconstruction(state: AppState, make_job: MakeJob, *, resume: bool = False) -> None:
+    """Start a run in another process, or go on with the one that was cut short."""
+    clip, draft = state.clip, state.reconstruction
+    if draft.is_alive or clip is None:
+        return
+    going_on = resume and draft.run_path is not None
+    path = draft.run_path if going_on and draft.run_path else _run_path(state)
+    request = TrainRequest(
+        clip_path=clip.path,
+        run_path=path,
+        config=draft.config,
+        input=draft.input,
+        enhance_params=replace(state.params, d_factor=draft.d_factor),
+        resume=going_on,
+    )
+    job = make_job(request)
+    state.reconstruction = replace(
+        Reconstruction(), config=draft.config, input=draft.input, d_factor=draft.d_factor,
+        status="starting", job=job, clip=clip, run_path=path,
+    )  # fmt: skip
+    job.start()
+    say(state, f"reconstruction of {clip.name} started: {path.name}")
+
+
+def _run_path(state: AppState) -> Path:
+    """The name the user gave, or the clip's with the time; never one that is taken."""
+    assert state.clip is not None
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
+    wanted = state.reconstruction.name.strip() or f"{state.clip.name}-{stamp}"
+    base = re.sub(r"[^\w.-]+", "-", wanted).strip(".-") or "run"
+    path, number = state.places.runs / base, 2
+    while path.exists():
+        path, number = state.places.runs / f"{base}-{number}", number + 1
+    return path
+
+
+def pause(state: AppState) -> None:
+    if state.reconstruction.can_pause and state.reconstruction.job:
+        state.reconstruction.job.pause()
+
+
+def resume(state: AppState) -> None:
+    if state.reconstruction.can_resume and state.reconstruction.job:
+        state.reconstruction.job.resume()
+
+
+def cancel(state: AppState) -> None:
+    if state.reconstruction.is_alive and state.reconstruction.job:
+        state.reconstruction.job.cancel()
+
+
+def show_live_model(state: AppState, model: DynamicGaussians) -> None:
+    """The newest copy of the model that is being trained, in the 3D view."""
+    job = state.reconstruction
+    if job.clip is None or (state.model is not None and state.model.model is model):
+        return
+    iteration = job.progress.iteration if job.progress else 0
+    first = state.model is None or state.model.cameras != job.clip.cameras
+    distance = middle_distance(model, job.clip.cameras[0])
+    if not first and state.model is not None:
+        # A pivot that follows every preview would make the picture wander.
+        distance = state.model.distance
+    name = job.run_path.name if job.run_path else job.clip.name
+    state.model = ShownModel(
+        model, job.clip.cameras, distance, name, iteration, job.config.iterations, live=True
+    )
+
+
+def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
+    job = state.reconstruction
+    if job.clip is not None and job.run_path is not None:
+        state.model = finished_model(model, job.clip.cameras, job.run_path.name, job.config.iterations)
+
+
+def reset_view(state: AppState) -> None:
+    """Back to the clip's own camera."""
+    state.orbit = Orbit()
+
+
+def can_continue(state: AppState) -> bool:
+    """A run was cut short and its clip is the one that is open."""
+    job = state.reconstruction
+    if job.run_path is None or job.status not in ("cancelled", "failed"):
+        return False
+    return state.clip is not None and state.clip is job.clip
+
+
+def why_not_reconstruct(state: AppState) -> str:
+    """What a reconstruction still lacks, in a sentence; empty when it can start."""
+    if state.clip is None:
+        return "Open a clip first."
+    if not state.clip.has_depth:
+        return "This clip has no measured depth, which a reconstruction starts from."
+    return ""

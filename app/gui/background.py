@@ -1,0 +1,104 @@
+"""Work off the window's thread. What piles up is dropped, oldest first: only the newest request matters."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Generic, TypeVar
+
+Request = TypeVar("Request")
+Answer = TypeVar("Answer")
+
+log = logging.getLogger(__name__)
+
+
+class Failure:
+    """An exception as an answer: the one line a person reads."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+        self.message = str(error) or type(error).__name__
+
+
+class Channel(Generic[Request, Answer]):
+    """One kind of work: ask with a request, take its answer.
+
+    `work` yields one or more answers to a request, each better than the last. At most `depth` requests and
+    answers are kept, the newest; a request with better answers still to come gives way to a newer one.
+    """
+
+    def __init__(self, work: Callable[[Request], Iterator[Answer]], depth: int = 1) -> None:
+        self._work = work
+        self._lock = threading.Lock()
+        self._waiting: deque[Request] = deque(maxlen=depth)
+        self._answers: deque[tuple[Request, Answer | Failure]] = deque(maxlen=depth)
+        self._wake: Callable[[], None] = lambda: None
+        self.asked: Request | None = None
+        """The newest request, answered or not."""
+
+    def ask(self, request: Request) -> None:
+        with self._lock:
+            self.asked = request
+            self._waiting.append(request)
+        self._wake()
+
+    def take(self) -> tuple[Request, Answer | Failure] | None:
+        """The next answer with its request, once each; None when there is none."""
+        with self._lock:
+            return self._answers.popleft() if self._answers else None
+
+    def attach(self, wake: Callable[[], None]) -> None:
+        """Call `wake` whenever there is something to do."""
+        self._wake = wake
+
+    def run_waiting(self, on_answer: Callable[[], None] = lambda: None) -> bool:
+        """Do what waits, in the calling thread. False when nothing waited."""
+        with self._lock:
+            if not self._waiting:
+                return False
+            request = self._waiting.popleft()
+        try:
+            for answer in self._work(request):
+                self._put(request, answer)
+                on_answer()
+                if self._waiting:
+                    break
+        except Exception as error:
+            log.debug("request failed", exc_info=True)
+            self._put(request, Failure(error))
+            on_answer()
+        return True
+
+    def _put(self, request: Request, answer: Answer | Failure) -> None:
+        with self._lock:
+            self._answers.append((request, answer))
+
+
+class Worker:
+    """One thread that serves several channels in turn, so that two numba thread pools never meet."""
+
+    def __init__(self, channels: Sequence[Channel[Any, Any]], on_answer: Callable[[], None]) -> None:
+        self._channels = tuple(channels)
+        self._on_answer = on_answer
+        self._wake, self._closing = threading.Event(), threading.Event()
+        for channel in self._channels:
+            channel.attach(self._wake.set)
+        self._thread = threading.Thread(target=self._run, name="vesselsplat-worker", daemon=True)
+        self._thread.start()
+
+    def close(self, timeout: float = 2.0) -> None:
+        """Stops after the work in hand, which the process does not wait for longer than `timeout` seconds."""
+        self._closing.set()
+        self._wake.set()
+        self._thread.join(timeout)
+
+    def _run(self) -> None:
+        while not self._closing.is_set():
+            self._wake.wait()
+            self._wake.clear()
+            while not self._closing.is_set():
+                served = [channel.run_waiting(self._on_answer) for channel in self._channels]
+                if not any(served):
+                    break

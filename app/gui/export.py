@@ -1,0 +1,125 @@
+"""Pictures for a report: drawn from the data at full resolution, labelled, with their provenance inside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from app.gui.enhancing import Pictures
+from app.gui.viewing import View, ViewRequest, draw_view
+from app.provenance import provenance, source, write_png
+from renderer.clip import ByteImage
+
+NOTICE = "Research use only. Not a medical device."
+INK, PAPER = (235, 235, 235), (28, 28, 28)
+
+
+@dataclass(frozen=True, eq=False)
+class SaveRequest:
+    """What is on screen, to be written into `folder`: the pair of pictures, the 3D view, or both."""
+
+    folder: Path
+    pictures: Pictures | None
+    view: ViewRequest | None
+    source: Path | None
+    """The clip or run that it comes from."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    path: Path
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One picture of the export, with what stands above it."""
+
+    label: str
+    image: ByteImage
+
+
+def save_picture(request: SaveRequest) -> Iterator[Saved]:
+    """Write one PNG with all panels side by side. Raises OSError or UserError."""
+    panels, facts = _panels(request)
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
+    stem = request.source.stem if request.source else "vesselsplat"
+    path = request.folder / f"{stem}-{stamp}.png"
+    write_png(path, sheet(panels), facts)
+    yield Saved(path)
+
+
+def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
+    panels: list[Panel] = []
+    facts: dict[str, Any] = {"kind": "screenshot"}
+    if request.source is not None:
+        facts["source"] = source(request.source)
+    if (pictures := request.pictures) is not None:
+        wanted = pictures.request
+        label = wanted.clip.labels[wanted.frame_index]
+        panels.append(Panel(f"Original   {label}", pictures.photo))
+        facts["frame"] = {"index": wanted.frame_index, "label": label}
+        if pictures.enhanced is not None:
+            panels.append(Panel("Enhanced   " + describe(pictures), pictures.enhanced))
+            facts |= {"params": wanted.params, "statistics": pictures.statistics}
+    if request.view is not None:
+        view = _drawn(request.view)
+        panels.append(Panel(f"Reconstruction   {view.request.shown.name}", view.image))
+        facts["view"] = {
+            "run": view.request.shown.name,
+            "iteration": view.request.shown.iteration,
+            "time": view.request.time,
+            "camera": view.request.camera.to_json(),
+            "renderer": "cpu",
+        }
+    return panels, provenance(**facts)
+
+
+def _drawn(request: ViewRequest) -> View:
+    """The view with as many pixels across as the clip's photos have, at least."""
+    photo = request.shown.cameras[0]
+    scale = max(1.0, photo.width / request.camera.width, photo.height / request.camera.height)
+    (view,) = draw_view(request.scaled(scale))
+    return view
+
+
+def describe(pictures: Pictures) -> str:
+    """What the enhancement used, in the words of the paper."""
+    used, params = pictures.statistics, pictures.request.params
+    if used is None or params is None:
+        return ""
+    z = f"z {'auto ' if params.z is None else ''}{used.z:.2f}"
+    exponents = "/".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
+    p = f"P {'auto ' if params.p is None else ''}{exponents}"
+    return f"{z} · {p} · d {params.d_factor:.2f}"
+
+
+def sheet(panels: list[Panel]) -> ByteImage:
+    """(H, W, 3): the panels side by side at their own sizes, a caption above each, the notice below."""
+    margin = 8
+    size = max(14, max(panel.image.shape[0] for panel in panels) // 32)
+    strip = 2 * size
+    width = sum(panel.image.shape[1] + margin for panel in panels) - margin
+    height = max(panel.image.shape[0] for panel in panels) + 2 * strip
+    page = Image.new("RGB", (width, height), PAPER)
+    draw, x = ImageDraw.Draw(page), 0
+    for panel in panels:
+        font = _fitting(panel.label, size, panel.image.shape[1] - size)
+        draw.text((x + size // 2, strip // 2), panel.label, INK, font, anchor="lm")
+        page.paste(Image.fromarray(panel.image), (x, strip))
+        x += panel.image.shape[1] + margin
+    small = _fitting(NOTICE, size * 3 // 4, width - size)
+    draw.text((size // 2, height - strip // 2), NOTICE, (170, 170, 170), small, anchor="lm")
+    return np.asarray(page, dtype=np.uint8)
+
+
+def _fitting(text: str, size: int, width: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """The built-in font, small enough for `text` to fit into `width` pixels."""
+    font = ImageFont.load_default(size)
+    shrunk = int(size * width / max(font.getlength(text), 1))
+    return font if shrunk >= size else ImageFont.load_default(max(6, shrunk))

@@ -1,0 +1,103 @@
+"""Every key of the window in one table: what it does, and the text of the help."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from imgui_bundle import imgui
+
+from app.gui import actions
+from app.gui.picture_view import PictureView
+from app.gui.state import AppState
+
+
+@dataclass(frozen=True)
+class Shortcut:
+    """A chord of keys and what it does to the state."""
+
+    chord: int
+    keys: str
+    """As a person reads it."""
+    text: str
+    act: Callable[[AppState], None]
+    repeats: bool = False
+
+
+@dataclass(frozen=True)
+class Commands:
+    """What keys can start that needs more than the state."""
+
+    open_folder: Callable[[], None]
+    open_file: Callable[[], None]
+    screenshot: Callable[[], None]
+
+
+MODIFIERS = int(imgui.Key.mod_mask_)
+PEEK = imgui.Key.space
+PEEK_TEXT = "hold: original in the enhanced pane"
+MOUSE = (
+    ("Wheel", "zoom at the pointer, both pictures or the 3D view"),
+    ("Drag", "move the pictures; turn the 3D view"),
+    ("Right drag", "move the 3D view"),
+    ("Double click", "fit the pictures; 3D view back to the clip's camera; slider back to its default"),
+    ("Ctrl+click on a slider", "type a value"),
+)
+
+
+def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
+    """In the order of the help."""
+    key, ctrl = imgui.Key, imgui.Key.mod_ctrl
+    return (
+        Shortcut(key.e, "E", "enhancement on and off", actions.toggle_enhancement),
+        Shortcut(key.escape, "Esc", "plain white light", actions.white_light),
+        Shortcut(key.f, "F", "freeze the pictures", actions.toggle_freeze),
+        Shortcut(key.p, "P", "play and pause", actions.toggle_play),
+        Shortcut(key.k, "K", "play and pause", actions.toggle_play),
+        Shortcut(key.comma, ",", "one frame back", lambda s: actions.step(s, -1), repeats=True),
+        Shortcut(key.period, ".", "one frame on", lambda s: actions.step(s, 1), repeats=True),
+        Shortcut(key.home, "Home", "3D view back to the clip's camera", actions.reset_view),
+        Shortcut(key._0, "0", "fit the pictures", fit_pictures),
+        Shortcut(key._1, "1", "pictures at 100 %", one_to_one),
+        Shortcut(key.r, "R", "reset all enhancement parameters", actions.reset_params),
+        Shortcut(ctrl | key.z, "Ctrl+Z", "undo a parameter", actions.undo, repeats=True),
+        Shortcut(ctrl | key.y, "Ctrl+Y", "redo a parameter", actions.redo, repeats=True),
+        Shortcut(key.s, "S", "save a picture of what is shown", lambda s: commands.screenshot()),
+        Shortcut(ctrl | key.o, "Ctrl+O", "open a folder", lambda s: commands.open_folder()),
+        Shortcut(ctrl | key.i, "Ctrl+I", "open an image or a video", lambda s: commands.open_file()),
+        Shortcut(imgui.Key.mod_shift | key.slash, "?", "this help", toggle_help),
+        Shortcut(key.f1, "F1", "this help", toggle_help),
+    )
+
+
+def fit_pictures(state: AppState) -> None:
+    state.picture_view = PictureView()
+
+
+def one_to_one(state: AppState) -> None:
+    """One picture pixel a pixel of the screen, also where the window counts in larger units."""
+    state.picture_view = state.picture_view.one_to_one(1 / imgui.get_io().display_framebuffer_scale.x)
+
+
+def toggle_help(state: AppState) -> None:
+    state.help_open = not state.help_open
+
+
+def handle_keys(state: AppState, table: tuple[Shortcut, ...]) -> None:
+    """Act on the keys of this frame; typing and open dialogs keep theirs."""
+    io = imgui.get_io()
+    free = not io.want_text_input and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+    # While controls are walked by keyboard, Space presses the one in focus.
+    state.peeking = free and not io.nav_visible and imgui.is_key_down(PEEK)
+    if not free:
+        return
+    for entry in table:
+        if _pressed(entry):
+            entry.act(state)
+
+
+def _pressed(entry: Shortcut) -> bool:
+    """Exactly this chord; a held key counts again only where that is wanted."""
+    modifiers = entry.chord & MODIFIERS
+    key = imgui.Key(entry.chord & ~MODIFIERS)
+    return imgui.get_io().key_mods == modifiers and imgui.is_key_pressed(key, entry.repeats)

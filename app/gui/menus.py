@@ -1,0 +1,98 @@
+"""The menu bar and the status bar."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from imgui_bundle import hello_imgui, imgui, imgui_ctx
+
+from app.gui import actions, theme
+from app.gui.keys import fit_pictures, one_to_one, toggle_help
+from app.gui.panels.overlays import NOTICE
+from app.gui.panels.welcome import Openers
+from app.gui.state import AppState
+from app.gui.widgets import em, explain
+
+Act = Callable[[], None]
+
+
+def draw_menus(state: AppState, openers: Openers, screenshot: Act) -> None:
+    """Everything that has a key, for those who look rather than remember."""
+    with imgui_ctx.begin_menu("File") as menu:
+        if menu:
+            _draw_file(state, openers, screenshot)
+    with imgui_ctx.begin_menu("Picture") as menu:
+        if menu:
+            _draw_picture(state)
+    hello_imgui.show_view_menu(hello_imgui.get_runner_params())
+    with imgui_ctx.begin_menu("Help") as menu:
+        if menu:
+            _item("Keys and mouse", "?", lambda: toggle_help(state))
+
+
+def _item(label: str, keys: str, act: Act, *, ticked: bool = False, enabled: bool = True) -> None:
+    if imgui.menu_item_simple(label, keys, ticked, enabled):
+        act()
+
+
+def _draw_file(state: AppState, openers: Openers, screenshot: Act) -> None:
+    _item("Open folder…", "Ctrl+O", openers.folder)
+    _item("Open image or video…", "Ctrl+I", openers.file)
+    _item("Open the built-in phantom", "", openers.phantom)
+    with imgui_ctx.begin_menu("Open recent", bool(state.settings.recent)) as menu:
+        if menu:
+            for text in state.settings.recent:
+                _item(f"{Path(text).name}##{text}", "", partial(actions.open_path, state, Path(text)))
+                explain(text)
+    remember = state.settings.remember_recent
+    _item("Remember recent", "", lambda: actions.remember_recent(state, not remember), ticked=remember)
+    imgui.separator()
+    something = state.pictures is not None or state.model is not None
+    _item("Save picture", "S", screenshot, enabled=something)
+    imgui.separator()
+    _item("Quit", "Ctrl+Q", quit_app)
+
+
+def _draw_picture(state: AppState) -> None:
+    clip = state.clip is not None
+    _item("Enhancement", "E", lambda: actions.toggle_enhancement(state), ticked=state.enhancing, enabled=clip)
+    _item("Plain white light", "Esc", lambda: actions.white_light(state), enabled=clip)
+    frozen = state.frozen_index is not None
+    _item("Freeze", "F", lambda: actions.toggle_freeze(state), ticked=frozen, enabled=clip)
+    imgui.separator()
+    _item("Fit", "0", lambda: fit_pictures(state), enabled=clip)
+    _item("1:1", "1", lambda: one_to_one(state), enabled=clip)
+    imgui.separator()
+    _item("Undo", "Ctrl+Z", lambda: actions.undo(state), enabled=len(state.past) > 1)
+    _item("Redo", "Ctrl+Y", lambda: actions.redo(state), enabled=bool(state.future))
+    _item("Reset all parameters", "R", lambda: actions.reset_params(state))
+
+
+def quit_app() -> None:
+    hello_imgui.get_runner_params().app_shall_exit = True
+
+
+def draw_status(state: AppState) -> None:
+    """The notice on the left, always; what is open and how fast things are on the right."""
+    imgui.text_colored(theme.WARNING, NOTICE)
+    text = "   ·   ".join(_facts(state))
+    x = imgui.get_window_width() - imgui.calc_text_size(text).x - em(1)
+    if x > imgui.calc_text_size(NOTICE).x + em(3):
+        imgui.same_line(x)
+        imgui.text_colored(theme.MUTED, text)
+
+
+def _facts(state: AppState) -> list[str]:
+    facts = []
+    if state.clip is not None:
+        width, height = state.clip.size
+        facts.append(f"{state.clip.name}  {width}×{height}")
+    if state.pictures is not None and state.pictures.enhanced is not None:
+        facts.append(f"enhanced in {state.pictures.milliseconds:.0f} ms")
+    if state.model is not None:
+        who = "by the processor" if state.processor_draws else "by the graphics card"
+        took = f" in {state.view.milliseconds:.0f} ms" if state.view and state.processor_draws else ""
+        facts.append(f"3D drawn {who}{took}")
+    return facts

@@ -1,0 +1,84 @@
+"""Opens what a person points at: a clip, or a run with its clip and model. Made off the window's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.gui.viewing import ShownModel, middle_distance
+from app.run_folder import RunFolder, RunRecord
+from renderer.camera import Camera
+from renderer.clip import Clip, ClipError
+from renderer.gaussians import DynamicGaussians
+from renderer.sources import open_clip
+
+
+@dataclass(frozen=True, eq=False)
+class OpenRequest:
+    """One wish to open something; a second wish for the same path is another request."""
+
+    path: Path
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedRun:
+    """A run folder with what can be shown of it."""
+
+    path: Path
+    record: RunRecord
+    model: ShownModel | None
+    """None for a run that is not finished."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A clip, a run, or a run with its clip."""
+
+    clip: Clip | None
+    run: OpenedRun | None = None
+    notices: tuple[str, ...] = ()
+
+
+def open_path(request: OpenRequest) -> Iterator[Opened]:
+    """Raises ClipError or UserError: one line for the banner."""
+    folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
+    run = RunFolder(folder)
+    if run.is_run or request.path.suffix == ".safetensors":
+        yield _open_run(run)
+        return
+    clip = open_clip(request.path)
+    # A folder that lists but does not decode is found out here, not in the middle of a session.
+    clip.read_image(0)
+    yield Opened(clip, notices=clip.notices)
+
+
+def _open_run(folder: RunFolder) -> Opened:
+    record = folder.record()
+    clip, notices = _clip_of(record)
+    model = shown_model(folder, record) if folder.is_finished else None
+    if model is None:
+        notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
+    return Opened(clip, OpenedRun(folder.path, record, model), notices)
+
+
+def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
+    try:
+        clip = open_clip(Path(record.clip.path))
+        return clip, clip.notices
+    except ClipError as error:
+        return None, (f"the run's clip cannot be opened, only its model is shown: {error}",)
+
+
+def shown_model(folder: RunFolder, record: RunRecord) -> ShownModel:
+    """The finished model of a run, ready to be looked at through its clip's cameras."""
+    cameras = tuple(record.camera(index) for index in range(record.clip.frames))
+    return finished_model(folder.model(), cameras, folder.path.name, record.config.iterations)
+
+
+def finished_model(
+    model: DynamicGaussians, cameras: tuple[Camera, ...], name: str, iterations: int
+) -> ShownModel:
+    """A model that is no longer trained."""
+    distance = middle_distance(model, cameras[0])
+    return ShownModel(model, cameras, distance, name, iterations, iterations, live=False)

@@ -1,0 +1,127 @@
+"""The parameters of the 2D enhancement, and what they came to on the picture that is shown."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from imgui_bundle import imgui, imgui_ctx
+
+from app.gui import actions, theme
+from app.gui.state import AppState
+from app.gui.widgets import button, declared, em, explain, row, slide, slide_auto, slider, wants_default
+from enhance import EnhanceParams, Statistics
+
+SUBSAMPLES = (1, 2, 4, 8)
+SCOPES = ("image", "clip")
+SCOPE_LABELS = ["each frame", "whole clip"]
+
+
+def draw_enhancement(state: AppState) -> None:
+    """Sliders in the order of the paper's stages, then what was measured."""
+    used = state.pictures.statistics if state.pictures else None
+    params = _draw_strengths(state.params, used)
+    imgui.spacing()
+    params = _draw_windows(params)
+    if params != state.params:
+        actions.set_params(state, params)
+    _draw_scope(state)
+    imgui.spacing()
+    _draw_edits(state)
+    imgui.spacing()
+    _draw_measured(state, used)
+
+
+def _draw_strengths(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
+    p = sum(used.p) / len(used.p) if used and used.p else None
+    params = slide_auto(params, "z", "Brightness z", used.z if used else None, 0.5)
+    params = slide_auto(params, "p", "Detail P", p, 0.5)
+    return slide(params, "d_factor", "Colour d")
+
+
+def _draw_windows(params: EnhanceParams) -> EnhanceParams:
+    about = declared(EnhanceParams, "radii")
+    row("Windows", about.text)
+    radii, gap = list(params.radii), em(0.25)
+    width = (imgui.get_content_region_avail().x - gap * (len(radii) - 1)) / len(radii)
+    flags = imgui.SliderFlags_.always_clamp | imgui.SliderFlags_.logarithmic
+    for index, radius in enumerate(params.radii):
+        if index:
+            imgui.same_line(0, gap)
+        imgui.set_next_item_width(width)
+        changed, new = slider(f"##radius{index}", radius, about, "%d px", flags)
+        explain(about.text)
+        radii[index] = new if changed else radius
+        if wants_default(f"radius{index}"):
+            radii[index] = about.default[index]
+    params = replace(params, radii=tuple(radii))
+    params = slide(params, "eps", "Smoothing", "%.4f", log=True)
+    return _draw_subsample(params)
+
+
+def _draw_subsample(params: EnhanceParams) -> EnhanceParams:
+    about = declared(EnhanceParams, "subsample")
+    row("Subsample", about.text)
+    imgui.set_next_item_width(em(4.2))
+    labels = [f"{factor}×" if factor > 1 else "off" for factor in SUBSAMPLES]
+    index = SUBSAMPLES.index(params.subsample) if params.subsample in SUBSAMPLES else 1
+    changed, index = imgui.combo("##subsample", index, labels)
+    explain(about.text)
+    params = replace(params, subsample=SUBSAMPLES[index]) if changed else params
+    imgui.same_line()
+    changed, keep = imgui.checkbox("keep black", params.keep_black)
+    explain(declared(EnhanceParams, "keep_black").text)
+    return replace(params, keep_black=keep) if changed else params
+
+
+def _draw_scope(state: AppState) -> None:
+    text = (
+        "Automatic values from each frame as in the paper, or pooled over the clip, "
+        "so that playing does not flicker."
+    )
+    row("Statistics", text)
+    imgui.set_next_item_width(-em(0.1))
+    changed, index = imgui.combo("##scope", SCOPES.index(state.scope), SCOPE_LABELS)
+    explain(text)
+    if changed:
+        state.scope = "clip" if index else "image"
+
+
+def _draw_edits(state: AppState) -> None:
+    width = (imgui.get_content_region_avail().x / em() - 1) / 3
+    button("Undo", lambda: actions.undo(state), enabled=len(state.past) > 1, width=width)
+    explain("Ctrl+Z")
+    imgui.same_line(0, em(0.5))
+    button("Redo", lambda: actions.redo(state), enabled=bool(state.future), width=width)
+    explain("Ctrl+Y")
+    imgui.same_line(0, em(0.5))
+    changed = state.params != EnhanceParams()
+    button("Reset all", lambda: actions.reset_params(state), enabled=changed, width=width)
+    explain("R. One value alone: double click on its slider, or right click.")
+
+
+def _draw_measured(state: AppState, used: Statistics | None) -> None:
+    if used is None or state.pictures is None:
+        imgui.text_colored(theme.MUTED, "—")
+        return
+    sigmas = "  ".join(f"{sigma:.0f}" for sigma in used.sigmas)
+    exponents = "  ".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
+    facts = (
+        ("L", f"{used.level:.0f}", "Eq 2: grey level below which a tenth of the picture lies."),
+        ("σ", sigmas, "Eq 9: standard deviation of each window's base layer, in grey levels."),
+        ("z", f"{used.z:.3f}", "Eq 1: brightness factor in use."),
+        ("P", exponents, "Eq 7: exponent in use at each window."),
+        ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
+        ("time", f"{state.pictures.milliseconds:.0f} ms", "Of the enhancement of this frame, here."),
+    )
+    with imgui_ctx.begin_table("measured", 4) as table:
+        if not table:
+            return
+        for column, width in enumerate((3.6, 4.5, 2.6, 4.5)):
+            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
+        for name, value, text in facts:
+            imgui.table_next_column()
+            imgui.text_colored(theme.MUTED, name)
+            explain(text)
+            imgui.table_next_column()
+            imgui.text_unformatted(value)
+            explain(text)

@@ -1,0 +1,126 @@
+"""What lies over the window: the first-start notice, errors, good news, the help."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
+
+from app.gui import actions, theme
+from app.gui.keys import MOUSE, PEEK_TEXT, Shortcut
+from app.gui.state import AppState
+from app.gui.widgets import button, em
+
+NOTICE = "Research use only. Not a medical device. Not for diagnosis or treatment."
+DETAILS = (
+    "VesselSplat makes vessels easier to see in a picture. It does not find, measure or judge them, "
+    "and enhanced pictures may show structures that are not there. "
+    "Screens and cameras are not calibrated. The responsibility for every use stays with you. "
+    "Nothing leaves this computer."
+)
+FIXED = (
+    imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_docking
+    | imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_focus_on_appearing
+)  # fmt: skip
+
+
+def draw_notice(state: AppState) -> None:
+    """Once, before anything else; the same sentence stays in the status bar."""
+    title = "Before you begin"
+    if state.settings.acknowledged:
+        return
+    imgui.open_popup(title)
+    viewport = imgui.get_main_viewport()
+    imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
+    imgui.set_next_window_size(ImVec2(em(30), 0))
+    with imgui_ctx.begin_popup_modal(
+        title, imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    ) as opened:
+        if not opened:
+            return
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.spacing()
+            imgui.text_unformatted(NOTICE)
+            imgui.spacing()
+            imgui.text_colored(theme.MUTED, DETAILS)
+        imgui.spacing()
+        if imgui.button("I understand", ImVec2(-1, em(2))):
+            actions.acknowledge(state)
+            imgui.close_current_popup()
+
+
+def draw_banner(state: AppState) -> None:
+    """An error, at the top, until it is dismissed; everything else stays usable."""
+    if state.banner is None:
+        return
+    viewport = imgui.get_main_viewport()
+    top = ImVec2(viewport.get_center().x, viewport.work_pos.y + em(0.8))
+    imgui.set_next_window_pos(top, imgui.Cond_.always, ImVec2(0.5, 0))
+    width = min(em(56), viewport.work_size.x - em(4))
+    imgui.set_next_window_size_constraints(ImVec2(em(20), 0), ImVec2(width, em(20)))
+    with (
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, ImVec4(0.30, 0.13, 0.12, 0.98)),
+        imgui_ctx.push_style_color(imgui.Col_.border, theme.DANGER),
+        imgui_ctx.begin("##banner", None, FIXED),
+    ):
+        message = state.banner.message
+        wrap = min(imgui.calc_text_size(message).x + em(1), width - em(7))
+        with imgui_ctx.begin_group(), imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + wrap):
+            imgui.align_text_to_frame_padding()
+            imgui.text_unformatted(message)
+        imgui.same_line(0, em(1))
+        if imgui.button("Dismiss"):
+            state.banner = None
+
+
+def draw_toast(state: AppState) -> None:
+    """Good news, at the bottom, for a few seconds."""
+    if state.toast is None:
+        return
+    viewport = imgui.get_main_viewport()
+    bottom = ImVec2(viewport.get_center().x, viewport.work_pos.y + viewport.work_size.y - em(6))
+    imgui.set_next_window_pos(bottom, imgui.Cond_.always, ImVec2(0.5, 1))
+    flags = FIXED | imgui.WindowFlags_.no_inputs
+    with (
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.grey(0.22, 0.97)),
+        imgui_ctx.begin("##toast", None, flags),
+    ):
+        imgui.text_unformatted(state.toast.message)
+
+
+def draw_help(state: AppState, table: tuple[Shortcut, ...]) -> None:
+    """Every key and gesture; nothing is hidden elsewhere."""
+    if not state.help_open:
+        return
+    viewport = imgui.get_main_viewport()
+    imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
+    imgui.set_next_window_size(ImVec2(em(34), 0), imgui.Cond_.appearing)
+    flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
+    with imgui_ctx.begin("Keys and mouse", True, flags) as window:
+        state.help_open = bool(window.opened)
+        if not window:
+            return
+        rows = [("Space", PEEK_TEXT), *((entry.keys, entry.text) for entry in table), *MOUSE]
+        with imgui_ctx.begin_table("keys", 2, imgui.TableFlags_.row_bg) as table_shown:
+            if not table_shown:
+                return
+            imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, em(9))
+            for keys, text in rows:
+                imgui.table_next_column()
+                imgui.text_colored(theme.ACCENT, keys)
+                imgui.table_next_column()
+                imgui.text_wrapped(text)
+        imgui.spacing()
+        imgui.text_colored(theme.MUTED, NOTICE)
+
+
+def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
+    """What happened in this session, newest last."""
+    button("Copy", lambda: copy("\n".join(state.log)), enabled=bool(state.log))
+    with imgui_ctx.begin_child("lines"):
+        with imgui_ctx.push_text_wrap_pos(0):
+            for line in state.log:
+                imgui.text_unformatted(line)
+        if imgui.get_scroll_y() >= imgui.get_scroll_max_y():
+            imgui.set_scroll_here_y(1.0)

@@ -1,0 +1,179 @@
+"""The 3D reconstruction: what to make, how far it is, how good it is so far."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
+
+from app.gui import actions, theme
+from app.gui.actions import MakeJob
+from app.gui.state import AppState, InputKind, Reconstruction
+from app.gui.widgets import button, declared, em, explain, row, seconds, slider, wants_default
+from enhance import EnhanceParams
+from renderer.train.config import Method, TrainConfig
+
+METHODS: tuple[Method, ...] = get_args(Method)
+INPUTS: tuple[InputKind, ...] = get_args(InputKind)
+PLOT_FLAGS = (
+    implot.Flags_.no_title
+    | implot.Flags_.no_menus
+    | implot.Flags_.no_box_select
+    | implot.Flags_.no_mouse_text
+)
+STATUS = {
+    "none": "",
+    "starting": "Starting…",
+    "running": "Reconstructing",
+    "paused": "Paused",
+    "finished": "Finished",
+    "failed": "Stopped",
+    "cancelled": "Cut short",
+}
+
+
+def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
+    """Choices before, buttons always, progress during and after."""
+    run = state.reconstruction
+    if not run.is_alive:
+        _draw_choices(state, run)
+        imgui.spacing()
+    _draw_buttons(state, make_job)
+    if run.status != "none":
+        _draw_status(run)
+    if run.curve:
+        _draw_curves(run)
+    _draw_messages(run)
+
+
+def _draw_choices(state: AppState, run: Reconstruction) -> None:
+    config = run.config
+    text = declared(TrainConfig, "method").text
+    method = _choose("Method", "method", METHODS.index(config.method), list(METHODS), text)
+    frames = "Reconstruct the photos as they are, or enhanced with the parameters above."
+    run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), list(INPUTS), frames)]
+    if run.input == "enhanced":
+        about = declared(EnhanceParams, "d_factor")
+        row("Colour d", "Of the frames to reconstruct; the paper takes 0.5 there. " + about.text)
+        imgui.set_next_item_width(-em(0.1))
+        _, run.d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
+    iterations = _steps(config)
+    if (method, iterations) != (METHODS.index(config.method), config.iterations):
+        run.config = replace(config, method=METHODS[method], iterations=iterations)
+    row("Name", "Folder of the run; empty: the clip's name and the time.")
+    imgui.set_next_item_width(-em(0.1))
+    _, run.name = imgui.input_text_with_hint("##name", "automatic", run.name)
+
+
+def _choose(label: str, name: str, index: int, values: list[str], text: str) -> int:
+    row(label, text)
+    imgui.set_next_item_width(-em(0.1))
+    _, index = imgui.combo(f"##{name}", index, values)
+    explain(text)
+    return index
+
+
+def _steps(config: TrainConfig) -> int:
+    about = declared(TrainConfig, "iterations")
+    text = about.text or "Training steps; more are slower and better."
+    row("Iterations", text)
+    imgui.set_next_item_width(-em(0.1))
+    changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
+    explain(text)
+    if wants_default("iterations"):
+        return int(about.default)
+    return int(min(max(value, about.lo), about.hi)) if changed else config.iterations
+
+
+def _draw_buttons(state: AppState, make_job: MakeJob) -> None:
+    run = state.reconstruction
+    if not run.is_alive:
+        again = actions.can_continue(state)
+        half = (imgui.get_content_region_avail().x / em() - 0.5) / 2 if again else -1.0
+        reason = actions.why_not_reconstruct(state)
+        with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM):
+            start = lambda: actions.start_reconstruction(state, make_job)  # noqa: E731
+            button("Reconstruct###start", start, enabled=not reason, width=half)
+        explain(reason or "In the background; the pictures stay usable.")
+        if again:
+            imgui.same_line(0, em(0.5))
+            onward = lambda: actions.start_reconstruction(state, make_job, resume=True)  # noqa: E731
+            button("Continue", onward, width=half)
+            explain("From the last checkpoint of the run that was cut short.")
+        return
+    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
+    if run.status == "paused":
+        button("Resume###pause", lambda: actions.resume(state), enabled=run.can_resume, width=half)
+    else:
+        button("Pause###pause", lambda: actions.pause(state), enabled=run.can_pause, width=half)
+    imgui.same_line(0, em(0.5))
+    button("Cancel", lambda: actions.cancel(state), width=half)
+    explain("What is done so far is kept: Continue goes on from the last checkpoint.")
+
+
+def _draw_status(run: Reconstruction) -> None:
+    progress = run.progress
+    imgui.text_unformatted(STATUS[run.status])
+    imgui.same_line()
+    count = f"  ·  {progress.n_gaussians:,} Gaussians" if progress else ""
+    imgui.text_colored(theme.MUTED, f"{run.config.method}  ·  {run.input}{count}")
+    explain(str(run.run_path or ""))
+    if run.failure:
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.DANGER, run.failure)
+    if progress is None:
+        return
+    imgui.progress_bar(
+        progress.iteration / progress.iterations,
+        ImVec2(-1, em(1.25)),
+        f"{progress.iteration} / {progress.iterations}",
+    )
+    left = f"{seconds(progress.seconds_left)} left" if run.is_alive else ""
+    facts = (
+        (f"{seconds(progress.seconds)} elapsed", left),
+        (f"loss {progress.loss:.4f}", f"PSNR {progress.psnr:.1f} dB{_held_out(run)}"),
+    )
+    with imgui_ctx.begin_table("progress", 2) as table:
+        if not table:
+            return
+        for pair in facts:
+            for text in pair:
+                imgui.table_next_column()
+                imgui.text_colored(theme.MUTED, text)
+
+
+def _held_out(run: Reconstruction) -> str:
+    return f", held out {run.evaluated[-1].psnr:.1f}" if run.evaluated else ""
+
+
+def _draw_curves(run: Reconstruction) -> None:
+    """PSNR on the left axis, loss on the right one."""
+    height = min(max(imgui.get_content_region_avail().y - em(0.2), em(4.5)), em(11))
+    if not implot.begin_plot("##curves", ImVec2(-1, height), PLOT_FLAGS):
+        return
+    fit, axis = implot.AxisFlags_.auto_fit | implot.AxisFlags_.no_highlight, implot.ImAxis_
+    implot.setup_axis(axis.x1, "", implot.AxisFlags_.no_highlight)
+    implot.setup_axis(axis.y1, "", fit)
+    implot.setup_axis(axis.y2, "", fit | implot.AxisFlags_.opposite | implot.AxisFlags_.no_grid_lines)
+    implot.setup_axis_limits(axis.x1, 0, run.config.iterations, implot.Cond_.always)
+    implot.setup_legend(implot.Location_.south_east, implot.LegendFlags_.horizontal)
+    curve = np.array(run.curve, dtype=np.float64).T
+    for name, values, y, color in (
+        ("PSNR dB", curve[2], axis.y1, theme.ACCENT),
+        ("loss", curve[1], axis.y2, theme.WARNING),
+    ):
+        implot.set_axes(axis.x1, y)
+        spec = implot.Spec(line_color=color, line_weight=em(0.1))
+        implot.plot_line(name, np.ascontiguousarray(curve[0]), np.ascontiguousarray(values), spec)
+    implot.end_plot()
+
+
+def _draw_messages(run: Reconstruction) -> None:
+    with imgui_ctx.push_text_wrap_pos(0):
+        for warning in run.warnings[-3:]:
+            imgui.text_colored(theme.WARNING, warning)
+        for omission in run.omitted:
+            imgui.text_colored(theme.MUTED, f"left out: {omission.what}")
+            explain(f"{omission.why} Saves {omission.saves}.")

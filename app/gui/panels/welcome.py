@@ -1,0 +1,57 @@
+"""What to do first: open something, drop something, or try the phantom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
+
+from app.gui import actions, theme
+from app.gui.state import AppState
+from app.gui.widgets import button, centered, em, explain
+
+WIDTH = 17.0
+
+
+@dataclass(frozen=True)
+class Openers:
+    """The ways to choose a clip."""
+
+    folder: Callable[[], None]
+    file: Callable[[], None]
+    phantom: Callable[[], None]
+
+
+def draw_welcome(state: AppState, openers: Openers) -> None:
+    """Shown in place of the pictures as long as there is no clip."""
+    space = imgui.get_content_region_avail()
+    imgui.dummy(ImVec2(0, max((space.y - em(18)) / 2.4, 0)))
+    with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
+        centered("Make blood vessels visible", theme.TEXT)
+    centered("Open an endoscopic clip, or drop a folder, an image or a video here.")
+    imgui.spacing()
+    choices = (
+        (f"{icons.ICON_FA_FOLDER_OPEN}   Open folder…", openers.folder),
+        (f"{icons.ICON_FA_FILM}   Open image or video…", openers.file),
+        (f"{icons.ICON_FA_MAGIC}   Try the built-in phantom", openers.phantom),
+    )
+    for label, choose in choices:
+        imgui.set_cursor_pos_x((imgui.get_window_width() - em(WIDTH)) / 2)
+        button(label, choose, enabled=state.opening is None, width=WIDTH)
+    if state.opening is not None:
+        centered(f"Opening {state.opening.path.name}…", theme.TEXT)
+    elif state.settings.recent:
+        _draw_recent(state)
+
+
+def _draw_recent(state: AppState) -> None:
+    imgui.spacing()
+    centered("Recent")
+    for text in state.settings.recent[:5]:
+        imgui.set_cursor_pos_x((imgui.get_window_width() - imgui.calc_text_size(Path(text).name).x) / 2)
+        if imgui.text_link(f"{Path(text).name}##{text}"):
+            actions.open_path(state, Path(text))
+        explain(text)

@@ -1,0 +1,67 @@
+"""Zoom and pan of a picture in a pane. Two panes that share one view are linked by construction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+MIN_ZOOM, MAX_ZOOM = 0.05, 40.0
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where the picture lies in its pane: pane position = offset + zoom * picture position, in pixels."""
+
+    zoom: float
+    offset_x: float
+    offset_y: float
+
+    def picture_at(self, x: float, y: float) -> tuple[float, float]:
+        """Picture position under a pane position."""
+        return (x - self.offset_x) / self.zoom, (y - self.offset_y) / self.zoom
+
+
+@dataclass(frozen=True)
+class PictureView:
+    """What the user looks at, independent of pane and picture sizes.
+
+    `zoom` is pane pixels per picture pixel, None = the whole picture fits; `center` is the picture
+    position in the middle of the pane, as fractions of the picture's width and height.
+    """
+
+    zoom: float | None = None
+    center: tuple[float, float] = (0.5, 0.5)
+
+    def place(self, picture: tuple[int, int], pane: tuple[float, float]) -> Placement:
+        """Placement of a picture of (width, height) pixels in a pane of (width, height) pixels."""
+        fit = min(pane[0] / picture[0], pane[1] / picture[1])
+        if self.zoom is None:
+            return Placement(fit, (pane[0] - fit * picture[0]) / 2, (pane[1] - fit * picture[1]) / 2)
+        x, y = (pane[axis] / 2 - self.zoom * self.center[axis] * picture[axis] for axis in (0, 1))
+        return Placement(self.zoom, x, y)
+
+    def zoomed(
+        self, factor: float, at: tuple[float, float], picture: tuple[int, int], pane: tuple[float, float]
+    ) -> PictureView:
+        """Zoomed by `factor` so that the picture position under the pane position `at` stays there."""
+        now = self.place(picture, pane)
+        zoom = min(max(now.zoom * factor, MIN_ZOOM), MAX_ZOOM)
+        fixed = now.picture_at(*at)
+        middle = (fixed[0] + (pane[0] / 2 - at[0]) / zoom, fixed[1] + (pane[1] / 2 - at[1]) / zoom)
+        return PictureView(zoom, _inside(middle, picture))
+
+    def panned(
+        self, by: tuple[float, float], picture: tuple[int, int], pane: tuple[float, float]
+    ) -> PictureView:
+        """Dragged by pane pixels; the middle of the pane stays on the picture."""
+        now = self.place(picture, pane)
+        middle = now.picture_at(pane[0] / 2 - by[0], pane[1] / 2 - by[1])
+        return PictureView(now.zoom, _inside(middle, picture))
+
+    def one_to_one(self, zoom: float = 1.0) -> PictureView:
+        """At `zoom` pane pixels a picture pixel, around the same centre."""
+        return PictureView(zoom, self.center)
+
+
+def _inside(position: tuple[float, float], picture: tuple[int, int]) -> tuple[float, float]:
+    x, y = (min(max(value / size, 0.0), 1.0) for value, size in zip(position, picture, strict=True))
+    return x, y

@@ -1,0 +1,80 @@
+"""What the app remembers between two starts, and the folders where it keeps things."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import platformdirs
+
+from app.atomic import write_bytes
+
+RECENT_LIMIT = 8
+
+
+@dataclass(frozen=True)
+class Places:
+    """Folders of this user: settings and layout, reconstructions, pictures."""
+
+    config: Path
+    runs: Path
+    pictures: Path
+
+    @classmethod
+    def of_user(cls) -> Places:
+        """The platform's own folders; VESSELSPLAT_CONFIG_DIR, _RUNS_DIR and _PICTURES_DIR override them."""
+        return cls(
+            config=_folder("VESSELSPLAT_CONFIG_DIR", platformdirs.user_config_path("vesselsplat", False)),
+            runs=_folder("VESSELSPLAT_RUNS_DIR", platformdirs.user_data_path("vesselsplat", False) / "runs"),
+            pictures=_folder("VESSELSPLAT_PICTURES_DIR", platformdirs.user_pictures_path() / "VesselSplat"),
+        )
+
+    @property
+    def settings_file(self) -> Path:
+        return self.config / "settings.json"
+
+
+def _folder(variable: str, default: Path) -> Path:
+    return Path(os.environ.get(variable) or default)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Kept as JSON in the user's own configuration folder, never beside a clip or in an export."""
+
+    acknowledged: bool = False
+    """The notice "Research use only" has been read."""
+    remember_recent: bool = True
+    recent: tuple[str, ...] = ()
+    """Opened clips and runs, newest first."""
+
+    def opened(self, path: Path) -> Settings:
+        """With `path` in front of the recent ones, when they are remembered at all."""
+        if not self.remember_recent:
+            return self
+        others = tuple(item for item in self.recent if item != str(path))
+        return replace(self, recent=(str(path), *others)[:RECENT_LIMIT])
+
+    def remembering(self, remember: bool) -> Settings:
+        """Switching the list off also forgets it."""
+        return replace(self, remember_recent=remember, recent=self.recent if remember else ())
+
+
+def load_settings(path: Path) -> Settings:
+    """What `save_settings` wrote. A missing or damaged file gives the defaults: nothing in it is precious."""
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+        return Settings(
+            acknowledged=values["acknowledged"] is True,
+            remember_recent=values["remember_recent"] is not False,
+            recent=tuple(str(item) for item in values["recent"])[:RECENT_LIMIT],
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return Settings()
+
+
+def save_settings(path: Path, settings: Settings) -> None:
+    """Atomic: a crash leaves the old file or the new one."""
+    write_bytes(path, json.dumps(asdict(settings), indent=2).encode())

@@ -1,0 +1,190 @@
+"""Everything that the user can see or has chosen. Plain values: no ImGui, no OpenGL."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, Protocol
+
+from app.gui.enhancing import PictureRequest, Pictures, Scope
+from app.gui.opening import OpenRequest
+from app.gui.orbit import Orbit
+from app.gui.picture_view import PictureView
+from app.gui.settings import Places, Settings
+from app.gui.viewing import ShownModel, View, ViewRequest
+from app.training import RECONSTRUCTION_PARAMS
+from enhance import EnhanceParams
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Omission, Progress, Started
+
+JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
+InputKind = Literal["original", "enhanced"]
+LOG_LINES = 500
+
+
+class Job(Protocol):
+    """A reconstruction in another process, as far as the window needs it."""
+
+    def start(self) -> None: ...
+    def poll(self) -> Sequence[object]: ...
+    def latest_model(self) -> DynamicGaussians | None: ...
+    def pause(self) -> None: ...
+    def resume(self) -> None: ...
+    def cancel(self) -> None: ...
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class Banner:
+    """What went wrong, in one sentence, until it is dismissed."""
+
+    message: str
+
+
+@dataclass(frozen=True)
+class Toast:
+    """Good news that goes away by itself."""
+
+    message: str
+    until: float
+    """On the window's clock, seconds."""
+
+
+@dataclass
+class Reconstruction:
+    """What the user chose for the next job, and what the present one has said."""
+
+    config: TrainConfig = field(default_factory=TrainConfig)
+    input: InputKind = "original"
+    d_factor: float = RECONSTRUCTION_PARAMS.d_factor
+    """Of the frames that are enhanced for the reconstruction."""
+    name: str = ""
+    """Folder name of the next run; empty: made from the clip's name and the time."""
+
+    status: JobStatus = "none"
+    job: Job | None = None
+    clip: Clip | None = None
+    run_path: Path | None = None
+    started: Started | None = None
+    progress: Progress | None = None
+    curve: list[tuple[float, float, float]] = field(default_factory=list)
+    """(iteration, loss, PSNR in dB) of every Progress."""
+    evaluated: list[Evaluated] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    failure: str = ""
+
+    @property
+    def omitted(self) -> tuple[Omission, ...]:
+        return self.started.omitted if self.started else ()
+
+    @property
+    def is_alive(self) -> bool:
+        return self.status in ("starting", "running", "paused")
+
+    @property
+    def can_pause(self) -> bool:
+        return self.status == "running"
+
+    @property
+    def can_resume(self) -> bool:
+        return self.status == "paused"
+
+
+@dataclass
+class AppState:
+    """The one mutable value of the window; actions change it, drawing reads it."""
+
+    places: Places
+    settings: Settings = field(default_factory=Settings)
+
+    opening: OpenRequest | None = None
+    clip: Clip | None = None
+    frame_index: int = 0
+    frozen_index: int | None = None
+    """The frame that the pictures hold while the clip's time goes on."""
+    playing: bool = False
+    playhead: float = 0.0
+    """Position in frames while playing; frame_index is its whole part."""
+
+    params: EnhanceParams = field(default_factory=EnhanceParams)
+    scope: Scope = "image"
+    enhancing: bool = True
+    """False: plain white light on both sides."""
+    peeking: bool = False
+    """The original is shown in the enhanced pane while a key is held."""
+    past: list[EnhanceParams] = field(default_factory=lambda: [EnhanceParams()])
+    """Settled parameters; the last is the present one. Undo goes back in it."""
+    future: list[EnhanceParams] = field(default_factory=list)
+
+    pictures: Pictures | None = None
+    asked_at: float = 0.0
+    """When the newest pictures were asked for, on the window's clock."""
+    picture_view: PictureView = field(default_factory=PictureView)
+    zoom: float = 1.0
+    """Screen pixels per picture pixel, as last laid out."""
+
+    reconstruction: Reconstruction = field(default_factory=Reconstruction)
+    model: ShownModel | None = None
+    view: View | None = None
+    view_size: tuple[int, int] = (0, 0)
+    """Pixels of the 3D view, as last laid out; (0, 0) while it is hidden."""
+    view_dragged: bool = False
+    orbit: Orbit = field(default_factory=Orbit)
+    linked: bool = True
+    """The 3D view follows the clip's frame."""
+    view_time: float = 0.0
+    """In [0, 1]; used when not linked."""
+
+    now: float = 0.0
+    """The window's clock, seconds."""
+    banner: Banner | None = None
+    toast: Toast | None = None
+    log: deque[str] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
+    help_open: bool = False
+    processor_draws: bool = True
+    """The numba rasteriser draws the 3D view, since there is no graphics card."""
+
+    @property
+    def shown_index(self) -> int:
+        """Frame of the two pictures."""
+        return self.frame_index if self.frozen_index is None else self.frozen_index
+
+    @property
+    def time(self) -> float:
+        """Time of the 3D view in [0, 1]."""
+        if self.linked and self.clip is not None:
+            return self.frame_index / len(self.clip)
+        return self.view_time
+
+    @property
+    def picture_request(self) -> PictureRequest | None:
+        """What the two pictures should show now."""
+        if self.clip is None:
+            return None
+        params = self.params if self.enhancing else None
+        return PictureRequest(self.clip, self.shown_index, params, self.scope)
+
+    @property
+    def pictures_are_stale(self) -> bool:
+        return self.pictures is not None and self.pictures.request != self.picture_request
+
+    @property
+    def has_view(self) -> bool:
+        """There is, or soon will be, something to see in 3D."""
+        return self.model is not None or self.reconstruction.is_alive
+
+    @property
+    def is_busy(self) -> bool:
+        """Something goes on that the window should follow closely."""
+        return self.reconstruction.is_alive or self.opening is not None or self.pictures_are_stale
+
+    @property
+    def view_request(self) -> ViewRequest | None:
+        """What the 3D view should show now; None without a model or while it is hidden."""
+        if self.model is None or min(self.view_size) < 1:
+            return None
+        return self.model.view(self.time, self.orbit, self.view_size)

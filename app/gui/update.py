@@ -1,0 +1,191 @@
+"""Once a frame, before drawing: take what background work has finished, ask for what the state now needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from app.gui import actions
+from app.gui.background import Channel, Failure
+from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
+from app.gui.export import Saved, SaveRequest, save_picture
+from app.gui.opening import Opened, OpenRequest, open_path
+from app.gui.state import AppState
+from app.gui.viewing import View, ViewRequest, draw_view
+from app.job import Cancelled, Failed, Paused, Resumed
+from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
+
+FRAMES_PER_SECOND = 15.0
+"""Of clips that do not say theirs."""
+PATIENCE = 0.3
+"""Seconds before a new frame's photo is shown without its enhanced partner."""
+SLOW_VIEW = 60.0
+"""Milliseconds above which the 3D view is drawn smaller while it moves."""
+REDUCED = 0.5
+
+
+@dataclass
+class Channels:
+    """The kinds of background work, in the order in which the worker serves them."""
+
+    opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
+    pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
+    view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
+    photo: Pictures | None = None
+    """A photo whose enhanced partner is being made."""
+
+    @property
+    def all(self) -> Sequence[Channel[object, object]]:
+        return (self.opening, self.pictures, self.view, self.saving)  # type: ignore[return-value]
+
+
+def update(state: AppState, channels: Channels, now: float) -> None:
+    """Advance to `now`, seconds on the window's clock."""
+    elapsed, state.now = now - state.now, now
+    if state.toast is not None and now > state.toast.until:
+        state.toast = None
+    _take_opened(state, channels)
+    _take_pictures(state, channels)
+    _take_view(state, channels)
+    _take_saved(state, channels)
+    _follow_job(state)
+    _play(state, elapsed)
+    _ask(state, channels)
+
+
+def _take_opened(state: AppState, channels: Channels) -> None:
+    taken = channels.opening.take()
+    if taken is None or taken[0] is not state.opening:
+        return
+    request, answer = taken
+    if isinstance(answer, Failure):
+        state.opening = None
+        actions.fail(state, answer.message)
+    else:
+        actions.show_opened(state, request.path, answer)
+
+
+def _take_pictures(state: AppState, channels: Channels) -> None:
+    taken = channels.pictures.take()
+    if taken is not None and taken[0].clip is state.clip:
+        request, answer = taken
+        if isinstance(answer, Pictures):
+            channels.photo = answer
+        elif request == state.picture_request:
+            state.playing = False
+            actions.fail(state, answer.message)
+    if channels.photo is not None and _may_show(state, channels.photo):
+        state.pictures, channels.photo = channels.photo, None
+
+
+def _may_show(state: AppState, pictures: Pictures) -> bool:
+    """A photo and its enhanced partner appear together; alone only where it would be long in coming."""
+    if pictures.request.clip is not state.clip:
+        return False
+    if pictures.enhanced is not None or pictures.request.params is None or state.pictures is None:
+        return True
+    same_frame = state.pictures.request.frame_index == pictures.request.frame_index
+    return not same_frame and state.now - state.asked_at > PATIENCE
+
+
+def _take_view(state: AppState, channels: Channels) -> None:
+    taken = channels.view.take()
+    if taken is None or state.model is None:
+        return
+    if isinstance(taken[1], Failure):
+        actions.fail(state, f"the 3D view cannot be drawn: {taken[1].message}")
+    else:
+        state.view = taken[1]
+
+
+def _take_saved(state: AppState, channels: Channels) -> None:
+    while (taken := channels.saving.take()) is not None:
+        answer = taken[1]
+        if isinstance(answer, Failure):
+            actions.fail(state, f"the picture was not saved: {answer.message}")
+        else:
+            actions.announce(state, f"saved {answer.path.name} in {answer.path.parent.name}/")
+
+
+def _follow_job(state: AppState) -> None:
+    job = state.reconstruction.job
+    if job is None:
+        return
+    for event in job.poll():
+        _hear(state, event)
+    model = job.latest_model() if state.reconstruction.is_alive else None
+    if model is not None:
+        actions.show_live_model(state, model)
+
+
+def _hear(state: AppState, event: object) -> None:
+    """What one message of the job changes."""
+    run = state.reconstruction
+    match event:
+        case Started():
+            run.started, run.status = event, "running"
+        case Progress():
+            run.progress = event
+            run.curve.append((float(event.iteration), event.loss, event.psnr))
+        case Evaluated():
+            run.evaluated.append(event)
+        case Warned():
+            run.warnings.append(event.message)
+            actions.say(state, event.message)
+        case Paused():
+            run.status = "paused"
+        case Resumed():
+            run.status = "running"
+        case Finished():
+            run.status = "finished"
+            actions.show_finished_model(state, event.model)
+            actions.announce(state, f"reconstruction finished in {event.seconds:.0f} s")
+        case Cancelled():
+            run.status = "cancelled"
+            actions.announce(state, "reconstruction cancelled; Continue goes on from its last checkpoint")
+        case Failed():
+            run.status, run.failure = "failed", event.reason
+            actions.fail(state, f"the reconstruction stopped: {event.reason}")
+
+
+def _play(state: AppState, elapsed: float) -> None:
+    """Time goes on only when what it needs is on screen: a slow machine plays slower, never out of step."""
+    if not state.playing or state.clip is None or _waits(state):
+        return
+    rate = state.clip.frames_per_second or FRAMES_PER_SECOND
+    state.playhead = (state.playhead + min(elapsed, 0.25) * rate) % len(state.clip)
+    state.frame_index = int(state.playhead)
+
+
+def _waits(state: AppState) -> bool:
+    return state.frozen_index is None and state.pictures_are_stale
+
+
+def view_request(state: AppState) -> ViewRequest | None:
+    """What the 3D view should show, smaller while it moves when a whole one takes long."""
+    request = state.view_request
+    moving = state.view_dragged or state.playing
+    if request is None or not moving or not is_slow(state.view):
+        return request
+    return request.scaled(REDUCED)
+
+
+def is_slow(view: View | None) -> bool:
+    """Whether the last picture would have taken long at full size."""
+    if view is None:
+        return False
+    reduced = view.request.reduced
+    return view.milliseconds * (1 / REDUCED**2 if reduced else 1) > SLOW_VIEW
+
+
+def _ask(state: AppState, channels: Channels) -> None:
+    if state.opening is not None and channels.opening.asked is not state.opening:
+        channels.opening.ask(state.opening)
+    pictures = state.picture_request
+    if pictures is not None and channels.pictures.asked != pictures:
+        state.asked_at = state.now
+        channels.pictures.ask(pictures)
+    view = view_request(state)
+    if view is not None and state.processor_draws and channels.view.asked != view:
+        channels.view.ask(view)

@@ -1,0 +1,83 @@
+"""The 3D view as a request by value and its answer, and the drawing of it by the numba rasteriser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from app.gui.orbit import Orbit
+from renderer.camera import Camera
+from renderer.clip import ByteImage
+from renderer.gaussians import DynamicGaussians
+
+BACKGROUND = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ShownModel:
+    """A model with what is needed to look at it and to say what it is."""
+
+    model: DynamicGaussians
+    cameras: tuple[Camera, ...]
+    """Of its clip, one a frame."""
+    distance: float
+    """From the first camera to the middle of the tissue, along its axis."""
+    name: str
+    iteration: int
+    iterations: int
+    live: bool
+    """Still being trained."""
+
+    def view(self, time: float, orbit: Orbit, size: tuple[int, int]) -> ViewRequest:
+        """The view of (width, height) pixels at `time` in [0, 1] through the orbited camera of that time."""
+        index = min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)
+        return ViewRequest(self, time, orbit.camera(self.cameras[index], self.distance, size))
+
+
+@dataclass(frozen=True)
+class ViewRequest:
+    """Everything that the 3D picture depends on."""
+
+    shown: ShownModel
+    time: float
+    camera: Camera
+    reduced: bool = False
+    """Drawn with fewer pixels than the screen has, to keep up with the hand."""
+
+    def scaled(self, scale: float) -> ViewRequest:
+        """The same view with fewer pixels."""
+        width = max(1, round(self.camera.width * scale))
+        height = max(1, round(self.camera.height * scale))
+        return replace(self, camera=self.camera.resized(width, height), reduced=True)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """The 3D picture on screen, with the request it was made from."""
+
+    request: ViewRequest
+    image: ByteImage
+    """(H, W, 3)."""
+    milliseconds: float
+
+
+def middle_distance(model: DynamicGaussians, camera: Camera) -> float:
+    """Median depth along the camera's axis of the Gaussians before it; 1 when there is none."""
+    pose = camera.camera_from_world
+    depth = model.means @ pose[2, :3].astype(np.float32) + np.float32(pose[2, 3])
+    before = depth[depth > 0]
+    return float(np.median(before)) if len(before) else 1.0
+
+
+def draw_view(request: ViewRequest) -> Iterator[View]:
+    """Answers a ViewRequest with the numba rasteriser."""
+    # Its kernels take seconds to import on a first start; the window must not wait for them.
+    from renderer.rasterize.cpu import render
+
+    start = perf_counter()
+    rendered = render(request.shown.model.at(request.time), request.camera, BACKGROUND)
+    image = np.rint(np.clip(rendered.image, 0, 1) * 255).astype(np.uint8)
+    yield View(request, image, 1000 * (perf_counter() - start))

@@ -1,0 +1,99 @@
+"""The 3D view as a texture: drawn by the graphics card, or by the numba rasteriser where there is none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import moderngl
+from imgui_bundle import imgui
+
+from app.gui.state import AppState
+from app.gui.textures import Textures
+from app.gui.viewing import BACKGROUND, ShownModel, ViewRequest
+from renderer.draw.context import is_software
+from renderer.draw.splat_view import SplatView
+
+
+@dataclass(frozen=True)
+class OnScreen:
+    """A drawn 3D view, first row at the top of `uv0`."""
+
+    texture: imgui.ImTextureRef
+    uv0: tuple[float, float]
+    uv1: tuple[float, float]
+    request: ViewRequest
+    """What it was drawn from."""
+
+
+class Viewport(Protocol):
+    def show(self, state: AppState) -> OnScreen | None: ...
+    def release(self) -> None: ...
+
+
+class ProcessorViewport:
+    """Shows what background work has drawn: the newest `state.view`."""
+
+    def __init__(self, textures: Textures) -> None:
+        self._textures = textures
+
+    def show(self, state: AppState) -> OnScreen | None:
+        view = state.view
+        if view is None or state.model is None:
+            return None
+        return OnScreen(self._textures.show("view", view.image), (0, 0), (1, 1), view.request)
+
+    def release(self) -> None:
+        """The textures are released by their owner."""
+
+
+class GraphicsViewport:
+    """Draws when the request differs from the one on screen."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._splats = SplatView(ctx)
+        self._target: moderngl.Framebuffer | None = None
+        self._texture: moderngl.Texture | None = None
+        self._uploaded: tuple[ShownModel, float] | None = None
+        self._drawn: ViewRequest | None = None
+
+    def show(self, state: AppState) -> OnScreen | None:
+        request = state.view_request
+        if request is None:
+            return None
+        if request != self._drawn:
+            self._draw(request)
+        assert self._texture is not None
+        # OpenGL stores the bottom row first.
+        return OnScreen(imgui.ImTextureRef(self._texture.glo), (0, 1), (1, 0), request)
+
+    def _draw(self, request: ViewRequest) -> None:
+        if self._uploaded != (request.shown, request.time):
+            self._splats.upload(request.shown.model.at(request.time))
+            self._uploaded = (request.shown, request.time)
+        size = (request.camera.width, request.camera.height)
+        if self._texture is None or self._texture.size != size:
+            self._resize(size)
+        assert self._target is not None
+        self._splats.draw(request.camera, self._target, background=BACKGROUND)
+        self._drawn = request
+
+    def _resize(self, size: tuple[int, int]) -> None:
+        self._release_target()
+        self._texture = self._ctx.texture(size, 4)
+        self._target = self._ctx.framebuffer([self._texture])
+
+    def _release_target(self) -> None:
+        for item in (self._target, self._texture):
+            if item is not None:
+                item.release()
+
+    def release(self) -> None:
+        self._release_target()
+        self._splats.release()
+
+
+def make_viewport(ctx: moderngl.Context, textures: Textures) -> Viewport:
+    """Without a graphics card the numba rasteriser is several times as fast as the driver's own emulation."""
+    return ProcessorViewport(textures) if is_software(ctx) else GraphicsViewport(ctx)

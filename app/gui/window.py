@@ -1,0 +1,219 @@
+"""The app's one window: its panels, how they are laid out, and what connects them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import glfw
+import moderngl
+from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
+
+from app.gui import actions, menus, theme
+from app.gui.actions import MakeJob
+from app.gui.background import Worker
+from app.gui.dialogs import Dialogs
+from app.gui.export import SaveRequest
+from app.gui.keys import Commands, handle_keys, shortcuts
+from app.gui.panels import overlays
+from app.gui.panels.compare import draw_compare
+from app.gui.panels.enhancement import draw_enhancement
+from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.timeline import draw_timeline
+from app.gui.panels.view3d import draw_view3d
+from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.settings import Places, load_settings
+from app.gui.state import AppState
+from app.gui.textures import Textures
+from app.gui.update import Channels, update
+from app.gui.viewport import ProcessorViewport, Viewport, make_viewport
+from app.job import TrainingJob
+from assets import phantom_path
+
+IDLE_FPS = 9.0
+BUSY_FPS = 25.0
+"""While something runs in the background that the window should follow."""
+SIZE = (1280, 720)
+
+
+def run_app(path: Path | None = None) -> None:
+    """Open the window, on a clip or a run if given, and return when it is closed."""
+    places = Places.of_user()
+    window = Window(AppState(places, load_settings(places.settings_file)))
+    if path is not None:
+        actions.open_path(window.state, path)
+    immapp.run(window.runner_params(), window.add_ons())
+
+
+class Window:
+    """What outlives a frame: the state, the background work, and the OpenGL objects.
+
+    `make_job` starts reconstructions; tests put a fake in its place.
+    """
+
+    def __init__(self, state: AppState, make_job: MakeJob = TrainingJob) -> None:
+        self.state = state
+        self._make_job = make_job
+        self._channels = Channels()
+        self._worker = Worker(self._channels.all, self._refresh)
+        self._dialogs = Dialogs(self._open, Path.home())
+        self._openers = Openers(
+            lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
+        )
+        self._keys = shortcuts(Commands(self._openers.folder, self._openers.file, self.save_picture))
+        self._dropped: list[str] = []
+        self._textures: Textures | None = None
+        self._viewport: Viewport | None = None
+        self._began = time.monotonic()
+
+    def runner_params(self) -> hello_imgui.RunnerParams:
+        """Everything the runner needs; the test engine takes the same."""
+        params = hello_imgui.RunnerParams()
+        params.app_window_params.window_title = "VesselSplat"
+        params.app_window_params.window_geometry.size = SIZE
+        params.app_window_params.restore_previous_geometry = True
+        window = params.imgui_window_params
+        window.default_imgui_window_type = hello_imgui.DefaultImGuiWindowType.provide_full_screen_dock_space
+        window.show_menu_bar = window.show_status_bar = True
+        window.show_menu_app = window.show_menu_view = window.show_menu_view_themes = False
+        window.show_status_fps = window.remember_status_bar_settings = window.remember_theme = False
+        params.fps_idling.fps_idle = IDLE_FPS
+        params.fps_idling.time_active_after_last_event = 1.0
+        params.ini_folder_type = hello_imgui.IniFolderType.absolute_path
+        params.ini_filename = str(self.state.places.config / "window.ini")
+        gl = params.renderer_backend_options.open_gl_options
+        gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
+        gl.use_core_profile = gl.use_forward_compat = True
+        gl.glsl_version = "150"
+        params.docking_params = self._layout()
+        self._connect(params)
+        return params
+
+    @staticmethod
+    def add_ons() -> immapp.AddOnsParams:
+        return immapp.AddOnsParams(with_implot=True)
+
+    def _connect(self, params: hello_imgui.RunnerParams) -> None:
+        calls = params.callbacks
+        calls.load_additional_fonts = theme.load_fonts
+        calls.setup_imgui_style = theme.apply_style
+        calls.setup_imgui_config = _configure
+        calls.post_init = self._begin
+        calls.pre_new_frame = self._advance
+        calls.show_menus = lambda: menus.draw_menus(self.state, self._openers, self.save_picture)
+        calls.show_status = lambda: menus.draw_status(self.state)
+        calls.post_render_dockable_windows = self._draw_over
+        calls.before_exit = self.close
+        row = hello_imgui.EdgeToolbarOptions(
+            size_em=2.9, window_padding_em=(0.6, 0.5), window_bg=theme.grey(0.11)
+        )
+        calls.add_edge_toolbar(
+            hello_imgui.EdgeToolbarType.bottom, lambda: draw_timeline(self.state, self.save_picture), row
+        )
+
+    def _layout(self) -> hello_imgui.DockingParams:
+        #  ______________________________
+        # | pictures         | enhance   |
+        # |__________________|___________|
+        # | 3D view          | recon-    |
+        # |__________________|_struct____|
+        split = hello_imgui.DockingSplit
+        layout = hello_imgui.DockingParams()
+        layout.docking_splits = [
+            split("MainDockSpace", "Side", imgui.Dir.right, 0.26),
+            split("Side", "SideBelow", imgui.Dir.down, 0.37),
+            split("MainDockSpace", "Below", imgui.Dir.down, 0.44),
+        ]
+        panels: list[tuple[str, str, Callable[[], None]]] = [
+            ("Pictures", "MainDockSpace", self._draw_pictures),
+            ("3D view", "Below", self._draw_view),
+            ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
+            ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state, self._make_job)),
+        ]
+        layout.dockable_windows = [
+            hello_imgui.DockableWindow(title, dock, draw, can_be_closed_=False)
+            for title, dock, draw in panels
+        ]
+        log = hello_imgui.DockableWindow("Log", "Below", self._draw_log, is_visible_=False)
+        layout.dockable_windows = [*layout.dockable_windows, log]
+        return layout
+
+    def _begin(self) -> None:
+        """The OpenGL context is there."""
+        theme.apply_plot_style()
+        ctx = moderngl.create_context(require=330)
+        self._textures = Textures(ctx)
+        self._viewport = make_viewport(ctx, self._textures)
+        self.state.processor_draws = isinstance(self._viewport, ProcessorViewport)
+        glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self._drop)  # type: ignore[arg-type]
+
+    def _advance(self) -> None:
+        """Before each frame: news from the background, and how soon the next frame is wanted."""
+        while self._dropped:
+            self._open(Path(self._dropped.pop()))
+        update(self.state, self._channels, time.monotonic() - self._began)
+        params = hello_imgui.get_runner_params()
+        # Without anything to show there, the pictures have its space.
+        params.docking_params.dockable_window_of_name("3D view").is_visible = self.state.has_view
+        idling = params.fps_idling
+        idling.enable_idling = not self.state.playing
+        idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
+
+    def _draw_pictures(self) -> None:
+        assert self._textures is not None
+        draw_compare(self.state, self._textures, lambda: draw_welcome(self.state, self._openers))
+
+    def _draw_view(self) -> None:
+        assert self._viewport is not None
+        draw_view3d(self.state, self._viewport)
+
+    def _draw_log(self) -> None:
+        overlays.draw_log(self.state, imgui.set_clipboard_text)
+
+    def _draw_over(self) -> None:
+        overlays.draw_banner(self.state)
+        overlays.draw_toast(self.state)
+        overlays.draw_help(self.state, self._keys)
+        overlays.draw_notice(self.state)
+        self._dialogs.draw()
+        handle_keys(self.state, self._keys)
+        if not imgui.is_any_item_active():
+            actions.settle_params(self.state)
+
+    def save_picture(self) -> None:
+        """Ask for a PNG of what is shown, made in the background."""
+        state = self.state
+        source = state.clip.path if state.clip else state.reconstruction.run_path
+        if state.pictures is not None or state.view_request is not None:
+            request = SaveRequest(state.places.pictures, state.pictures, state.view_request, source)
+            self._channels.saving.ask(request)
+
+    def close(self) -> None:
+        """While OpenGL is still there: end the background work and give everything back."""
+        if self.state.reconstruction.job is not None:
+            self.state.reconstruction.job.close()
+        self._worker.close()
+        for item in (self._viewport, self._textures):
+            if item is not None:
+                item.release()
+
+    def _open(self, path: Path) -> None:
+        actions.open_path(self.state, path)
+
+    def _open_phantom(self) -> None:
+        self._open(phantom_path())
+
+    def _drop(self, window: object, paths: list[str]) -> None:
+        self._dropped = list(paths[:1])
+
+    def _refresh(self) -> None:
+        """Called from the worker's thread: an idle window draws at once."""
+        hello_imgui.request_refresh()
+
+
+def _configure() -> None:
+    hello_imgui.imgui_default_settings.setup_default_imgui_config()
+    io = imgui.get_io()
+    io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard | imgui.ConfigFlags_.docking_enable
+    io.config_windows_move_from_title_bar_only = True
