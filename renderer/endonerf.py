@@ -21,6 +21,7 @@ from renderer.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
 
 POSES = "poses_bounds.npy"
+FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
 FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
 
@@ -68,19 +69,20 @@ def open_endonerf(path: Path, options: EndoNerfOptions = DEFAULTS) -> Clip:
     Raises:
         ClipError: parts that are missing or do not agree, masks that look inverted, bad poses.
     """
+    rows = _load_poses(path / POSES)
     files, notices = _pair(path, options)
     size = common_size(entry for series in files.all_series() for entry in series)
-    cameras, pose_notices = _read_cameras(path, files, options.pose_convention, size)
+    cameras, pose_notices = _read_cameras(path, rows, len(files.images), options.pose_convention, size)
     reader = _Reader(files, cameras, marked_is_tissue=options.mask_polarity == "tissue", bottom_rows=0)
     count = len(cameras)
     samples = [reader.sample(i) for i in np.unique(np.linspace(0, count - 1, _SAMPLES).astype(int))]
     mask_notices = _judge_masks(path, samples, options) if files.masks else []
-    rows = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
-    if rows >= size[1]:
-        raise ClipError(f"bottom_rows is {rows}, the pictures have {size[1]} rows: {path}")
-    if rows:
-        mask_notices.append(f"the last {rows} rows are burned in and not supervised")
-    reader = _Reader(files, cameras, reader.marked_is_tissue, rows)
+    dead = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
+    if dead >= size[1]:
+        raise ClipError(f"bottom_rows is {dead}, the pictures have {size[1]} rows: {path}")
+    if dead:
+        mask_notices.append(f"the last {dead} rows are burned in and not supervised")
+    reader = _Reader(files, cameras, reader.marked_is_tissue, dead)
     return Clip(
         name=path.resolve().name,
         path=path,
@@ -150,59 +152,64 @@ class _Reader:
 
 
 def _pair(path: Path, options: EndoNerfOptions) -> tuple[_Files, list[str]]:
-    notices: list[str] = []
-
-    def series(name: str) -> dict[int, Path]:
-        found, strays = _numbered(path / name)
-        if strays:
-            notices.append(f"{name}/ holds files that belong to no frame: {_listed(strays)}")
-        return found
-
-    images = series("images")
+    """The files of every frame in the order of frame numbers, and what is worth saying about them."""
+    notices = _stray_notices(path)
+    images = _numbered(path / "images")
     if not images:
         raise ClipError(f"expected numbered pictures in images/, got none: {path}")
-
-    def paired(name: str) -> tuple[Path, ...]:
-        if not (path / name).is_dir():
-            return ()
-        found = series(name)
-        _agree(path, "images", images, name, found)
-        _agree(path, name, found, "images", images)
-        return tuple(found[number] for number in sorted(images))
-
-    fine = paired("depth_fine")
-    depth = fine or paired("depth")
-    masks = paired("masks") or paired("gt_masks")
+    fine = _paired(path, "depth_fine", images)
+    depth = fine or _paired(path, "depth", images)
+    masks = _paired(path, "masks", images) or _paired(path, "gt_masks", images)
     if not depth:
         notices.append("no depth/: the shape is not measured")
     if not masks:
         notices.append("no masks/: every pixel is taken for tissue")
     evaluation = masks
     if options.evaluation_masks == "gt_masks":
-        evaluation = paired("gt_masks")
+        evaluation = _paired(path, "gt_masks", images)
         if not evaluation:
             raise ClipError(f"expected gt_masks/ for the evaluation, got no such folder: {path}")
     ordered = tuple(images[number] for number in sorted(images))
     return _Files(ordered, depth, FINE_STEPS if fine else 1, masks, evaluation), notices
 
 
-def _numbered(folder: Path) -> tuple[dict[int, Path], list[str]]:
-    """Pictures by the last number of their stem, and the names of the other files."""
+def _paired(path: Path, name: str, images: dict[int, Path]) -> tuple[Path, ...]:
+    """The files of a folder that belong to the images, in their order; none when it is not there."""
+    if not (path / name).is_dir():
+        return ()
+    found = _numbered(path / name)
+    _agree(path, "images", images, name, found)
+    _agree(path, name, found, "images", images)
+    return tuple(found[number] for number in sorted(images))
+
+
+def _numbered(folder: Path) -> dict[int, Path]:
+    """Pictures by the last number of their stem."""
     found: dict[int, Path] = {}
-    strays: list[str] = []
     for entry in sorted(folder.iterdir()):
-        digits = re.findall(r"\d+", entry.stem)
-        if entry.name.startswith("."):
+        number = _frame_number(entry)
+        if number is None:
             continue
-        if not (digits and is_picture(entry)):
-            strays.append(entry.name)
-            continue
-        number = int(digits[-1])
         if number in found:
             both = f"{found[number].name} and {entry.name}"
             raise ClipError(f"expected one file a frame, got two for number {number}, {both}: {folder}")
         found[number] = entry
-    return found, strays
+    return found
+
+
+def _frame_number(entry: Path) -> int | None:
+    digits = re.findall(r"\d+", entry.stem)
+    return int(digits[-1]) if digits and is_picture(entry) else None
+
+
+def _stray_notices(path: Path) -> list[str]:
+    notices = []
+    for folder in (path / name for name in FOLDERS if (path / name).is_dir()):
+        visible = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
+        strays = [entry.name for entry in visible if _frame_number(entry) is None]
+        if strays:
+            notices.append(f"{folder.name}/ holds files that belong to no frame: {_listed(strays)}")
+    return notices
 
 
 def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: dict[int, Path]) -> None:
@@ -234,10 +241,8 @@ def _judge_masks(path: Path, samples: list[Sample], options: EndoNerfOptions) ->
 
 
 def _read_cameras(
-    path: Path, files: _Files, convention: str, size: tuple[int, int]
+    path: Path, rows: Matrix, count: int, convention: str, size: tuple[int, int]
 ) -> tuple[tuple[Camera, ...], list[str]]:
-    rows = _load_poses(path / POSES)
-    count = len(files.images)
     if len(rows) != count:
         counts = f"images/ has {count} files but {POSES} has {len(rows)} frames"
         raise ClipError(f"{counts}: {path}")

@@ -1,0 +1,80 @@
+"""Whatever a person points at opens as the right kind of clip, or is refused in one line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from assets import phantom_path
+from renderer.clip import ClipError
+from renderer.endonerf import EndoNerfOptions
+from renderer.sources import open_clip
+
+
+@pytest.fixture
+def pictures(tmp_path: Path) -> Path:
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for index in range(3):
+        Image.new("RGB", (32, 24), (index, 0, 0)).save(folder / f"{index}.png")
+    return folder
+
+
+def test_the_embedded_phantom_opens():
+    clip = open_clip(phantom_path())
+    assert (clip.format, len(clip), clip.size, clip.unit) == ("endonerf", 24, (320, 256), "mm")
+    assert clip.notices == ()
+    assert clip.camera_is_fixed
+    frame = clip.read_frame(12)
+    assert 0.02 < 1 - frame.tissue_mask.mean() < 0.4
+    assert frame.depth is not None
+    measured = frame.depth[frame.tissue_mask]
+    assert 30 < measured.min() < measured.max() < 100
+
+
+def test_the_embedded_phantom_is_small():
+    assert sum(path.stat().st_size for path in phantom_path().rglob("*")) < 3 * 2**20
+
+
+def test_each_kind_is_recognised(pictures):
+    assert open_clip(pictures).format == "images"
+    assert open_clip(pictures / "1.png").format == "image"
+    video = pictures.with_name("video.avi")
+    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 25.0, (32, 24))
+    writer.write(np.zeros((24, 32, 3), dtype=np.uint8))
+    writer.release()
+    assert open_clip(video).format == "video"
+
+
+def test_a_folder_that_only_holds_images_is_a_folder_of_pictures(pictures):
+    parent = pictures.with_name("parent")
+    parent.mkdir()
+    pictures.rename(parent / "images")
+    assert open_clip(parent).format == "images"
+    (parent / "masks").mkdir()
+    with pytest.raises(ClipError, match=r"poses_bounds\.npy"):
+        open_clip(parent)
+
+
+def test_options_reach_the_reader():
+    clip = open_clip(phantom_path(), EndoNerfOptions(bottom_rows=5))
+    assert not clip.read_frame(0).tissue_mask[-5:].any()
+
+
+@pytest.mark.parametrize("name", ["missing", "missing.mp4", "a/b"])
+def test_a_missing_path_is_refused(tmp_path, name):
+    with pytest.raises(ClipError, match="no such file or folder"):
+        open_clip(tmp_path / name)
+
+
+def test_an_empty_folder_and_a_text_file_are_refused(tmp_path):
+    with pytest.raises(ClipError, match="expected pictures"):
+        open_clip(tmp_path)
+    for name in ("video.mp4", "notes.txt", "picture.png"):
+        (tmp_path / name).write_text("hello\n" * 30)
+        with pytest.raises(ClipError, match=f"{name}$"):
+            open_clip(tmp_path / name)
