@@ -27,7 +27,7 @@ from renderer.scared import write_scared
 
 FloatArray = NDArray[np.float64]
 
-_FOCAL = 0.89  # Of the width: the da Vinci endoscope.
+_FOCAL = 0.89  # Of the longer side: the da Vinci endoscope.
 _BREATH = 20  # Frames, about.
 _EXPOSURE = 1.05
 _GLOSS = 90.0
@@ -77,7 +77,7 @@ class Phantom:
         cycles = max(1, round(params.n_frames / _BREATH))
         self.params = params
         self.surface: Surface = grow_surface(rng, params.tissue == "moving", cycles)
-        focal = _FOCAL * params.width
+        focal = _FOCAL * max(params.width, params.height)
         self._lens = Camera(focal, focal, params.width / 2, params.height / 2, params.width, params.height)
         self._tissue: Tissue = paint_tissue(rng).blurred(0.4 * DISTANCE / focal)
 
@@ -162,7 +162,7 @@ def _shade_tissue(
     glint = np.clip(-(directions * wet).sum(axis=1), 0, 1) ** _GLOSS
     falloff = (DISTANCE / distance) ** 2
     diffuse = np.clip((facing + 0.2) / 1.2, 0, None) * falloff
-    shine = 0.5 * _smooth_threshold(glint) * falloff
+    shine = 0.9 * _smooth_threshold(glint) * falloff
     return np.asarray(albedo * diffuse[:, None] + shine[:, None])
 
 
