@@ -9,9 +9,13 @@ from collections.abc import Sequence
 from app.cli import run
 from app.errors import UserError
 
+# A damaged file is one line of ours, none of the decoders'. OpenCV reads these once, when it loads.
+QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command. A mistake of the user is one line on stderr; a bug keeps its traceback."""
+    os.environ.update(QUIET_DECODERS)
     try:
         run(sys.argv[1:] if arguments is None else arguments)
         sys.stdout.flush()

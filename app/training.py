@@ -52,23 +52,25 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         _check_same(request, record)
     else:
         record = _new_record(request, clip)
-        run.create(record)
     if run.is_finished:
         yield _finished_before(run)
         return
-    yield from _train(request, run, input_clip(clip, record))
-
-
-def _train(request: TrainRequest, run: RunFolder, clip: Clip) -> Generator[TrainEvent, None, None]:
     try:
-        for event in train(clip, request.config, folder=run.path, resume=request.resume):
-            if isinstance(event, Finished):
-                run.save_model(event.model)
-            if not isinstance(event, Snapshot):
-                run.log(event)
-            yield event
+        yield from _train(record, run, input_clip(clip, record))
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
+
+
+def _train(record: RunRecord, run: RunFolder, clip: Clip) -> Generator[TrainEvent, None, None]:
+    for event in train(clip, record.config, folder=run.path, resume=run.is_run):
+        # A clip that cannot be trained on has failed by now: nothing is left behind for it.
+        if not run.is_run:
+            run.create(record)
+        if isinstance(event, Finished):
+            run.save_model(event.model)
+        if not isinstance(event, Snapshot):
+            run.log(event)
+        yield event
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:

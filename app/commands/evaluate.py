@@ -42,11 +42,11 @@ def measured(evaluation: Evaluation) -> list[FrameMeasures]:
 def _print(report: dict[str, Any]) -> None:
     table = Table("frame", *AVERAGED, title=f"{report['run']}: {report['method']}, {report['input']} photos")
     for frame in report["frames"]:
-        table.add_row(frame.label, *(_text(getattr(frame, name)) for name in AVERAGED))
+        table.add_row(str(frame.index), *(_text(getattr(frame, name)) for name in AVERAGED))
     mean = report["mean"]
     table.add_section()
     table.add_row("mean", *(_text(mean[name]) for name in AVERAGED))
-    console = Console(width=max(Console().width, 120))
+    console = Console(width=max(Console().width, 140))
     console.print(table)
     console.print(f"{mean['n_gaussians']} Gaussians, trained in {_text(mean['train_seconds'])} s")
     console.print("dv, bv, dv_bv: inferred definition")

@@ -100,6 +100,6 @@ def _print(measured: list[dict[str, Any]], mean: dict[str, float], names: tuple[
         table.add_row(picture["image"]["name"], *(f"{picture[name]:.4g}" for name in names))
     table.add_section()
     table.add_row("mean", *(f"{mean[name]:.4g}" for name in names))
-    console = Console(width=max(Console().width, 100))
+    console = Console(width=max(Console().width, 140))
     console.print(table)
     console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")

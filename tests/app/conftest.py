@@ -1,0 +1,53 @@
+"""Clips and calls that the tests of the app share."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from app.__main__ import main
+from renderer.phantom import PhantomParams, write_phantom
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class Call:
+    """What a command did."""
+
+    code: int
+    out: str
+    error: str
+
+
+@pytest.fixture
+def vesselsplat(capfd: pytest.CaptureFixture[str]) -> Callable[..., Call]:
+    """Runs a command in this process; streams are captured below Python, where decoders write too."""
+
+    def call(*arguments: object) -> Call:
+        capfd.readouterr()
+        texts = [str(argument) for argument in arguments]
+        if any(text.endswith(".mp4") for text in texts):
+            # Video decoders are silenced when they load: in this process they may have loaded before.
+            done = subprocess.run(
+                [sys.executable, "-m", "app", *texts], capture_output=True, text=True, cwd=ROOT
+            )
+            return Call(done.returncode, done.stdout, done.stderr)
+        code = main(texts)
+        captured = capfd.readouterr()
+        return Call(code, captured.out, captured.err)
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def clip_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small phantom clip of 10 frames in EndoNeRF layout. Read only."""
+    path = tmp_path_factory.mktemp("clips") / "small"
+    write_phantom(path, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
+    return path

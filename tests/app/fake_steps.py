@@ -1,0 +1,88 @@
+"""What takes the place of training in the tests of the job: functions that a spawned process can import."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Generator
+
+import numpy as np
+
+from app.errors import UserError
+from app.run_folder import RunFolder
+from app.training import TrainRequest
+from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent
+
+Steps = Generator[TrainEvent, None, None]
+
+
+def model_of(count: int) -> DynamicGaussians:
+    """A static model whose numbers tell how large it is."""
+    none = np.zeros((0, 0, 3), dtype=np.float32)
+    return DynamicGaussians(
+        means=np.full((count, 3), count, dtype=np.float32),
+        quats=np.ones((count, 4), dtype=np.float32),
+        log_scales=np.zeros((count, 3), dtype=np.float32),
+        opacity_logits=np.arange(count, dtype=np.float32),
+        colors=np.ones((count, 3), dtype=np.float32),
+        position_controls=none,
+        color_controls=none,
+        node_controls=none,
+        node_indices=np.zeros((0, 4), dtype=np.int32),
+        node_weights=np.zeros((0, 4), dtype=np.float32),
+    )
+
+
+def _progress(iteration: int) -> Progress:
+    return Progress(iteration, 1_000_000, 0.5, 20.0, 1.0, 2.0, 3)
+
+
+def endless(request: TrainRequest) -> Steps:
+    """Goes on until it is told to stop; leaves a file behind when it is closed."""
+    try:
+        yield Started(0, 1_000_000, 3, ())
+        for iteration in range(1, 1_000_000):
+            time.sleep(0.01)
+            yield _progress(iteration)
+    finally:
+        request.run_path.mkdir(exist_ok=True)
+        (request.run_path / "closed").touch()
+
+
+def growing(request: TrainRequest) -> Steps:
+    """Snapshots of ever larger models, each followed by a Progress with its size; then the end."""
+    yield Started(0, 4, 10, ())
+    for count in (10, 11, 5000, 20):
+        yield Snapshot(count, model_of(count))
+        yield _progress(count)
+    request.run_path.mkdir(exist_ok=True)
+    RunFolder(request.run_path).save_model(model_of(7))
+    yield Finished(4, 1.5, model_of(7))
+
+
+def snapshot_then_endless(request: TrainRequest) -> Steps:
+    yield Snapshot(1, model_of(10))
+    yield from endless(request)
+
+
+def mistaken(request: TrainRequest) -> Steps:
+    yield Started(0, 1, 1, ())
+    raise UserError("expected better, got this")
+
+
+def broken(request: TrainRequest) -> Steps:
+    yield Started(0, 1, 1, ())
+    raise ZeroDivisionError("a bug")
+
+
+def killed(request: TrainRequest) -> Steps:
+    yield Snapshot(1, model_of(10))
+    os.kill(os.getpid(), signal.SIGKILL)
+    yield Started(0, 1, 1, ())
+
+
+def exited(request: TrainRequest) -> Steps:
+    yield Started(0, 1, 1, ())
+    os._exit(3)

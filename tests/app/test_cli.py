@@ -1,0 +1,220 @@
+"""The command line: every mistake is one line and exit code 2, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.cli import COMMANDS, chosen, load
+from app.errors import UserError
+from tests.app.conftest import Call
+
+Cli = Callable[..., Call]
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def picture(path: Path, seed: int = 0) -> Path:
+    image = np.random.default_rng(seed).integers(0, 255, (24, 32, 3), dtype=np.uint8)
+    assert cv2.imwrite(str(path), image)
+    return path
+
+
+@pytest.fixture
+def bad(tmp_path: Path, clip_path: Path) -> Path:
+    """A folder with one of every bad input."""
+    whole = picture(tmp_path / "whole.png").read_bytes()
+    picture(tmp_path / "other.png", seed=1)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "truncated.png").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "text.mp4").write_text("no video at all\n")
+    (tmp_path / "text.png").write_text("no picture at all\n")
+    np.save(tmp_path / "nan.npy", np.full((8, 8, 3), np.nan, dtype=np.float32))
+    np.save(tmp_path / "large.npy", np.full((8, 8, 3), 7.0, dtype=np.float32))
+    np.save(tmp_path / "objects.npy", np.array([{"pickled": 1}], dtype=object))
+    np.save(tmp_path / "small.npy", np.zeros((4, 4, 3), dtype=np.float32))
+    (tmp_path / "mixed").mkdir()
+    picture(tmp_path / "mixed" / "0.png")
+    (tmp_path / "mixed" / "1.png").write_bytes(whole[: len(whole) // 2])
+    shutil.copytree(clip_path, tmp_path / "fewer_depths")
+    for path in (tmp_path / "fewer_depths").glob("depth*/*000004*"):
+        path.unlink()
+    shutil.copytree(clip_path, tmp_path / "inverted")
+    for path in (*(tmp_path / "inverted" / "masks").iterdir(), *(tmp_path / "inverted").glob("gt_masks/*")):
+        cv2.imwrite(str(path), 255 - cv2.imread(str(path), cv2.IMREAD_UNCHANGED))
+    shutil.copytree(clip_path, tmp_path / "cut_frame")
+    frame = sorted((tmp_path / "cut_frame" / "images").iterdir())[4]
+    frame.write_bytes(frame.read_bytes()[:500])
+    (tmp_path / "broken_run").mkdir()
+    (tmp_path / "broken_run" / "run.json").write_text('{"schema": 1, "version": 3')
+    (tmp_path / "foreign").mkdir()
+    (tmp_path / "foreign" / "thesis.txt").write_text("years of work")
+    return tmp_path
+
+
+MISTAKES = [
+    # (arguments, a word that the line must hold)
+    (["bogus"], "expected a command"),
+    (["enhance"], "INPUT, OUTPUT"),
+    (["enhance", "{bad}/nothing.png", "{out}"], "nothing.png"),
+    (["enhance", "{bad}/nothing", "{out}"], "nothing"),
+    (["enhance", "{bad}/empty", "{out}"], "empty"),
+    (["enhance", "{bad}/truncated.png", "{out}.png"], "truncated.png"),
+    (["enhance", "{bad}/text.png", "{out}.png"], "text.png"),
+    (["enhance", "{bad}/text.mp4", "{out}.mp4"], "text.mp4"),
+    (["enhance", "{bad}/nan.npy", "{out}.npy"], "NaN"),
+    (["enhance", "{bad}/large.npy", "{out}.npy"], "[0, 1]"),
+    (["enhance", "{bad}/objects.npy", "{out}.npy"], "objects.npy"),
+    (["enhance", "{bad}/mixed", "{out}"], "1.png"),
+    (["enhance", "{bad}/mixed", "{out}", "--statistics", "clip"], "1.png"),
+    (["enhance", "{bad}/mixed", "{bad}/mixed"], "never overwritten"),
+    (["enhance", "{bad}/whole.png", "{bad}/whole.png"], "never overwritten"),
+    (["enhance", "{bad}/whole.png", "{bad}"], "never overwritten"),
+    (["enhance", "{bad}/whole.png", "{out}.xyz"], "xyz"),
+    (["enhance", "{bad}/mixed", "{out}.png"], "2 pictures"),
+    (["enhance", "{bad}/small.npy", "{out}.png"], ".png cannot hold float32"),
+    (["enhance", "{bad}/small.npy", "{out}.mp4"], "8-bit"),
+    (["enhance", "{bad}/whole.png", "{out}.png", "--z", "7"], "--z"),
+    (["enhance", "{bad}/whole.png", "{out}.png", "--z", "nan"], "--z"),
+    (["enhance", "{bad}/whole.png", "{out}.png", "--radii", "4", "x"], "--radii"),
+    (["enhance", "{bad}/whole.png", "{out}.png", "--p", "1", "2"], "one for each of 3"),
+    (["enhance", "{bad}/whole.png", "{out}.png", "--statistics", "none"], "--statistics"),
+    (["enhance", "{bad}/whole.png", "{bad}/text.mp4/out.png"], "file on the way"),
+    (["train", "{bad}/nothing", "--run", "{out}"], "nothing"),
+    (["train", "{bad}/empty", "--run", "{out}"], "empty"),
+    (["train", "{bad}/text.mp4", "--run", "{out}"], "text.mp4"),
+    (["train", "{bad}/fewer_depths", "--run", "{out}"], "depth"),
+    (["train", "{bad}/inverted", "--run", "{out}"], "mask"),
+    (["train", "{bad}/cut_frame", "--run", "{out}"], "truncated"),
+    (["train", "{bad}/cut_frame", "--run", "{out}", "--input", "enhanced"], "truncated"),
+    (["train", "{bad}/whole.png", "--run", "{out}"], "depth"),
+    (["train", "{clip}", "--run", "{bad}/foreign"], "other files"),
+    (["train", "{clip}", "--run", "{bad}/foreign", "--resume"], "other files"),
+    (["train", "{clip}", "--run", "{bad}/whole.png"], "whole.png"),
+    (["train", "{clip}"], "--run"),
+    (["train", "{clip}", "--run", "{out}", "--iterations", "0"], "--iterations"),
+    (["train", "{clip}", "--run", "{out}", "--method", "magic"], "--method"),
+    (["train", "{clip}", "--run", "{out}", "--device", "cuda"], "cuda"),
+    (["evaluate", "{bad}/nothing"], "run.json"),
+    (["evaluate", "{bad}/empty"], "run.json"),
+    (["evaluate", "{bad}/broken_run"], "run.json"),
+    (["render", "{bad}/empty", "--out", "{out}"], "run.json"),
+    (["render", "{bad}/some.ply", "--out", "{out}"], "splat files"),
+    (["metrics", "{bad}/nothing.png"], "nothing.png"),
+    (["metrics", "{bad}/nan.npy"], "NaN"),
+    (["metrics", "{bad}/whole.png", "--against", "{bad}/nan.npy"], "NaN"),
+    (["metrics", "{bad}/whole.png", "--against", "{bad}/small.npy"], "32x24"),
+    (["metrics", "{bad}/whole.png", "{bad}/other.png", "--against", "{bad}/whole.png"], "one original"),
+    (["phantom", "{bad}/foreign"], "foreign"),
+    (["phantom", "{out}", "--frames", "0"], "--frames"),
+    (["phantom", "{out}", "--size", "1", "1"], "--size"),
+    (["phantom", "{out}", "--camera", "shaky"], "--camera"),
+    (["demo", "--out", "{bad}/whole.png"], "whole.png"),
+    (["{bad}/nothing.mp4"], "nothing.mp4"),
+]
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else b""
+        for path in folder.rglob("*")
+    }
+
+
+@pytest.mark.parametrize(("arguments", "word"), MISTAKES, ids=str)
+def test_a_mistake_is_one_line_and_changes_nothing(
+    bad: Path, clip_path: Path, vesselsplat: Cli, arguments: list[str], word: str
+) -> None:
+    before = files_of(bad)
+    filled = [text.format(bad=bad, out=bad / "out", clip=clip_path) for text in arguments]
+    call = vesselsplat(*filled)
+    assert call.code == 2
+    assert call.out == ""
+    assert call.error.startswith("vesselsplat: ")
+    assert call.error.count("\n") == 1
+    assert "Traceback" not in call.error
+    assert word in call.error
+    assert files_of(bad) == before
+
+
+def test_every_command_has_its_module() -> None:
+    for name in COMMANDS:
+        command = load(name)
+        assert list(inspect.signature(command.add_flags).parameters) == ["parser"]
+        assert list(inspect.signature(command.run).parameters) == ["flags"]
+
+
+@pytest.mark.parametrize("name", list(COMMANDS))
+def test_help_of_a_command_ends_well(name: str, vesselsplat: Cli) -> None:
+    with pytest.raises(SystemExit) as ended:
+        vesselsplat(name, "--help")
+    assert ended.value.code == 0
+
+
+def test_what_is_no_command_but_a_path_opens_the_app(tmp_path: Path) -> None:
+    assert chosen([]) == ("gui", [])
+    assert chosen([str(tmp_path)]) == ("gui", [str(tmp_path)])
+    assert chosen(["clip.mp4"]) == ("gui", ["clip.mp4"])
+    assert chosen(["train", "clip"]) == ("train", ["clip"])
+    with pytest.raises(UserError, match="expected a command"):
+        chosen(["tarin"])
+
+
+def test_version_carries_the_notice(vesselsplat: Cli) -> None:
+    call = vesselsplat("--version")
+    assert call.code == 0
+    assert call.out.endswith("Research use only. Not a medical device.\n")
+
+
+def test_info_is_one_json_object_without_paths(vesselsplat: Cli) -> None:
+    call = vesselsplat("info", "--json")
+    facts = json.loads(call.out)
+    assert facts["packages"]["numpy"] == np.__version__
+    assert facts["cuda_devices"] >= 0
+    assert str(Path.home()) not in call.out
+    assert str(ROOT) not in call.out
+
+
+def test_a_bug_keeps_its_traceback(monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli) -> None:
+    monkeypatch.setattr("app.commands.info.collect", lambda: [][0])
+    with pytest.raises(IndexError):
+        vesselsplat("info")
+
+
+def test_an_interruption_is_one_line_and_130(monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("app.commands.info.collect", interrupted)
+    call = vesselsplat("info")
+    assert (call.code, call.error) == (130, "vesselsplat: interrupted\n")
+
+
+def test_a_reader_that_leaves_is_no_error() -> None:
+    shell = f"'{sys.executable}' -m app --help | true; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("module", "absent"),
+    [
+        ("app.__main__", ("torch", "numba", "cv2", "numpy", "imgui_bundle")),
+        ("app.commands.info", ("torch", "numba", "imgui_bundle")),
+        ("app.job", ("torch", "imgui_bundle", "moderngl")),
+    ],
+)
+def test_light_modules_stay_light(module: str, absent: tuple[str, ...]) -> None:
+    script = f"import sys, {module}; print([name for name in {absent!r} if name in sys.modules])"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
+    assert (done.stdout, done.stderr) == ("[]\n", "")

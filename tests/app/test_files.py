@@ -1,0 +1,122 @@
+"""Files that appear whole or not at all, and the shared slot's reader that never waits."""
+
+from __future__ import annotations
+
+import multiprocessing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.atomic import filled, replaced, write_bytes
+from app.errors import UserError
+from app.pictures import read_image, write_image
+from app.shared_model import Slot, SlotReader, SlotWriter
+from app.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
+from app.video import write_video
+from tests.app.fake_steps import model_of
+
+
+def test_a_file_is_replaced_only_when_all_went_well(tmp_path: Path) -> None:
+    path = tmp_path / "deep" / "file.txt"
+    write_bytes(path, b"old")
+    with pytest.raises(RuntimeError), replaced(path) as temporary:
+        temporary.write_bytes(b"half")
+        raise RuntimeError
+    assert path.read_bytes() == b"old"
+    assert list(path.parent.iterdir()) == [path]
+    write_bytes(path, b"new")
+    assert path.read_bytes() == b"new"
+
+
+def test_a_folder_is_filled_only_when_all_went_well(tmp_path: Path) -> None:
+    folder = tmp_path / "a" / "b"
+    with pytest.raises(RuntimeError), filled(folder) as staging:
+        (staging / "1").touch()
+        raise RuntimeError
+    assert list(tmp_path.iterdir()) == []
+    with filled(folder) as staging:
+        (staging / "1").write_text("new")
+        assert not folder.exists()
+    assert [path.name for path in folder.iterdir()] == ["1"]
+    (folder / "kept").touch()
+    with filled(folder) as staging:
+        (staging / "1").write_text("newer")
+    assert sorted(path.name for path in folder.iterdir()) == ["1", "kept"]
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "dtype", "shape"),
+    [
+        (".png", np.uint8, (5, 6, 4)),
+        (".png", np.uint16, (5, 6, 3)),
+        (".png", np.uint8, (5, 6)),
+        (".tiff", np.float32, (5, 6, 3)),
+        (".tiff", np.uint16, (5, 6)),
+        (".npy", np.float64, (5, 6, 3)),
+        (".bmp", np.uint8, (5, 6, 3)),
+    ],
+)
+def test_pictures_keep_type_channels_and_values(
+    tmp_path: Path, suffix: str, dtype: type, shape: tuple[int, ...]
+) -> None:
+    rng = np.random.default_rng(0)
+    image = (rng.random(shape) * (np.iinfo(dtype).max if np.issubdtype(dtype, np.integer) else 1)).astype(
+        dtype
+    )
+    path = tmp_path / f"picture{suffix}"
+    write_image(path, image, {})
+    read = read_image(path)
+    assert read.dtype == dtype
+    assert np.array_equal(read, image)
+
+
+def test_a_video_of_mixed_sizes_is_refused_and_not_written(tmp_path: Path) -> None:
+    frames = [np.zeros((16, 32, 3), dtype=np.uint8), np.zeros((16, 16, 3), dtype=np.uint8)]
+    with pytest.raises(UserError, match="32x16"):
+        write_video(tmp_path / "out.mp4", iter(frames), 25.0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_reader_of_a_busy_slot_keeps_what_it_has() -> None:
+    slot = Slot.make(multiprocessing.get_context("spawn"))
+    writer, reader = SlotWriter(slot), SlotReader(slot)
+    try:
+        assert reader.newest() is None
+        writer.write(model_of(3))
+        first = reader.newest()
+        writer.write(model_of(4))
+        with slot.lock:  # as a writer that was killed in the middle would leave it
+            assert reader.newest() is first
+        newest = reader.newest()
+        assert first is not None
+        assert newest is not None
+        assert (len(first), len(newest)) == (3, 4)
+        # What was read is a copy: writing again does not change it.
+        writer.write(model_of(5))
+        assert np.array_equal(newest.means, model_of(4).means)
+    finally:
+        reader.close()
+
+
+def test_a_sheet_shows_every_tile_where_its_label_is() -> None:
+    colors = [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
+    tiles = [Tile(f"tile {color}", np.full((20, 40, 3), color, dtype=np.uint8)) for color in colors]
+    picture = sheet("Title", tiles, "Foot", columns=2, tile_width=80)
+    cell = 40 + LABEL_HEIGHT
+    for index, color in enumerate(colors):
+        x = GAP + index % 2 * (80 + GAP)
+        y = TITLE_HEIGHT + index // 2 * (cell + GAP) + LABEL_HEIGHT
+        assert (picture[y : y + 40, x : x + 80] == color).all()
+        label = picture[y - LABEL_HEIGHT : y, x : x + 80]
+        assert (label != BACKGROUND).any()
+    # The empty place of the last row stays neutral.
+    assert (picture[TITLE_HEIGHT + cell + GAP :, 80 + 2 * GAP :][:cell] == BACKGROUND).all()
+
+
+def test_a_long_label_stays_within_its_tile() -> None:
+    tile = Tile("a label that is far too long for its small tile", np.zeros((20, 40, 3), dtype=np.uint8))
+    picture = sheet("T", [tile, tile], "F", columns=2, tile_width=300)
+    between = picture[TITLE_HEIGHT:-30, GAP + 300 : 2 * GAP + 300]
+    assert (between == BACKGROUND).all()

@@ -1,0 +1,326 @@
+"""Runs: what the folder holds, that a killed run goes on to the same bytes, and what is measured of it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.drawing import draw_on_cpu, near_plane
+from app.errors import UserError
+from app.evaluate import open_evaluation
+from app.job import TrainingJob
+from app.provenance import read_provenance
+from app.run_folder import RunFolder
+from app.training import TrainRequest, input_clip, run_training
+from enhance import EnhanceParams, enhance, measure
+from enhance.metrics import dvbv_otsu
+from renderer.metrics import psnr
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+from renderer.train.events import Finished, Started
+from tests.app.conftest import Call
+from tests.app.test_job import events_until, is_a
+
+Cli = Callable[..., Call]
+ROOT = Path(__file__).resolve().parents[2]
+CONFIG = TrainConfig(iterations=40, n_gaussians=600, checkpoint_every=10)
+
+
+def request_of(clip_path: Path, run_path: Path, **changes: object) -> TrainRequest:
+    return replace(TrainRequest(clip_path=clip_path, run_path=run_path, config=CONFIG), **changes)
+
+
+@pytest.fixture(scope="module")
+def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """One finished run on the original photos and one on the enhanced."""
+    folder = tmp_path_factory.mktemp("runs")
+    paths = {name: folder / name for name in ("original", "enhanced")}
+    list(run_training(request_of(clip_path, paths["original"])))
+    list(run_training(request_of(clip_path, paths["enhanced"], input="enhanced")))
+    return paths
+
+
+def test_a_run_folder_holds_what_was_asked_and_what_happened(runs: dict[str, Path], clip_path: Path) -> None:
+    run = RunFolder(runs["original"])
+    record = run.record()
+    clip = open_clip(clip_path)
+    assert (record.config, record.input, record.enhancement) == (CONFIG, "original", None)
+    assert (record.clip.path, record.clip.frames) == (str(clip_path), len(clip))
+    assert [record.camera(index) for index in range(len(clip))] == list(clip.cameras)
+    assert [record.time(index) for index in range(len(clip))] == list(clip.times)
+    names = [event["event"] for event in run.events()]
+    assert (names[0], names[-1]) == ("Started", "Finished")
+    assert run.train_seconds() == run.events()[-1]["seconds"]
+    checkpoints = sorted(path.name for path in run.path.glob("checkpoint-*"))
+    assert checkpoints == ["checkpoint-0000030.safetensors", "checkpoint-0000040.safetensors"]
+    assert len(run.model()) > 0
+    assert not list(run.path.glob("*partial*"))
+
+
+def test_the_enhanced_run_remembers_photos_pooled_over_its_training_frames(
+    runs: dict[str, Path], clip_path: Path
+) -> None:
+    record = RunFolder(runs["enhanced"]).record()
+    clip = open_clip(clip_path)
+    params = EnhanceParams(d_factor=0.5)
+    frames = [clip.read_frame(index) for index in clip.train_indices]
+    pooled = measure([f.image for f in frames], params, [f.tissue_mask for f in frames])
+    assert record.enhancement is not None
+    assert record.enhancement.params == params
+    assert record.enhancement.statistics == pooled
+    photo = input_clip(clip, record).read_image(1)
+    assert np.array_equal(photo, enhance(clip.read_image(1), params, statistics=pooled).image)
+
+
+KILLED = """
+import sys
+from pathlib import Path
+from app.training import TrainRequest, run_training
+from renderer.train.config import TrainConfig
+
+clip, run = map(Path, sys.argv[1:])
+config = TrainConfig(iterations=400, n_gaussians=600, checkpoint_every=10)
+for event in run_training(TrainRequest(clip_path=clip, run_path=run, config=config)):
+    pass
+"""
+
+
+def test_a_killed_run_goes_on_to_the_same_model(clip_path: Path, tmp_path: Path) -> None:
+    config = replace(CONFIG, iterations=400)
+    killed, whole = RunFolder(tmp_path / "killed"), RunFolder(tmp_path / "whole")
+    process = subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(clip_path), str(killed.path)],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    while not list(killed.path.glob("checkpoint-*.safetensors")):
+        assert process.poll() is None
+        time.sleep(0.002)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert not killed.is_finished
+    with pytest.raises(UserError, match="--resume"):
+        list(run_training(request_of(clip_path, killed.path, config=config)))
+    resumed = list(run_training(request_of(clip_path, killed.path, config=config, resume=True)))
+    started, finished = resumed[0], resumed[-1]
+    assert isinstance(started, Started)
+    assert isinstance(finished, Finished)
+    assert 0 < started.iteration < 400
+    list(run_training(request_of(clip_path, whole.path, config=config)))
+    assert killed.model_path.read_bytes() == whole.model_path.read_bytes()
+
+
+def test_resuming_what_is_finished_gives_it_back_unchanged(runs: dict[str, Path], clip_path: Path) -> None:
+    run = RunFolder(runs["original"])
+    before = {path.name: path.read_bytes() for path in run.path.iterdir()}
+    (finished,) = run_training(request_of(clip_path, run.path, resume=True))
+    assert isinstance(finished, Finished)
+    assert (finished.iteration, finished.seconds) == (40, run.train_seconds())
+    assert {path.name: path.read_bytes() for path in run.path.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"resume": False}, "finished run already"),
+        ({"config": replace(CONFIG, seed=5)}, "seed 0, got 5"),
+        ({"input": "enhanced"}, "input original, got enhanced"),
+    ],
+)
+def test_a_run_goes_on_only_as_it_began(
+    runs: dict[str, Path], clip_path: Path, changes: dict[str, object], word: str
+) -> None:
+    request = request_of(clip_path, runs["original"], **({"resume": True} | changes))
+    with pytest.raises(UserError, match=word):
+        list(run_training(request))
+
+
+def test_half_a_line_of_a_killed_run_is_passed_over(tmp_path: Path) -> None:
+    run = RunFolder(tmp_path)
+    run.log(Started(0, 5, 3, ()))
+    with run.events_path.open("a") as file:
+        file.write('{"event": "Progr')
+    run.log(Started(2, 5, 3, ()))
+    assert [event["iteration"] for event in run.events()] == [0, 2]
+
+
+def test_the_job_trains_a_real_run_and_cancel_leaves_it_to_be_resumed(
+    clip_path: Path, tmp_path: Path
+) -> None:
+    run = RunFolder(tmp_path / "run")
+    config = replace(CONFIG, iterations=50_000)
+    job = TrainingJob(request_of(clip_path, run.path, config=config))
+    job.start()
+    try:
+        events_until(job, is_a(Started))
+        while not list(run.path.glob("checkpoint-*.safetensors")):
+            time.sleep(0.01)
+        job.cancel()
+        deadline = time.monotonic() + 20
+        while job.state == "running" and time.monotonic() < deadline:
+            job.poll()
+            time.sleep(0.01)
+        assert job.state == "cancelled"
+    finally:
+        job.close()
+    steps = run_training(request_of(clip_path, run.path, config=config, resume=True))
+    started = next(steps)
+    steps.close()
+    assert isinstance(started, Started)
+    assert started.iteration > 0
+
+
+@pytest.mark.parametrize("name", ["original", "enhanced"])
+def test_evaluation_compares_with_the_photos_the_run_was_trained_on(
+    runs: dict[str, Path], clip_path: Path, vesselsplat: Cli, name: str
+) -> None:
+    call = vesselsplat("evaluate", runs[name], "--json")
+    report = json.loads(call.out)
+    clip, run = open_clip(clip_path), RunFolder(runs[name])
+    photos, model = input_clip(clip, run.record()), run.model()
+    assert [frame["index"] for frame in report["frames"]] == [1, 9]
+    frame = photos.read_frame(9)
+    drawn = draw_on_cpu(model.at(frame.time), frame.camera, near_plane(model, frame.camera))
+    row = report["frames"][1]
+    assert row["psnr"] == pytest.approx(psnr(drawn.bytes / 255, frame.image / 255, frame.evaluation_mask))
+    assert row["dv_bv"] == pytest.approx(dvbv_otsu(drawn.bytes).ratio)
+    assert row["input_photo"]["dv"] == pytest.approx(dvbv_otsu(frame.image).dv)
+    assert row["original_photo"]["dv"] == pytest.approx(dvbv_otsu(clip.read_image(9)).dv)
+    mean = report["mean"]
+    names = "psnr psnr_masked ssim lpips depth_rmse_mm dv bv dv_bv n_gaussians train_seconds ms_per_frame"
+    assert set(mean) == set(names.split())
+    assert mean["lpips"] is None
+    assert mean["psnr"] == pytest.approx(np.mean([frame["psnr"] for frame in report["frames"]]))
+    assert (mean["n_gaussians"], mean["train_seconds"]) == (len(model), run.train_seconds())
+    assert str(runs[name].parent) not in call.out
+
+
+def test_a_clip_that_changed_is_not_evaluated(
+    clip_path: Path, runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    text = RunFolder(runs["original"]).record_path.read_text()
+    copy = RunFolder(tmp_path / "copy")
+    copy.path.mkdir()
+    copy.model_path.write_bytes(RunFolder(runs["original"]).model_path.read_bytes())
+    digest = RunFolder(runs["original"]).record().clip.sha256
+    copy.record_path.write_text(text.replace(digest, "0" * 64))
+    call = vesselsplat("evaluate", copy.path)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert "changed" in call.error
+
+
+def test_render_writes_pictures_that_know_where_they_come_from(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    out = tmp_path / "out"
+    assert vesselsplat("render", runs["original"], "--out", out, "--frames", "test", "--depth").code == 0
+    names = [f"frame-00000{index}{end}" for index in (1, 9) for end in ("-depth.npy", "-depth.png", ".png")]
+    assert sorted(path.name for path in out.iterdir()) == names
+    run = RunFolder(runs["original"])
+    record, model = run.record(), run.model()
+    drawn = draw_on_cpu(model.at(record.time(9)), record.camera(9), near_plane(model, record.camera(9)))
+    assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], drawn.bytes)
+    assert np.array_equal(np.load(out / "frame-000009-depth.npy"), drawn.depth)
+    facts = read_provenance(out / "frame-000009.png")
+    assert (facts["frame"], facts["time"]) == (9, record.time(9))
+    assert facts["camera"] == record.camera(9).to_json()
+    assert str(runs["original"].parent) not in json.dumps(facts)
+
+
+@pytest.mark.gl
+def test_the_renderers_agree(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    pictures = {}
+    for renderer in ("cpu", "gl", "reference"):
+        out = tmp_path / renderer
+        call = vesselsplat("render", runs["original"], "--out", out, "--time", "0.35", "--with", renderer)
+        assert (call.code, call.error) == (0, "")
+        pictures[renderer] = cv2.imread(str(out / "time-0.3500.png")).astype(int)
+        assert read_provenance(out / "time-0.3500.png")["renderer"]
+    for renderer in ("cpu", "gl"):
+        assert np.percentile(np.abs(pictures[renderer] - pictures["reference"]), 99.9) <= 1
+
+
+def test_render_takes_another_camera_and_size(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    camera = RunFolder(runs["original"]).record().camera(0)
+    file = tmp_path / "camera.json"
+    file.write_text(json.dumps(camera.to_json()))
+    flags = ("--frames", 3, "--camera", file, "--size", 32, 24)
+    assert vesselsplat("render", runs["original"], "--out", tmp_path / "out", *flags).code == 0
+    path = tmp_path / "out" / "frame-000003.png"
+    assert cv2.imread(str(path)).shape == (24, 32, 3)
+    assert read_provenance(path)["camera"] == camera.resized(32, 24).to_json()
+
+
+@pytest.mark.parametrize(
+    ("flags", "word"),
+    [
+        (("--frames", "10"), "from 0 to 9"),
+        (("--frames", "some"), "--frames"),
+        (("--time", "1.5"), "--time"),
+        (("--time", "0.5", "--frames", "1"), "--time"),
+        (("--size", "0", "5"), "--size"),
+        (("--camera", "{tmp}/none.json"), "none.json"),
+        (("--camera", "{tmp}/text.json"), "text.json"),
+    ],
+)
+def test_render_refuses_what_a_run_does_not_have(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], word: str
+) -> None:
+    (tmp_path / "text.json").write_text('{"fx": 3}')
+    filled = [flag.format(tmp=tmp_path) for flag in flags]
+    call = vesselsplat("render", runs["original"], "--out", tmp_path / "out", *filled)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert word in call.error
+    assert [path.name for path in tmp_path.iterdir()] == ["text.json"]
+
+
+def test_train_prints_one_json_object(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    call = vesselsplat(
+        "train", clip_path, "--run", tmp_path / "run", "--iterations", 3, "--seed", 2, "--json"
+    )
+    summary = json.loads(call.out)
+    assert (call.code, summary["iterations"], summary["config"]["seed"]) == (0, 3, 2)
+    assert summary["omitted"][0]["what"]
+    assert str(tmp_path) not in call.out
+
+
+def test_interrupted_training_says_what_is_kept(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(request: TrainRequest) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("app.commands.train.run_training", interrupted)
+    call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
+    assert (call.code, call.error.count("\n")) == (130, 1)
+    assert "--resume goes on" in call.error
+
+
+def test_the_demo_leaves_sheets_and_a_report_and_can_be_repeated(
+    tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.commands.demo.CONFIG", TrainConfig(iterations=6, n_gaussians=1000))
+    for _ in range(2):
+        call = vesselsplat("demo", "--headless", "--out", tmp_path / "demo")
+        assert call.code == 0
+    out = tmp_path / "demo"
+    names = {"compare.png", "strip.png", "report.json", "enhanced", "original-run", "enhanced-run"}
+    assert {path.name for path in out.iterdir()} == names
+    report = json.loads((out / "report.json").read_text())
+    assert {"train original", "train enhanced", "evaluate"} <= set(report["seconds"])
+    assert report["runs"]["enhanced"]["mean"]["psnr"] > 10
+    for sheet in ("compare.png", "strip.png"):
+        assert read_provenance(out / sheet)["source"]["name"] == "phantom"
+    assert str(tmp_path) not in (out / "report.json").read_text()
