@@ -96,6 +96,7 @@ def _without_depth(
     camera = Camera.from_fov(field_of_view, *size)
 
     def read_frame(index: int) -> Frame:
+        index = range(len(labels))[index]
         every = np.ones((size[1], size[0]), dtype=bool)
         return Frame(index, index / len(labels), read(index), camera, every, every)
 
@@ -192,7 +193,7 @@ class _Video:
 def _open_capture(path: Path) -> cv2.VideoCapture:
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     if not capture.isOpened():
-        raise ClipError(f"expected a picture or a video, got a file that is neither: {path}")
+        raise ClipError(f"expected a picture or a video, got a file that is neither, or damaged: {path}")
     return capture
 
 

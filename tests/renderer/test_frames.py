@@ -114,7 +114,7 @@ def test_a_video_of_one_frame(tmp_path):
 def test_what_is_no_video_is_refused(tmp_path, content):
     path = tmp_path / "text.mp4"
     path.write_bytes(content)
-    with pytest.raises(ClipError, match=r"neither: .*text\.mp4$"):
+    with pytest.raises(ClipError, match=r"neither, or damaged: .*text\.mp4$"):
         open_video(path)
 
 
@@ -131,6 +131,8 @@ def test_names_without_padding_sort_by_number(tmp_path):
     assert [number_of(clip.read_image(index)) for index in range(12)] == list(range(12))
     assert (clip.name, clip.format, clip.size, clip.has_depth) == ("clip", "images", (128, 64), False)
     assert clip.camera_is_fixed
+    last = clip.read_frame(-1)
+    assert (last.index, last.time, number_of(last.image)) == (11, 11 / 12, 11)
 
 
 def test_strays_are_reported(tmp_path):
