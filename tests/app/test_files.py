@@ -17,12 +17,23 @@ from app.video import write_video
 from tests.app.fake_steps import model_of
 
 
+def _write_half(path: Path) -> None:
+    with replaced(path) as temporary:
+        temporary.write_bytes(b"half")
+        raise RuntimeError
+
+
+def _fill_half(folder: Path) -> None:
+    with filled(folder) as staging:
+        (staging / "1").touch()
+        raise RuntimeError
+
+
 def test_a_file_is_replaced_only_when_all_went_well(tmp_path: Path) -> None:
     path = tmp_path / "deep" / "file.txt"
     write_bytes(path, b"old")
-    with pytest.raises(RuntimeError), replaced(path) as temporary:
-        temporary.write_bytes(b"half")
-        raise RuntimeError
+    with pytest.raises(RuntimeError):
+        _write_half(path)
     assert path.read_bytes() == b"old"
     assert list(path.parent.iterdir()) == [path]
     write_bytes(path, b"new")
@@ -31,9 +42,8 @@ def test_a_file_is_replaced_only_when_all_went_well(tmp_path: Path) -> None:
 
 def test_a_folder_is_filled_only_when_all_went_well(tmp_path: Path) -> None:
     folder = tmp_path / "a" / "b"
-    with pytest.raises(RuntimeError), filled(folder) as staging:
-        (staging / "1").touch()
-        raise RuntimeError
+    with pytest.raises(RuntimeError):
+        _fill_half(folder)
     assert list(tmp_path.iterdir()) == []
     with filled(folder) as staging:
         (staging / "1").write_text("new")

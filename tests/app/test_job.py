@@ -175,7 +175,8 @@ from tests.app import fake_steps
 
 if __name__ == "__main__":
     out = Path(sys.argv[1])
-    job = TrainingJob(TrainRequest(clip_path=out, run_path=out, config=TrainConfig()), getattr(fake_steps, sys.argv[2]))
+    request = TrainRequest(clip_path=out, run_path=out, config=TrainConfig())
+    job = TrainingJob(request, getattr(fake_steps, sys.argv[2]))
     job.start()
     while not any(isinstance(event, Progress) for event in job.poll()):
         time.sleep(0.01)

@@ -18,7 +18,6 @@ import pytest
 
 from app.drawing import draw_on_cpu, near_plane
 from app.errors import UserError
-from app.evaluate import open_evaluation
 from app.job import TrainingJob
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
