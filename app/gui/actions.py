@@ -8,6 +8,7 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+from app.errors import UserError
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
@@ -53,8 +54,8 @@ def remember_recent(state: AppState, remember: bool) -> None:
 def _save(state: AppState) -> None:
     try:
         save_settings(state.places.settings_file, state.settings)
-    except OSError as error:
-        say(state, f"settings cannot be kept: {error.strerror}")
+    except (OSError, UserError) as error:
+        say(state, f"settings cannot be kept: {error}")
 
 
 # ---- clip and time

@@ -114,8 +114,10 @@ def _follow_job(state: AppState) -> None:
         return
     for event in job.poll():
         _hear(state, event)
-    model = job.latest_model() if state.reconstruction.is_alive else None
-    if model is not None:
+    if not state.reconstruction.is_alive:
+        job.close()
+        state.reconstruction.job = None
+    elif (model := job.latest_model()) is not None:
         actions.show_live_model(state, model)
 
 

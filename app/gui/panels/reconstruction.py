@@ -22,7 +22,9 @@ PLOT_FLAGS = (
     | implot.Flags_.no_menus
     | implot.Flags_.no_box_select
     | implot.Flags_.no_mouse_text
+    | implot.Flags_.no_legend
 )
+PSNR_COLOR, LOSS_COLOR = theme.ACCENT, theme.WARNING
 STATUS = {
     "none": "",
     "starting": "Starting…",
@@ -117,9 +119,8 @@ def _draw_status(run: Reconstruction) -> None:
     progress = run.progress
     imgui.text_unformatted(STATUS[run.status])
     imgui.same_line()
-    count = f"  ·  {progress.n_gaussians:,} Gaussians" if progress else ""
-    imgui.text_colored(theme.MUTED, f"{run.config.method}  ·  {run.input}{count}")
-    explain(str(run.run_path or ""))
+    imgui.text_colored(theme.MUTED, f"{progress.n_gaussians:,} Gaussians" if progress else "")
+    explain(f"{run.config.method}, {run.input} frames: {run.run_path}")
     if run.failure:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.DANGER, run.failure)
@@ -132,16 +133,17 @@ def _draw_status(run: Reconstruction) -> None:
     )
     left = f"{seconds(progress.seconds_left)} left" if run.is_alive else ""
     facts = (
-        (f"{seconds(progress.seconds)} elapsed", left),
-        (f"loss {progress.loss:.4f}", f"PSNR {progress.psnr:.1f} dB{_held_out(run)}"),
+        (f"{seconds(progress.seconds)} elapsed", theme.MUTED),
+        (left, theme.MUTED),
+        (f"loss {progress.loss:.4f}", LOSS_COLOR),
+        (f"PSNR {progress.psnr:.1f} dB{_held_out(run)}", PSNR_COLOR),
     )
     with imgui_ctx.begin_table("progress", 2) as table:
         if not table:
             return
-        for pair in facts:
-            for text in pair:
-                imgui.table_next_column()
-                imgui.text_colored(theme.MUTED, text)
+        for text, color in facts:
+            imgui.table_next_column()
+            imgui.text_colored(color, text)
 
 
 def _held_out(run: Reconstruction) -> str:
@@ -149,20 +151,19 @@ def _held_out(run: Reconstruction) -> str:
 
 
 def _draw_curves(run: Reconstruction) -> None:
-    """PSNR on the left axis, loss on the right one."""
+    """PSNR on the left axis, loss on the right one, in the colours of the numbers above."""
     height = min(max(imgui.get_content_region_avail().y - em(0.2), em(4.5)), em(11))
     if not implot.begin_plot("##curves", ImVec2(-1, height), PLOT_FLAGS):
         return
     fit, axis = implot.AxisFlags_.auto_fit | implot.AxisFlags_.no_highlight, implot.ImAxis_
-    implot.setup_axis(axis.x1, "", implot.AxisFlags_.no_highlight)
+    implot.setup_axis(axis.x1, "", implot.AxisFlags_.no_tick_labels | implot.AxisFlags_.no_highlight)
     implot.setup_axis(axis.y1, "", fit)
     implot.setup_axis(axis.y2, "", fit | implot.AxisFlags_.opposite | implot.AxisFlags_.no_grid_lines)
     implot.setup_axis_limits(axis.x1, 0, run.config.iterations, implot.Cond_.always)
-    implot.setup_legend(implot.Location_.south_east, implot.LegendFlags_.horizontal)
     curve = np.array(run.curve, dtype=np.float64).T
     for name, values, y, color in (
-        ("PSNR dB", curve[2], axis.y1, theme.ACCENT),
-        ("loss", curve[1], axis.y2, theme.WARNING),
+        ("PSNR dB", curve[2], axis.y1, PSNR_COLOR),
+        ("loss", curve[1], axis.y2, LOSS_COLOR),
     ):
         implot.set_axes(axis.x1, y)
         spec = implot.Spec(line_color=color, line_weight=em(0.1))

@@ -74,7 +74,7 @@ def _move(state: AppState, size: ImVec2) -> None:
     state.view_dragged = held and any(imgui.is_mouse_down(index) for index in range(3))
     if held and (across or down):
         if imgui.is_mouse_down(imgui.MouseButton_.left):
-            state.orbit = state.orbit.orbited(TURN * across, -TURN * down)
+            state.orbit = state.orbit.orbited(-TURN * across, TURN * down)
         else:
             field = 2 * math.tan(math.radians(30))
             state.orbit = state.orbit.panned(field * across, field * down)

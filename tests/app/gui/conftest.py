@@ -1,0 +1,125 @@
+"""A clip without files, a model, and a job that says what the test makes it say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from renderer.camera import Camera
+from renderer.clip import ByteImage, Clip, Frame
+from renderer.gaussians import DynamicGaussians
+
+SIZE = (48, 40)
+
+
+def photo(index: int) -> ByteImage:
+    """(H, W, 3): red tissue with a dark vertical vessel that is further right in each frame."""
+    image = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
+    image[...] = (190, 120, 100)
+    image[:, 10 + index : 14 + index] = (110, 60, 60)
+    return image
+
+
+def make_clip(path: Path, count: int = 6, *, has_depth: bool = True) -> Clip:
+    camera = Camera.from_fov(60.0, *SIZE)
+    mask = np.ones((SIZE[1], SIZE[0]), dtype=bool)
+    depth = np.full(mask.shape, 50.0, np.float32)
+
+    def read_frame(index: int) -> Frame:
+        return Frame(index, index / count, photo(index), camera, mask, mask, depth if has_depth else None)
+
+    return Clip(
+        name=path.name,
+        path=path,
+        format="images",
+        cameras=(camera,) * count,
+        read_frame=read_frame,
+        read_image=photo,
+        labels=tuple(f"{index}.png" for index in range(count)),
+        has_depth=has_depth,
+        unit="mm",
+        frames_per_second=10.0,
+    )
+
+
+def make_model(count: int = 30) -> DynamicGaussians:
+    """A static sheet of Gaussians 50 before the camera."""
+    rng = np.random.default_rng(0)
+    means = np.stack([*rng.uniform(-20, 20, (2, count)), np.full(count, 50.0)], axis=1).astype(np.float32)
+    nothing = np.zeros((0, 4, 3), np.float32)
+    return DynamicGaussians(
+        means=means,
+        quats=np.tile(np.float32([1, 0, 0, 0]), (count, 1)),
+        log_scales=np.full((count, 3), np.log(4.0), np.float32),
+        opacity_logits=np.full(count, 2.0, np.float32),
+        colors=np.full((count, 3), 0.5, np.float32),
+        position_controls=nothing,
+        color_controls=nothing,
+        node_controls=nothing,
+        node_indices=np.zeros((0, 4), np.int32),
+        node_weights=np.zeros((0, 4), np.float32),
+    )
+
+
+@dataclass
+class FakeJob:
+    """Says the events put into `inbox`; remembers what it was told."""
+
+    request: object = None
+    inbox: list[object] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+    model: DynamicGaussians | None = None
+
+    def start(self) -> None:
+        self.told.append("start")
+
+    def poll(self) -> list[object]:
+        events, self.inbox = self.inbox, []
+        return events
+
+    def latest_model(self) -> DynamicGaussians | None:
+        return self.model
+
+    def pause(self) -> None:
+        self.told.append("pause")
+
+    def resume(self) -> None:
+        self.told.append("resume")
+
+    def cancel(self) -> None:
+        self.told.append("cancel")
+
+    def close(self) -> None:
+        self.told.append("close")
+
+
+@pytest.fixture
+def places(tmp_path: Path) -> Places:
+    return Places(tmp_path / "config", tmp_path / "runs", tmp_path / "pictures")
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Clip:
+    return make_clip(tmp_path / "clip")
+
+
+@pytest.fixture
+def state(places: Places, clip: Clip) -> AppState:
+    """With a clip open and the notice read."""
+    return AppState(places, Settings(acknowledged=True), clip=clip)
+
+
+@pytest.fixture
+def model() -> DynamicGaussians:
+    return make_model()
+
+
+@pytest.fixture
+def make_job() -> Callable[[object], FakeJob]:
+    return FakeJob

@@ -1,0 +1,249 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from app.gui import actions
+from app.gui.opening import Opened
+from app.gui.orbit import Orbit
+from app.gui.settings import load_settings
+from app.gui.state import AppState
+from app.training import TrainRequest
+from enhance import EnhanceParams
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Progress
+from tests.app.gui.conftest import FakeJob, make_clip
+
+MakeFake = Callable[[object], FakeJob]
+
+
+def started(state: AppState, make_job: MakeFake, *, resume: bool = False) -> FakeJob:
+    actions.start_reconstruction(state, make_job, resume=resume)
+    assert isinstance(state.reconstruction.job, FakeJob)
+    return state.reconstruction.job
+
+
+def test_seeking_stays_within_the_clip(state: AppState) -> None:
+    for wanted, got in ((3, 3), (-5, 0), (99, 5)):
+        actions.seek(state, wanted)
+        assert state.frame_index == got
+
+
+def test_without_a_clip_nothing_moves(places) -> None:  # type: ignore[no-untyped-def]
+    state = AppState(places)
+    for act in (actions.toggle_play, actions.toggle_freeze, actions.undo, actions.redo, actions.cancel):
+        act(state)
+    actions.step(state, 1)
+    assert (state.playing, state.frozen_index, state.frame_index) == (False, None, 0)
+
+
+def test_a_frozen_picture_holds_its_frame_while_time_goes_on(state: AppState) -> None:
+    actions.seek(state, 2)
+    actions.toggle_freeze(state)
+    actions.seek(state, 4)
+    assert state.picture_request is not None
+    assert state.picture_request.frame_index == 2
+    assert state.time == pytest.approx(4 / 6)
+    actions.toggle_freeze(state)
+    assert state.picture_request is not None
+    assert state.picture_request.frame_index == 4
+
+
+def test_stepping_thaws_and_stops(state: AppState) -> None:
+    actions.toggle_play(state)
+    actions.toggle_freeze(state)
+    actions.step(state, 1)
+    assert (state.playing, state.frozen_index, state.frame_index) == (False, None, 1)
+
+
+def test_white_light_asks_for_no_enhancement(state: AppState) -> None:
+    actions.white_light(state)
+    assert state.picture_request is not None
+    assert state.picture_request.params is None
+    actions.toggle_enhancement(state)
+    assert state.picture_request.params == state.params
+
+
+def test_one_drag_is_one_step_of_undo(state: AppState) -> None:
+    for d_factor in (1.1, 1.2, 1.3):  # The slider is held.
+        actions.set_params(state, replace(state.params, d_factor=d_factor))
+    actions.settle_params(state)
+    actions.set_params(state, replace(state.params, z=0.3))
+    actions.settle_params(state)
+    seen = [state.params]
+    for _ in range(3):
+        actions.undo(state)
+        seen.append(state.params)
+    assert [(params.d_factor, params.z) for params in seen] == [
+        (1.3, 0.3),
+        (1.3, None),
+        (1.0, None),
+        (1.0, None),
+    ]
+    actions.redo(state)
+    actions.redo(state)
+    assert state.params == seen[0]
+
+
+def test_reset_can_be_undone_and_a_change_ends_redo(state: AppState) -> None:
+    actions.set_params(state, EnhanceParams(z=0.2))
+    actions.settle_params(state)
+    actions.reset_params(state)
+    actions.undo(state)
+    assert state.params == EnhanceParams(z=0.2)
+    actions.set_params(state, EnhanceParams(z=0.9))
+    actions.settle_params(state)
+    actions.redo(state)
+    assert state.params == EnhanceParams(z=0.9)
+
+
+def test_an_opened_clip_starts_a_session_and_is_remembered(state: AppState, tmp_path: Path) -> None:
+    actions.seek(state, 4)
+    state.frozen_index, state.playing = 4, True
+    other = make_clip(tmp_path / "other", 3)
+    actions.show_opened(state, other.path, Opened(other, notices=("one stray file",)))
+    assert state.clip is other
+    assert (state.frame_index, state.frozen_index, state.playing) == (0, None, False)
+    assert load_settings(state.places.settings_file).recent == (str(other.path),)
+    assert "one stray file" in state.log
+
+
+def test_opening_a_clip_leaves_a_running_reconstruction_alone(
+    state: AppState, make_job: MakeFake, tmp_path: Path
+) -> None:
+    job = started(state, make_job)
+    other = make_clip(tmp_path / "other", 3)
+    actions.show_opened(state, other.path, Opened(other))
+    assert state.reconstruction.job is job
+    assert job.told == ["start"]
+
+
+def test_the_request_holds_what_was_chosen(state: AppState, make_job: MakeFake) -> None:
+    run = state.reconstruction
+    run.input, run.d_factor, run.name = "enhanced", 0.4, "my run / 1"
+    run.config = replace(run.config, method="static", iterations=20)
+    actions.set_params(state, EnhanceParams(z=0.3, d_factor=2.0))
+    request = started(state, make_job).request
+    assert isinstance(request, TrainRequest)
+    assert request.run_path == state.places.runs / "my-run-1"
+    assert (request.config.method, request.config.iterations) == ("static", 20)
+    assert request.input == "enhanced"
+    assert request.enhance_params == EnhanceParams(z=0.3, d_factor=0.4)
+    assert not request.resume
+
+
+def test_a_taken_name_is_never_used_again(state: AppState, make_job: MakeFake) -> None:
+    (state.places.runs / "same").mkdir(parents=True)
+    state.reconstruction.name = "same"
+    request = started(state, make_job).request
+    assert isinstance(request, TrainRequest)
+    assert request.run_path.name == "same-2"
+
+
+@pytest.mark.parametrize("name", ["../../escape", "/etc/x", "..", "", "   ", "a\\b"])
+def test_a_name_never_leaves_the_runs_folder(state: AppState, make_job: MakeFake, name: str) -> None:
+    state.reconstruction.name = name
+    request = started(state, make_job).request
+    assert isinstance(request, TrainRequest)
+    assert request.run_path.parent == state.places.runs
+    assert request.run_path.name not in ("", ".", "..")
+
+
+def test_a_second_start_is_refused_while_one_runs(state: AppState, make_job: MakeFake) -> None:
+    job = started(state, make_job)
+    actions.start_reconstruction(state, make_job)
+    assert state.reconstruction.job is job
+
+
+def test_words_go_to_the_job_only_when_they_mean_something(state: AppState, make_job: MakeFake) -> None:
+    job = started(state, make_job)
+    actions.pause(state)  # Still starting: there is nothing to pause yet.
+    state.reconstruction.status = "running"
+    actions.resume(state)
+    actions.pause(state)
+    state.reconstruction.status = "paused"
+    actions.pause(state)
+    actions.resume(state)
+    actions.cancel(state)
+    state.reconstruction.status = "cancelled"
+    actions.cancel(state)
+    assert job.told == ["start", "pause", "resume", "cancel"]
+
+
+def test_continue_takes_the_same_folder_and_resumes(state: AppState, make_job: MakeFake) -> None:
+    first = started(state, make_job).request
+    state.reconstruction.status = "cancelled"
+    assert actions.can_continue(state)
+    second = started(state, make_job, resume=True).request
+    assert isinstance(first, TrainRequest)
+    assert isinstance(second, TrainRequest)
+    assert second == replace(first, resume=True)
+
+
+def test_continue_is_not_offered_for_another_clip(
+    state: AppState, make_job: MakeFake, tmp_path: Path
+) -> None:
+    started(state, make_job)
+    state.reconstruction.status = "failed"
+    state.clip = make_clip(tmp_path / "other")
+    assert not actions.can_continue(state)
+
+
+def test_what_a_reconstruction_lacks_is_said(state: AppState, tmp_path: Path) -> None:
+    assert actions.why_not_reconstruct(state) == ""
+    state.clip = make_clip(tmp_path / "flat", has_depth=False)
+    assert "depth" in actions.why_not_reconstruct(state)
+    state.clip = None
+    assert "clip" in actions.why_not_reconstruct(state)
+
+
+def test_the_live_preview_says_so_and_keeps_its_pivot(
+    state: AppState, make_job: MakeFake, model: DynamicGaussians
+) -> None:
+    started(state, make_job)
+    actions.show_live_model(state, model)
+    assert state.model is not None
+    assert state.model.live
+    first = state.model
+    state.reconstruction.progress = Progress(50, 3000, 0.1, 20.0, 1.0, 9.0, 30)
+    actions.show_live_model(state, replace(model, means=model.means * 2))
+    assert state.model.distance == first.distance == pytest.approx(50.0)
+    assert state.model.iteration == 50
+    actions.show_finished_model(state, model)
+    assert not state.model.live
+
+
+def test_unlinked_the_view_keeps_its_time(state: AppState) -> None:
+    actions.seek(state, 3)
+    actions.toggle_link(state)
+    actions.seek(state, 0)
+    assert state.time == pytest.approx(0.5)
+    actions.seek_view(state, 0.9)
+    assert (state.time, state.frame_index) == (pytest.approx(0.9), 0)
+    actions.toggle_link(state)
+    actions.seek_view(state, 0.5)
+    assert state.frame_index == 3
+
+
+def test_reset_view_is_the_clip_camera(state: AppState, clip: Clip) -> None:
+    state.orbit = Orbit().orbited(1.0, 0.3).zoomed(3)
+    actions.reset_view(state)
+    assert state.orbit.camera(clip.cameras[0], 50.0, clip.size) == clip.cameras[0]
+
+
+def test_acknowledging_is_remembered(places) -> None:  # type: ignore[no-untyped-def]
+    state = AppState(places)
+    assert not state.settings.acknowledged
+    actions.acknowledge(state)
+    assert load_settings(places.settings_file).acknowledged
+
+
+def test_settings_that_cannot_be_kept_are_no_disaster(state: AppState) -> None:
+    state.places.config.write_text("a file where a folder should be")
+    actions.acknowledge(state)
+    assert state.settings.acknowledged
+    assert any("settings" in line for line in state.log)

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+from app.gui.background import Channel, Failure, Worker
+
+SECONDS = 5.0
+
+
+def doubled(request: int) -> Iterator[int]:
+    yield 2 * request
+
+
+def test_an_answer_comes_once_with_its_request() -> None:
+    channel = Channel(doubled)
+    channel.ask(4)
+    assert channel.run_waiting()
+    assert channel.take() == (4, 8)
+    assert channel.take() is None
+    assert not channel.run_waiting()
+
+
+def test_only_the_newest_request_is_done() -> None:
+    done: list[int] = []
+
+    def work(request: int) -> Iterator[int]:
+        done.append(request)
+        yield request
+
+    channel = Channel(work)
+    for request in range(5):
+        channel.ask(request)
+    while channel.run_waiting():
+        pass
+    assert done == [4]
+
+
+def test_a_deep_channel_loses_nothing() -> None:
+    channel = Channel(doubled, depth=4)
+    for request in range(4):
+        channel.ask(request)
+    while channel.run_waiting():
+        pass
+    assert [channel.take() for _ in range(5)] == [(0, 0), (1, 2), (2, 4), (3, 6), None]
+
+
+def test_better_answers_give_way_to_a_newer_request() -> None:
+    channel: Channel[str, str]
+
+    def work(request: str) -> Iterator[str]:
+        yield f"{request} rough"
+        if request == "old":
+            channel.ask("new")
+        yield f"{request} fine"
+        raise AssertionError(f"{request} went on")
+
+    channel = Channel(work)
+    channel.ask("old")
+    channel.run_waiting()
+    assert channel.take() == ("old", "old fine")
+    assert channel.asked == "new"
+
+
+def test_an_exception_is_an_answer() -> None:
+    def work(request: int) -> Iterator[int]:
+        yield 1 // request
+
+    channel = Channel(work)
+    channel.ask(0)
+    channel.run_waiting()
+    taken = channel.take()
+    assert taken is not None
+    assert isinstance(taken[1], Failure)
+    assert "zero" in taken[1].message
+
+
+def test_the_worker_serves_in_its_own_thread_and_wakes_the_window() -> None:
+    answered = threading.Event()
+    threads: list[str] = []
+
+    def work(request: int) -> Iterator[int]:
+        threads.append(threading.current_thread().name)
+        yield request
+
+    channels = [Channel(work), Channel(work)]
+    worker = Worker(channels, answered.set)
+    for channel in channels:
+        answered.clear()
+        channel.ask(7)
+        assert answered.wait(SECONDS)
+        assert channel.take() == (7, 7)
+    worker.close()
+    assert set(threads) == {"vesselsplat-worker"}

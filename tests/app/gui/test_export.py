@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.gui import actions
+from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
+from app.gui.export import Panel, SaveRequest, describe, save_picture, sheet
+from app.gui.state import AppState
+from app.gui.viewing import ShownModel
+from app.provenance import read_provenance
+from enhance import EnhanceParams
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import SIZE, photo
+
+
+def pair(clip: Clip, params: EnhanceParams | None) -> Pictures:
+    return list(PictureMaker().make(PictureRequest(clip, 2, params)))[-1]
+
+
+def test_the_pixels_are_the_data_s_own(tmp_path: Path, clip: Clip) -> None:
+    clip.path.mkdir()
+    shown = pair(clip, EnhanceParams())
+    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None, clip.path))
+    page = cv2.cvtColor(cv2.imread(str(saved.path)), cv2.COLOR_BGR2RGB)
+    width, height = SIZE
+    top = (page.shape[0] - height) // 2
+    np.testing.assert_array_equal(page[top : top + height, :width], photo(2))
+    np.testing.assert_array_equal(page[top : top + height, -width:], shown.enhanced)
+
+
+def test_the_file_says_how_to_make_it_again_and_nothing_private(tmp_path: Path, clip: Clip) -> None:
+    clip.path.mkdir()
+    shown = pair(clip, EnhanceParams(z=0.25))
+    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None, clip.path))
+    facts = read_provenance(saved.path)
+    assert facts["frame"] == {"index": 2, "label": "2.png"}
+    assert facts["params"]["z"] == 0.25
+    assert facts["statistics"]["z"] == 0.25
+    assert facts["source"]["name"] == "clip"
+    assert "Not a medical device" in facts["notice"]
+    assert str(tmp_path) not in json.dumps(facts)
+
+
+def test_the_3d_view_is_drawn_at_the_photo_s_resolution(
+    tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
+) -> None:
+    shown = ShownModel(model, clip.cameras, 50.0, "run-1", 7, 7, live=False)
+    view = shown.view(0.5, state.orbit, (24, 20))
+    (saved,) = save_picture(SaveRequest(tmp_path, None, view, None))
+    facts = read_provenance(saved.path)["view"]
+    assert (facts["camera"]["width"], facts["camera"]["height"]) == SIZE
+    assert (facts["run"], facts["time"], facts["iteration"]) == ("run-1", 0.5, 7)
+    assert cv2.imread(str(saved.path)).shape[1] == SIZE[0]
+
+
+def test_two_pictures_never_take_the_same_name(tmp_path: Path, clip: Clip) -> None:
+    clip.path.mkdir()
+    shown = pair(clip, None)
+    paths = {next(save_picture(SaveRequest(tmp_path, shown, None, clip.path))).path for _ in range(5)}
+    assert len(paths) == 5
+
+
+def test_captions_fit_over_small_pictures() -> None:
+    small = np.zeros((8, 8, 3), np.uint8)
+    page = sheet([Panel("A caption much longer than its picture", small), Panel("B", small)])
+    assert page.shape[1] == 24
+
+
+def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
+    text = describe(pair(clip, EnhanceParams(z=0.25)))
+    assert text.startswith("z 0.25 · P auto ")
+    assert text.endswith("d 1.00")
+    assert describe(pair(clip, None)) == ""
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppState, clip: Clip) -> None:
+    (tmp_path / "file").write_text("in the way")
+    request = SaveRequest(tmp_path / "file" / "deep", pair(clip, None), None, None)
+    with pytest.raises(Exception, match="file") as caught:
+        list(save_picture(request))
+    actions.fail(state, str(caught.value))
+    assert state.banner is not None
+    assert "\n" not in state.banner.message

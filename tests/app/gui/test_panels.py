@@ -1,0 +1,366 @@
+"""The draw functions in an ImGui context without a window: what they show, and what a click does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
+
+from app.gui import actions
+from app.gui.enhancing import PictureMaker, Pictures
+from app.gui.keys import Commands, handle_keys, shortcuts
+from app.gui.panels import overlays
+from app.gui.panels.compare import draw_compare, enhanced_tags, original_tags, shown_enhanced
+from app.gui.panels.enhancement import draw_enhancement
+from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.timeline import draw_timeline
+from app.gui.panels.view3d import draw_view3d, view_tags
+from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.state import AppState
+from app.gui.viewport import OnScreen
+from app.gui.widgets import seconds
+from enhance import EnhanceParams
+from renderer.clip import ByteImage
+from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Progress, Started
+from tests.app.gui.conftest import FakeJob
+
+Draw = Callable[[], None]
+NOTHING = Openers(lambda: None, lambda: None, lambda: None)
+
+
+class Ui:
+    """One full-window panel, with a mouse and a keyboard."""
+
+    def __init__(self) -> None:
+        self._context = imgui.create_context()
+        self._plots = implot.create_context()
+        self.io = imgui.get_io()
+        self.io.display_size, self.io.delta_time = ImVec2(900, 700), 1 / 60
+        self.io.set_ini_filename("")
+        self.io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
+        self.time = 0.0
+
+    def frame(self, draw: Draw) -> None:
+        imgui.new_frame()
+        try:
+            imgui.set_next_window_pos(ImVec2(0, 0))
+            imgui.set_next_window_size(ImVec2(900, 700))
+            with imgui_ctx.begin("panel", None, imgui.WindowFlags_.no_decoration):
+                draw()
+        finally:
+            imgui.render()
+
+    def press(self, draw: Draw, *keys: imgui.Key) -> None:
+        for down in (True, False):
+            for key in keys:
+                self.io.add_key_event(key, down)
+            self.frame(draw)
+
+    def drag(self, draw: Draw, start: tuple[float, float], end: tuple[float, float], button: int = 0) -> None:
+        self.io.add_mouse_pos_event(*start)
+        self.frame(draw)
+        self.io.add_mouse_button_event(button, True)
+        self.frame(draw)
+        self.io.add_mouse_pos_event(*end)
+        self.frame(draw)
+        self.io.add_mouse_button_event(button, False)
+        self.frame(draw)
+
+    def scroll(self, draw: Draw, at: tuple[float, float], wheel: float) -> None:
+        self.io.add_mouse_pos_event(*at)
+        self.frame(draw)
+        self.io.add_mouse_wheel_event(0, wheel)
+        self.frame(draw)
+        self.frame(draw)
+
+    def close(self) -> None:
+        implot.destroy_context(self._plots)
+        imgui.destroy_context(self._context)
+
+
+class Shown:
+    """Stands for the textures: remembers which image each slot showed last."""
+
+    def __init__(self) -> None:
+        self.images: dict[str, ByteImage] = {}
+
+    def show(self, slot: str, image: ByteImage, zoom: float = 1.0) -> imgui.ImTextureRef:
+        self.images[slot] = image
+        return imgui.ImTextureRef(1)
+
+
+class StillViewport:
+    """Shows the wanted view at once."""
+
+    def show(self, state: AppState) -> OnScreen | None:
+        request = state.view_request
+        return None if request is None else OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request)
+
+    def release(self) -> None: ...
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def opened(state: AppState) -> AppState:
+    """With both pictures made."""
+    assert state.picture_request is not None
+    state.pictures = list(PictureMaker().make(state.picture_request))[-1]
+    return state
+
+
+def pictures(state: AppState) -> Pictures:
+    assert state.pictures is not None
+    return state.pictures
+
+
+def texts(tags: list[tuple[str, object]]) -> str:
+    return " | ".join(text for text, _ in tags)
+
+
+def compare(state: AppState, shown: Shown) -> Draw:
+    return lambda: draw_compare(state, shown, lambda: draw_welcome(state, NOTHING))
+
+
+def test_left_is_the_original_and_right_the_enhanced(ui: Ui, opened: AppState) -> None:
+    shown = Shown()
+    ui.frame(compare(opened, shown))
+    assert shown.images["original"] is pictures(opened).photo
+    assert shown.images["enhanced"] is pictures(opened).enhanced
+
+
+def test_the_right_pane_says_enhanced_exactly_when_it_is(opened: AppState) -> None:
+    def is_enhanced() -> bool:
+        return shown_enhanced(opened, pictures(opened)) is pictures(opened).enhanced
+
+    def says_enhanced() -> bool:
+        return "ENHANCED" in texts(enhanced_tags(opened, pictures(opened)))
+
+    whole = pictures(opened)
+    for enhancing in (True, False):
+        for peeking in (True, False):
+            for partner in (whole.enhanced, None):
+                opened.enhancing, opened.peeking = enhancing, peeking
+                opened.pictures = replace(whole, enhanced=partner)
+                assert says_enhanced() == (is_enhanced() and partner is not None)
+                assert "ORIGINAL" in texts(original_tags(opened, pictures(opened)))
+
+
+def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
+    opened.frozen_index, opened.now = 0, 5.0
+    opened.params = EnhanceParams(z=0.1)
+    for tags in (original_tags, enhanced_tags):
+        said = texts(tags(opened, pictures(opened)))
+        assert "FROZEN · frame 1" in said
+        assert "UPDATING" in said
+
+
+def test_the_wheel_zooms_at_the_pointer_and_a_double_click_fits(ui: Ui, opened: AppState) -> None:
+    draw = compare(opened, Shown())
+    ui.scroll(draw, (200, 400), 3.0)
+    assert opened.picture_view.zoom is not None
+    zoomed = opened.zoom
+    ui.drag(draw, (200, 400), (230, 420))
+    assert opened.zoom == pytest.approx(zoomed)
+    assert opened.picture_view.center != (0.5, 0.5)
+    for _ in range(2):
+        ui.drag(draw, (200, 400), (200, 400))
+    assert opened.picture_view.zoom is None
+
+
+def test_both_panes_move_together_whichever_is_dragged(ui: Ui, opened: AppState) -> None:
+    views = []
+    for x in (200, 650):
+        opened.picture_view = opened.picture_view.one_to_one(8.0)
+        ui.drag(compare(opened, Shown()), (x, 400), (x + 25, 400))
+        views.append(opened.picture_view)
+        opened.picture_view = type(opened.picture_view)()
+    assert views[0] == views[1]
+    assert views[0].center[0] < 0.5
+
+
+def test_without_a_clip_there_is_something_to_do(ui: Ui, state: AppState) -> None:
+    state.clip = None
+    pressed: list[str] = []
+    openers = Openers(*(lambda name=name: pressed.append(name) for name in ("folder", "file", "phantom")))  # type: ignore[misc]
+    spots: list[tuple[float, float]] = []
+
+    def draw() -> None:
+        draw_welcome(state, openers)
+        low = imgui.get_item_rect_min()
+        spots[:] = [(low.x + 20, low.y + 5)]
+
+    ui.frame(draw)
+    ui.drag(draw, spots[0], spots[0])
+    assert pressed == ["phantom"]
+
+
+def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> None:
+    spots: dict[str, tuple[float, float]] = {}
+
+    def draw() -> None:
+        draw_enhancement(opened)
+        window = imgui.get_window_pos()
+        spots["d"] = (window.x + 300, window.y + 10 + 2.5 * imgui.get_frame_height_with_spacing())
+        if not imgui.is_any_item_active():
+            actions.settle_params(opened)
+
+    ui.frame(draw)
+    start = spots["d"]
+    ui.drag(draw, start, (start[0] + 200, start[1]))
+    moved = opened.params
+    assert moved.d_factor != EnhanceParams().d_factor
+    assert replace(moved, d_factor=1.0) == EnhanceParams()
+    assert len(opened.past) == 2
+    actions.undo(opened)
+    assert opened.params == EnhanceParams()
+
+
+@pytest.mark.parametrize(
+    "status", ["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
+)
+def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, status: str) -> None:
+    run = opened.reconstruction
+    run.status, run.input, run.failure = status, "enhanced", "out of memory"  # type: ignore[assignment]
+    run.started = Started(0, 100, 30, ())
+    run.progress = Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
+    run.curve = [(1.0, 0.5, 10.0), (50.0, 0.1, 25.0)]
+    run.warnings = ["a warning"]
+    ui.frame(lambda: draw_reconstruction(opened, FakeJob))
+    ui.frame(lambda: draw_reconstruction(opened, FakeJob))
+
+
+def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
+    state.clip = None
+    ui.frame(lambda: draw_enhancement(state))
+    ui.frame(lambda: draw_reconstruction(state, FakeJob))
+    ui.frame(lambda: draw_timeline(state, lambda: None))
+    ui.frame(lambda: draw_view3d(state, StillViewport()))
+    ui.frame(compare(state, Shown()))
+
+
+def start_live(state: AppState, model: DynamicGaussians) -> None:
+    actions.start_reconstruction(state, FakeJob)
+    actions.show_live_model(state, model)
+
+
+def test_the_3d_view_turns_moves_and_zooms(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: draw_view3d(opened, StillViewport())  # noqa: E731
+    ui.frame(draw)
+    ui.drag(draw, (400, 300), (500, 340))
+    assert opened.orbit.yaw < 0 < opened.orbit.pitch
+    ui.drag(draw, (400, 300), (450, 300), button=1)
+    assert opened.orbit.pan[0] > 0
+    ui.scroll(draw, (400, 300), 2.0)
+    assert opened.orbit.dolly < 1
+    assert not opened.view_dragged
+    for _ in range(2):
+        ui.drag(draw, (400, 300), (400, 300))
+    assert opened.orbit == type(opened.orbit)()
+
+
+def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    opened.view_size = (64, 48)
+    request = opened.view_request
+    assert request is not None
+    shown = OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request.scaled(0.5))
+    said = texts(view_tags(opened, shown))
+    assert "LIVE PREVIEW · iteration 0 / 3000" in said
+    assert "REDUCED RESOLUTION" in said
+    actions.show_finished_model(opened, model)
+    assert opened.view_request is not None
+    said = texts(view_tags(opened, replace(shown, request=opened.view_request)))
+    assert "LIVE" not in said
+    assert "REDUCED" not in said
+
+
+def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
+    saved: list[str] = []
+    table = shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture")))
+    draw: Draw = lambda: handle_keys(opened, table)  # noqa: E731
+    key = imgui.Key
+    ui.press(draw, key.e)
+    assert not opened.enhancing
+    ui.press(draw, key.e)
+    ui.press(draw, key.escape)
+    assert not opened.enhancing
+    ui.press(draw, key.period)
+    assert opened.frame_index == 1
+    ui.press(draw, key.comma)
+    ui.press(draw, key.f)
+    assert (opened.frame_index, opened.frozen_index) == (0, 0)
+    ui.press(draw, key.p)
+    assert opened.playing
+    ui.press(draw, key.s)
+    assert saved == ["picture"]
+    ui.press(draw, key._1)
+    assert opened.picture_view.zoom == 1.0
+    ui.press(draw, key.mod_shift, key.slash)
+    assert opened.help_open
+    ui.press(draw, key.mod_ctrl, key.e)  # Another chord than E.
+    assert not opened.enhancing
+
+
+def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
+    draw: Draw = lambda: handle_keys(opened, ())  # noqa: E731
+    ui.io.add_key_event(imgui.Key.space, True)
+    ui.frame(draw)
+    assert opened.peeking
+    assert shown_enhanced(opened, pictures(opened)) is pictures(opened).photo
+    ui.io.add_key_event(imgui.Key.space, False)
+    ui.frame(draw)
+    assert not opened.peeking
+
+
+def test_no_two_keys_are_the_same() -> None:
+    chords = [entry.chord for entry in shortcuts(Commands(lambda: None, lambda: None, lambda: None))]
+    assert len(set(chords)) == len(chords)
+
+
+def test_the_notice_stays_until_it_is_acknowledged(ui: Ui, state: AppState) -> None:
+    state.settings = replace(state.settings, acknowledged=False)
+    draw: Draw = lambda: overlays.draw_notice(state)  # noqa: E731
+    for _ in range(3):
+        ui.frame(draw)
+    ui.press(draw, imgui.Key.escape)
+    ui.frame(draw)
+    assert not state.settings.acknowledged
+    assert imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+    actions.acknowledge(state)
+    ui.frame(draw)
+
+
+def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
+    actions.fail(state, "expected a clip, got a folder without pictures: " + "a/long/path/" * 20)
+    actions.announce(state, "saved clip.png")
+    state.help_open = True
+
+    def draw() -> None:
+        overlays.draw_banner(state)
+        overlays.draw_toast(state)
+        overlays.draw_help(state, shortcuts(Commands(lambda: None, lambda: None, lambda: None)))
+        overlays.draw_log(state, lambda text: None)
+
+    for _ in range(3):
+        ui.frame(draw)
+    assert state.help_open
+    np.testing.assert_equal(len(state.log), 2)
+
+
+@pytest.mark.parametrize(
+    ("duration", "text"),
+    [(0.4, "0 s"), (42, "42 s"), (185, "3 min 05 s"), (4320, "1 h 12 min"), (59.6, "1 min 00 s")],
+)
+def test_durations_are_said_as_people_do(duration: float, text: str) -> None:
+    assert seconds(duration) == text

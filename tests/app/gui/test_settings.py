@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.gui.settings import RECENT_LIMIT, Places, Settings, load_settings, save_settings
+
+texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
+
+
+@given(st.builds(Settings, st.booleans(), st.booleans(), texts))
+def test_what_is_saved_is_loaded(settings: Settings) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "deep" / "settings.json"
+        save_settings(path, settings)
+        assert load_settings(path) == settings
+
+
+@pytest.mark.parametrize(
+    "content", [None, "", "[]", "{}", '{"recent": 3}', "\x00\x01", '{"acknowledged": 1}']
+)
+def test_a_damaged_file_gives_the_defaults(tmp_path: Path, content: str | None) -> None:
+    path = tmp_path / "settings.json"
+    if content is not None:
+        path.write_text(content)
+    assert load_settings(path) == Settings()
+
+
+def test_recent_is_newest_first_without_doubles_and_bounded() -> None:
+    settings = Settings()
+    for number in [*range(RECENT_LIMIT + 3), 5]:
+        settings = settings.opened(Path(f"/clips/{number}"))
+    assert len(settings.recent) == RECENT_LIMIT
+    assert len(set(settings.recent)) == RECENT_LIMIT
+    assert Path(settings.recent[0]).name == "5"
+
+
+def test_switching_recent_off_forgets_and_stays_empty() -> None:
+    settings = Settings().opened(Path("/clips/a")).remembering(False).opened(Path("/clips/b"))
+    assert settings.recent == ()
+
+
+def test_places_follow_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("VESSELSPLAT_CONFIG_DIR", str(tmp_path / "config"))
+    places = Places.of_user()
+    assert places.settings_file == tmp_path / "config" / "settings.json"
+    assert not places.settings_file.parent.exists()

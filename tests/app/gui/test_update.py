@@ -1,0 +1,271 @@
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.gui import actions
+from app.gui.background import Channel
+from app.gui.enhancing import PictureRequest, Pictures
+from app.gui.opening import Opened
+from app.gui.state import AppState
+from app.gui.update import PATIENCE, SLOW_VIEW, Channels, update, view_request
+from app.gui.viewing import View
+from app.job import Cancelled, Failed, Paused, Resumed
+from enhance import EnhanceParams
+from renderer.clip import Clip, ClipError
+from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Evaluated, Finished, Omission, Progress, Started, Warned
+from tests.app.gui.conftest import FakeJob, make_clip, photo
+
+MakeFake = Callable[[object], FakeJob]
+STARTED = Started(0, 100, 30, (Omission("motion", "nothing moves", "half the time"),))
+
+
+@pytest.fixture
+def channels() -> Channels:
+    return Channels()
+
+
+def settle(state: AppState, channels: Channels, now: float = 0.0) -> None:
+    """Frames with all background work done in between, until nothing changes."""
+    for _ in range(6):
+        update(state, channels, now)
+        for channel in channels.all:
+            while channel.run_waiting():
+                pass
+
+
+def test_the_pair_on_screen_is_of_one_request(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    shown = state.pictures
+    assert shown is not None
+    assert shown.request == state.picture_request
+    assert shown.enhanced is not None
+    assert shown.statistics is not None
+    np.testing.assert_array_equal(shown.photo, photo(0))
+    assert not state.pictures_are_stale
+
+
+def test_a_slider_changes_the_enhanced_picture_alone(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    before = state.pictures
+    actions.set_params(state, EnhanceParams(z=0.0))
+    assert state.pictures_are_stale
+    settle(state, channels)
+    after = state.pictures
+    assert before is not None
+    assert after is not None
+    np.testing.assert_array_equal(before.photo, after.photo)
+    assert not np.array_equal(before.enhanced, after.enhanced)
+    assert after.request.params == EnhanceParams(z=0.0)
+
+
+def test_clip_statistics_are_the_same_for_every_frame(state: AppState, channels: Channels) -> None:
+    state.scope = "clip"
+    seen = []
+    for index in (0, 3):
+        actions.seek(state, index)
+        settle(state, channels)
+        assert state.pictures is not None
+        seen.append(state.pictures.statistics)
+    assert seen[0] == seen[1]
+    assert seen[0] is not None
+    assert seen[0].scope == "clip"
+
+
+class TwoSteps:
+    """A picture channel whose answers the test lets through one by one."""
+
+    def __init__(self) -> None:
+        self.answers: list[Pictures] = []
+
+    def work(self, request: PictureRequest) -> Iterator[Pictures]:
+        yield self.answers.pop(0)
+
+
+def test_the_first_photo_appears_before_its_enhanced_partner(state: AppState, channels: Channels) -> None:
+    assert state.picture_request is not None
+    steps = TwoSteps()
+    steps.answers = [Pictures(state.picture_request, photo(0))]
+    channels.pictures = Channel(steps.work)
+    settle(state, channels)
+    assert state.pictures is not None
+    assert state.pictures.enhanced is None
+
+
+def test_a_later_photo_waits_for_its_partner_but_not_for_ever(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    first, steps = state.pictures, TwoSteps()
+    channels.pictures = Channel(steps.work)
+    actions.seek(state, 2)
+    assert state.picture_request is not None
+    steps.answers = [Pictures(state.picture_request, photo(2))]
+    settle(state, channels, now=10.0)
+    assert state.pictures is first
+    settle(state, channels, now=10.0 + PATIENCE + 0.01)
+    assert state.pictures is not None
+    np.testing.assert_array_equal(state.pictures.photo, photo(2))
+
+
+def test_a_moving_slider_never_flashes_the_original(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    first, steps = state.pictures, TwoSteps()
+    channels.pictures = Channel(steps.work)
+    actions.set_params(state, EnhanceParams(z=0.1))
+    assert state.picture_request is not None
+    steps.answers = [Pictures(state.picture_request, photo(0))]
+    settle(state, channels, now=10.0)
+    settle(state, channels, now=20.0)
+    assert state.pictures is first
+
+
+def test_pictures_of_a_clip_that_was_left_are_dropped(
+    state: AppState, channels: Channels, tmp_path: Path
+) -> None:
+    update(state, channels, 0.0)
+    channels.pictures.run_waiting()
+    other = make_clip(tmp_path / "other", 3)
+    actions.show_opened(state, other.path, Opened(other))
+    update(state, channels, 0.1)
+    assert state.pictures is None
+    settle(state, channels)
+    assert state.pictures is not None
+    assert state.pictures.request.clip is other
+
+
+def test_a_frame_that_cannot_be_read_is_said_once(state: AppState, channels: Channels, clip: Clip) -> None:
+    def broken(index: int) -> np.ndarray:
+        raise ClipError(f"expected a picture, got a cut-off file: {index}.png")
+
+    settle(state, channels)
+    state.clip = replace(clip, read_image=broken)
+    settle(state, channels)
+    assert state.banner is not None
+    assert "0.png" in state.banner.message
+    assert not state.playing
+    state.banner = None
+    settle(state, channels)
+    assert state.banner is None
+
+
+def test_playing_goes_at_the_clip_s_rate_and_wraps(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    actions.toggle_play(state)
+    frames = []
+    for tick in range(1, 9):
+        update(state, channels, tick * 0.1)
+        frames.append(state.frame_index)
+        settle(state, channels, tick * 0.1)
+    assert frames == [1, 2, 3, 4, 5, 0, 1, 2]
+
+
+def test_playing_waits_for_the_pictures(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    actions.toggle_play(state)
+    for tick in range(1, 6):  # Nothing is done in the background.
+        update(state, channels, tick * 0.1)
+    assert state.frame_index == 1
+
+
+@pytest.mark.parametrize("content", ["missing", "empty", "text"])
+def test_opening_nonsense_is_one_sentence_and_keeps_what_is_open(
+    state: AppState, channels: Channels, clip: Clip, tmp_path: Path, content: str
+) -> None:
+    path = tmp_path / {"missing": "nothing", "empty": "folder", "text": "words.mp4"}[content]
+    if content == "empty":
+        path.mkdir()
+    elif content == "text":
+        path.write_text("not a video")
+    actions.open_path(state, path)
+    settle(state, channels)
+    assert state.banner is not None
+    assert str(path) in state.banner.message
+    assert "\n" not in state.banner.message
+    assert state.opening is None
+    assert state.clip is clip
+
+
+def test_a_job_is_followed_from_start_to_end(
+    state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
+) -> None:
+    actions.start_reconstruction(state, make_job)
+    job, run = state.reconstruction.job, state.reconstruction
+    assert isinstance(job, FakeJob)
+    job.inbox = [STARTED, Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)]
+    update(state, channels, 0.1)
+    assert (run.status, run.curve, run.omitted) == ("running", [(10.0, 0.5, 20.0)], STARTED.omitted)
+    job.inbox, job.model = [Paused()], model
+    update(state, channels, 0.2)
+    assert run.status == "paused"
+    assert state.model is not None
+    assert state.model.live
+    job.inbox = [Resumed(), Warned("few Gaussians"), Evaluated(100, 31.0), Finished(100, 12.0, model)]
+    update(state, channels, 0.3)
+    assert (run.status, run.warnings, run.evaluated[-1].psnr) == ("finished", ["few Gaussians"], 31.0)
+    assert not state.model.live
+    assert job.told[-1] == "close"
+    assert run.job is None
+
+
+@pytest.mark.parametrize(
+    ("event", "status", "told"),
+    [(Cancelled(), "cancelled", "Continue"), (Failed("out of memory"), "failed", "out of memory")],
+)
+def test_a_job_that_ends_early_says_so(
+    state: AppState, channels: Channels, make_job: MakeFake, event: object, status: str, told: str
+) -> None:
+    actions.start_reconstruction(state, make_job)
+    assert isinstance(state.reconstruction.job, FakeJob)
+    state.reconstruction.job.inbox = [STARTED, event]
+    update(state, channels, 0.1)
+    assert state.reconstruction.status == status
+    assert told in state.log[-1]
+    assert actions.can_continue(state)
+
+
+def test_the_view_is_asked_for_only_when_it_changes(
+    state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
+) -> None:
+    actions.start_reconstruction(state, make_job)
+    actions.show_live_model(state, model)
+    state.view_size = (32, 24)
+    settle(state, channels)
+    first = state.view
+    assert first is not None
+    assert first.image.shape == (24, 32, 3)
+    settle(state, channels)
+    assert state.view is first
+    state.orbit = state.orbit.orbited(0.1, 0.0)
+    settle(state, channels)
+    assert state.view is not first
+
+
+def test_a_slow_view_is_reduced_only_while_it_moves(
+    state: AppState, make_job: MakeFake, model: DynamicGaussians
+) -> None:
+    actions.start_reconstruction(state, make_job)
+    actions.show_live_model(state, model)
+    state.view_size = (32, 24)
+    request = state.view_request
+    assert request is not None
+    state.view = View(request, np.zeros((24, 32, 3), np.uint8), 2 * SLOW_VIEW)
+    assert view_request(state) == request
+    state.view_dragged = True
+    reduced = view_request(state)
+    assert reduced is not None
+    assert reduced.reduced
+    assert (reduced.camera.width, reduced.camera.height) == (16, 12)
+    state.view = View(request, state.view.image, 0.5 * SLOW_VIEW)
+    assert view_request(state) == request
+
+
+def test_toasts_go_away_by_themselves(state: AppState, channels: Channels) -> None:
+    actions.announce(state, "saved")
+    update(state, channels, 1.0)
+    assert state.toast is not None
+    update(state, channels, 60.0)
+    assert state.toast is None
