@@ -25,6 +25,9 @@ FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
 FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
 
+OUTLIER = 3.0
+"""Depth beyond this many times a frame's median, or below its inverse, is a failed match."""
+
 _SAMPLES = 4
 _LISTED = 5
 
@@ -59,8 +62,9 @@ def open_endonerf(path: Path, options: EndoNerfOptions = DEFAULTS) -> Clip:
     """Opens a folder in EndoNeRF layout; frames are decoded when they are asked for.
 
     Files are paired by the last number in their names. depth/ holds millimetres along z in 8-bit,
-    16-bit or float pictures, 0 = none; depth_fine/ (1/32 mm, 16 bit), which `write_endonerf` adds,
-    is preferred. Without masks every pixel is tissue; without depth the clip has none.
+    16-bit or float pictures, 0 = none, and so is depth far from the frame's median (OUTLIER);
+    depth_fine/ (1/32 mm, 16 bit), which `write_endonerf` adds, is preferred. Without masks every
+    pixel is tissue; without depth the clip has none.
 
     `Frame.tissue_mask` is the complement of masks without burned-in rows. `Frame.evaluation_mask`
     follows `options.evaluation_masks` and keeps the rows as the files have them, so that figures
@@ -129,7 +133,7 @@ class _Reader:
         if stored.ndim != 2:
             raise ClipError(f"expected depth in one channel, got {stored.shape[2]}: {path}")
         depth = stored.astype(np.float32) / np.float32(self.files.depth_steps)
-        return np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(0))
+        return _plausible(np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(0)))
 
     def tissue(self, paths: tuple[Path, ...], index: int) -> BoolImage:
         if not paths:
@@ -149,6 +153,15 @@ class _Reader:
         time = index / len(self.cameras)
         camera = self.cameras[index]
         return Frame(index, time, self.image(index), camera, tissue, evaluation, self.depth(index))
+
+
+def _plausible(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """`depth` with failed stereo matches set to 0: a single pixel at 1574 mm outweighs a frame at 70."""
+    measured = depth[depth > 0]
+    if not measured.size:
+        return depth
+    median = np.median(measured)
+    return np.where((depth < OUTLIER * median) & (depth * OUTLIER > median), depth, np.float32(0))
 
 
 def _pair(path: Path, options: EndoNerfOptions) -> tuple[_Files, list[str]]:

@@ -398,3 +398,19 @@ def test_the_pulling_clip_inverted_is_refused(tmp_path):
     for path in (PULLING / "masks").glob("*.png"):
         Image.fromarray(255 - np.asarray(Image.open(path))).save(tmp_path / "clip/masks" / path.name)
     assert "66 %" in refusal(tmp_path / "clip")
+
+
+def test_failed_stereo_matches_are_not_depth(folder: Path) -> None:
+    """In the wild single pixels lie at twenty times the depth of the tissue around them."""
+    path = sorted((folder / "depth_fine").iterdir())[1]
+    before = open_endonerf(folder).read_frame(1).depth
+    stored = np.array(Image.open(path))
+    stored[0, 3], stored[0, 5] = 65535, 1
+    Image.fromarray(stored).save(path)
+    after = open_endonerf(folder).read_frame(1).depth
+    assert before is not None
+    assert after is not None
+    assert before[0, 3] > 0
+    assert after[0, 3] == after[0, 5] == 0
+    before[0, 3] = before[0, 5] = 0
+    assert np.array_equal(before, after)
