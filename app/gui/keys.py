@@ -83,17 +83,23 @@ def toggle_help(state: AppState) -> None:
     state.help_open = not state.help_open
 
 
-def handle_keys(state: AppState, table: tuple[Shortcut, ...]) -> None:
-    """Act on the keys of this frame; typing and open dialogs keep theirs."""
-    io = imgui.get_io()
-    free = not io.want_text_input and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
-    # While controls are walked by keyboard, Space presses the one in focus.
-    state.peeking = free and not io.nav_visible and imgui.is_key_down(PEEK)
-    if not free:
-        return
-    for entry in table:
-        if _pressed(entry):
-            entry.act(state)
+class Keyboard:
+    """Acts on the keys of each frame; typing and open dialogs keep theirs."""
+
+    def __init__(self, table: tuple[Shortcut, ...]) -> None:
+        self.table = table
+        self._was_free = True
+
+    def handle(self, state: AppState) -> None:
+        io = imgui.get_io()
+        free = not io.want_text_input and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+        # The key that has just closed a menu or ended typing has done its work.
+        acts, self._was_free = free and self._was_free, free
+        # While controls are walked by keyboard, Space presses the one in focus.
+        state.peeking = acts and not io.nav_visible and imgui.is_key_down(PEEK)
+        for entry in self.table if acts else ():
+            if _pressed(entry):
+                entry.act(state)
 
 
 def _pressed(entry: Shortcut) -> bool:

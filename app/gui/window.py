@@ -15,7 +15,7 @@ from app.gui.actions import MakeJob
 from app.gui.background import Worker
 from app.gui.dialogs import Dialogs
 from app.gui.export import SaveRequest
-from app.gui.keys import Commands, handle_keys, shortcuts
+from app.gui.keys import Commands, Keyboard, shortcuts
 from app.gui.panels import overlays
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
@@ -61,7 +61,8 @@ class Window:
         self._openers = Openers(
             lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
         )
-        self._keys = shortcuts(Commands(self._openers.folder, self._openers.file, self.save_picture))
+        commands = Commands(self._openers.folder, self._openers.file, self.save_picture)
+        self._keyboard = Keyboard(shortcuts(commands))
         self._dropped: list[str] = []
         self._textures: Textures | None = None
         self._viewport: Viewport | None = None
@@ -174,10 +175,10 @@ class Window:
     def _draw_over(self) -> None:
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
-        overlays.draw_help(self.state, self._keys)
+        overlays.draw_help(self.state, self._keyboard.table)
         overlays.draw_notice(self.state)
         self._dialogs.draw()
-        handle_keys(self.state, self._keys)
+        self._keyboard.handle(self.state)
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
 

@@ -11,7 +11,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui import actions
 from app.gui.enhancing import PictureMaker, Pictures
-from app.gui.keys import Commands, handle_keys, shortcuts
+from app.gui.keys import Commands, Keyboard, shortcuts
 from app.gui.panels import overlays
 from app.gui.panels.compare import draw_compare, enhanced_tags, original_tags, shown_enhanced
 from app.gui.panels.enhancement import draw_enhancement
@@ -288,7 +288,8 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
 def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     saved: list[str] = []
     table = shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture")))
-    draw: Draw = lambda: handle_keys(opened, table)  # noqa: E731
+    keyboard = Keyboard(table)
+    draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
     key = imgui.Key
     ui.press(draw, key.e)
     assert not opened.enhancing
@@ -313,7 +314,8 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
 
 
 def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
-    draw: Draw = lambda: handle_keys(opened, ())  # noqa: E731
+    keyboard = Keyboard(())
+    draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
     ui.io.add_key_event(imgui.Key.space, True)
     ui.frame(draw)
     assert opened.peeking

@@ -1,0 +1,142 @@
+"""The whole window under an X server, driven by the ImGui test engine; and what it may import."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from imgui_bundle import hello_imgui, imgui
+from imgui_bundle.immapp import testing
+
+from app.gui import actions
+from app.gui.settings import Places, Settings, load_settings
+from app.gui.state import AppState
+from app.gui.window import Window
+from app.provenance import read_provenance
+from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Finished, Progress, Started
+from tests.app.gui.conftest import FakeJob
+
+SECONDS = 30.0
+Drive = Callable[[imgui.test_engine.TestContext], None]
+
+
+def test_the_window_process_never_imports_torch() -> None:
+    code = "import sys, app.gui.window; sys.exit('torch' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], timeout=60, check=False).returncode == 0
+
+
+class Driver:
+    """A window of small size and what a test does with it."""
+
+    def __init__(self, places: Places, settings: Settings, jobs: list[FakeJob]) -> None:
+        def make_job(request: object) -> FakeJob:
+            jobs.append(FakeJob(request))
+            return jobs[-1]
+
+        self.state = AppState(places, settings)
+        self.window = Window(self.state, make_job)
+
+    def run(self, drive: Drive) -> None:
+        params = self.window.runner_params()
+        params.ini_disable = True
+        testing.run(test_function=drive, runner_params=params, add_ons_params=self.window.add_ons())
+
+
+def wait(ctx: imgui.test_engine.TestContext, until: Callable[[], bool], what: str) -> None:
+    end = time.monotonic() + SECONDS
+    while not until():
+        assert time.monotonic() < end, f"waited {SECONDS} s for {what}"
+        ctx.yield_()
+        time.sleep(0.005)
+
+
+def enhanced(state: AppState) -> np.ndarray:
+    assert state.pictures is not None
+    assert state.pictures.enhanced is not None
+    return state.pictures.enhanced
+
+
+def is_settled(state: AppState) -> bool:
+    done = state.pictures is not None and state.pictures.enhanced is not None
+    return done and not state.pictures_are_stale
+
+
+@pytest.mark.display
+def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: DynamicGaussians) -> None:
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(), jobs)
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        ctx.item_click("//Before you begin/I understand")
+        ctx.item_click("//Pictures/**/###phantom")
+        wait(ctx, lambda: is_settled(state), "the enhanced phantom")
+        before = enhanced(state)
+        ctx.item_input_value("//Enhancement/##d_factor", 3.0)
+        wait(ctx, lambda: state.params.d_factor == 3.0 and is_settled(state), "the new enhancement")
+        assert not np.array_equal(before, enhanced(state))
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.z)
+        wait(ctx, lambda: state.params.d_factor == 1.0 and is_settled(state), "undo")
+        np.testing.assert_array_equal(before, enhanced(state))
+
+        ctx.item_click("//Reconstruction/###start")
+        wait(ctx, lambda: bool(jobs), "the job")
+        jobs[0].inbox = [Started(0, 20, 30, ()), Progress(10, 20, 0.2, 22.0, 1.0, 1.0, 30)]
+        jobs[0].model = model
+        wait(ctx, lambda: state.view is not None, "the first preview")
+        ctx.item_click("//Reconstruction/###pause")
+        ctx.item_click("//**/##frame")
+        wait(ctx, lambda: state.frame_index > 5 and is_settled(state), "scrubbing")
+        jobs[0].inbox = [Finished(20, 2.0, model)]
+        wait(ctx, lambda: state.model is not None and not state.model.live, "the finished model")
+        ctx.key_press(imgui.Key.s)
+        wait(ctx, lambda: state.toast is not None and "saved" in state.toast.message, "the saved picture")
+
+    driver.run(drive)
+    assert load_settings(places.settings_file).acknowledged
+    assert jobs[0].told == ["start", "pause", "close"]
+    (saved,) = places.pictures.glob("phantom-*.png")
+    facts = read_provenance(saved)
+    assert {"params", "statistics", "frame", "view", "source"} <= facts.keys()
+    shot = hello_imgui.final_app_window_screenshot()
+    assert np.ptp(np.asarray(shot)) > 200
+
+
+@pytest.mark.display
+def test_a_mistake_is_a_banner_that_can_be_dismissed(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    actions.open_path(driver.state, places.config / "nothing.mp4")
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: driver.state.banner is not None, "the banner")
+        ctx.yield_(3)
+        ctx.item_click("//##banner/Dismiss")
+        wait(ctx, lambda: driver.state.banner is None, "its end")
+
+    driver.run(drive)
+    assert driver.state.clip is None
+
+
+@pytest.mark.display
+def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    actions.open_path(driver.state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(driver.state), "the phantom")
+        ctx.item_click("//Enhancement/##scope")
+        ctx.key_press(imgui.Key.escape)  # Closes the list, and that alone.
+        ctx.item_click("//Enhancement/keep black")
+        assert driver.state.enhancing
+        ctx.key_press(imgui.Key.f)
+        ctx.key_press(imgui.Key.e)
+        wait(ctx, lambda: not driver.state.enhancing, "white light")
+
+    driver.run(drive)
+    assert driver.state.frozen_index == 0
