@@ -21,6 +21,8 @@ class Series:
     """The file that each picture comes from."""
     read: Callable[[int], ArrayImage]
     frames_per_second: float
+    notices: tuple[str, ...] = ()
+    """One sentence for each oddity met while opening."""
 
     def __len__(self) -> int:
         return len(self.names)
@@ -55,4 +57,5 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
 def _of_video(path: Path) -> Series:
     clip = open_clip(path)
     names = tuple(f"frame-{index:06d}" for index in range(len(clip)))
-    return Series(names, (path,) * len(clip), clip.read_image, clip.frames_per_second or FRAMES_PER_SECOND)
+    speed = clip.frames_per_second or FRAMES_PER_SECOND
+    return Series(names, (path,) * len(clip), clip.read_image, speed, clip.notices)

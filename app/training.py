@@ -15,7 +15,7 @@ from enhance import EnhanceParams, enhance, measure
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Snapshot, TrainEvent
+from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
 from renderer.train.trainer import TrainingError, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
@@ -68,9 +68,11 @@ def _train(record: RunRecord, run: RunFolder, clip: Clip) -> Generator[TrainEven
             run.create(record)
         if isinstance(event, Finished):
             run.save_model(event.model)
-        if not isinstance(event, Snapshot):
-            run.log(event)
-        yield event
+        notices = [Warned(notice) for notice in clip.notices] if isinstance(event, Started) else []
+        for told in (event, *notices):
+            if not isinstance(told, Snapshot):
+                run.log(told)
+            yield told
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:

@@ -46,6 +46,8 @@ def run(flags: argparse.Namespace) -> None:
     statistics = _pooled(series, params) if flags.statistics == "clip" else None
     pictures = _write(flags.output, series, _enhanced(series, params, statistics))
     seconds = time.perf_counter() - started
+    for notice in series.notices:
+        sys.stderr.write(f"{notice}\n")
     if flags.json:
         summary = provenance(params=params, pictures=pictures, seconds=seconds)
         sys.stdout.write(strict_json(summary) + "\n")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from app.arguments import add_fields, parameters
 from app.errors import UserError
@@ -45,7 +46,7 @@ def run(flags: argparse.Namespace) -> None:
     except KeyboardInterrupt as interrupt:
         kept = f"interrupted; the checkpoints in {flags.run} are kept, --resume goes on"
         raise KeyboardInterrupt(kept) from interrupt
-    summary = {
+    summary: dict[str, Any] = {
         "run": flags.run.absolute().name,
         "iterations": finished.iteration,
         "train_seconds": finished.seconds,
@@ -57,6 +58,8 @@ def run(flags: argparse.Namespace) -> None:
     else:
         done = f"{finished.iteration} iterations in {finished.seconds:.1f} s"
         sys.stdout.write(f"{flags.run}: {len(finished.model)} Gaussians, {done}\n")
+        for omission in summary["omitted"]:
+            sys.stdout.write(f"left out: {omission.what} ({omission.why}), saves {omission.saves}\n")
 
 
 def follow(request: TrainRequest) -> tuple[Started | None, Finished]:

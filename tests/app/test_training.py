@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -27,12 +28,13 @@ from enhance.metrics import dvbv_otsu
 from renderer.metrics import psnr
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Started
+from renderer.train.events import Finished, Started, Warned
 from tests.app.conftest import Call
 from tests.app.test_job import events_until, is_a
 
 Cli = Callable[..., Call]
 ROOT = Path(__file__).resolve().parents[2]
+PULLING = ROOT / "../shared/data/endonerf/pulling_soft_tissues"
 CONFIG = TrainConfig(iterations=40, n_gaussians=600, checkpoint_every=10)
 
 
@@ -65,6 +67,29 @@ def test_a_run_folder_holds_what_was_asked_and_what_happened(runs: dict[str, Pat
     assert checkpoints == ["checkpoint-0000030.safetensors", "checkpoint-0000040.safetensors"]
     assert len(run.model()) > 0
     assert not list(run.path.glob("*partial*"))
+
+
+def test_what_is_odd_about_a_clip_is_told_and_logged(clip_path: Path, tmp_path: Path) -> None:
+    clip = tmp_path / "clip"
+    shutil.copytree(clip_path, clip)
+    (clip / "masks" / "left_video.mp4").touch()
+    config = replace(CONFIG, iterations=2)
+    events = list(run_training(request_of(clip, tmp_path / "run", config=config)))
+    warnings = [event.message for event in events if isinstance(event, Warned)]
+    assert any("left_video.mp4" in warning for warning in warnings)
+    logged = [e["message"] for e in RunFolder(tmp_path / "run").events() if e["event"] == "Warned"]
+    assert logged == warnings
+
+
+@pytest.mark.data
+@pytest.mark.skipif(not PULLING.is_dir(), reason="the pulling clip is not here")
+def test_a_real_clip_is_trained_and_measured(tmp_path: Path, vesselsplat: Cli) -> None:
+    run = tmp_path / "run"
+    assert vesselsplat("train", PULLING, "--run", run, "--iterations", 20).code == 0
+    report = json.loads(vesselsplat("evaluate", run, "--json").out)
+    assert [frame["index"] for frame in report["frames"]] == list(range(1, 63, 8))
+    assert report["mean"]["psnr"] > 20
+    assert 0 < report["mean"]["depth_rmse_mm"] < 30
 
 
 def test_the_enhanced_run_remembers_photos_pooled_over_its_training_frames(
