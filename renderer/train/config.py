@@ -15,7 +15,7 @@ Method = Literal["vesselsplat", "static"]
 class TrainConfig:
     """One run of training. Lengths are fractions of the scene size, the median depth of the tissue.
 
-    The defaults were chosen on training frames held out of the pulling clip (`hold_out`), never on test frames.
+    The defaults were chosen on held-out training frames of the pulling clip (`hold_out`).
     """
 
     method: Method = "vesselsplat"
