@@ -57,6 +57,10 @@ class PictureView:
         middle = now.picture_at(pane[0] / 2 - by[0], pane[1] / 2 - by[1])
         return PictureView(now.zoom, _inside(middle, picture))
 
+    def scaled(self, scale: float) -> PictureView:
+        """The same view of a pane counted in pixels `scale` times as fine."""
+        return PictureView(None if self.zoom is None else self.zoom * scale, self.center)
+
     def one_to_one(self, zoom: float = 1.0) -> PictureView:
         """At `zoom` pane pixels a picture pixel, around the same centre."""
         return PictureView(zoom, self.center)

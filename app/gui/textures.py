@@ -2,55 +2,79 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import moderngl
 import numpy as np
 from imgui_bundle import imgui
 
+from app.gui.picture_view import Placement
+from app.gui.resample import visible
 from renderer.clip import ByteImage
 
-SHARP_ZOOM = 3.0
-"""From here on single pixels are shown as squares, on both sides alike."""
+Size = tuple[float, float]
 
 
-class ShowsImages(Protocol):
+@dataclass(frozen=True)
+class OnPane:
+    """A texture and the rectangle of a pane that it fills, in pixels of the screen."""
+
+    texture: imgui.ImTextureRef
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+class ShowsPictures(Protocol):
     """What panels need of textures; tests of panels put something without OpenGL in its place."""
 
-    def show(self, slot: str, image: ByteImage, zoom: float = 1.0) -> imgui.ImTextureRef: ...
+    def part(self, slot: str, image: ByteImage, place: Placement, pane: Size) -> OnPane | None: ...
 
 
 class Textures:
-    """One texture a slot, such as "original"; written only when the slot's image is another object."""
+    """One texture a slot, such as "original"; written only when what the slot shows has changed."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._slots: dict[str, tuple[moderngl.Texture, ByteImage]] = {}
+        self._textures: dict[str, moderngl.Texture] = {}
+        self._images: dict[str, ByteImage] = {}
+        self._parts: dict[str, tuple[Placement, Size, OnPane | None]] = {}
 
-    def show(self, slot: str, image: ByteImage, zoom: float = 1.0) -> imgui.ImTextureRef:
-        """The texture of an (H, W, 3) image, filtered for `zoom` screen pixels per image pixel."""
-        texture, shown = self._slots.get(slot, (None, None))
-        if texture is None or shown is not image:
-            texture = self._write(texture, image)
-            self._slots[slot] = (texture, image)
-        enlarge = moderngl.NEAREST if zoom >= SHARP_ZOOM else moderngl.LINEAR
-        texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, enlarge)
-        return imgui.ImTextureRef(texture.glo)
+    def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
+        """The texture of an (H, W, 3) image, first row first."""
+        if self._images.get(slot) is not image:
+            self._write(slot, image)
+            self._images[slot] = image
+        return imgui.ImTextureRef(self._textures[slot].glo)
 
-    def _write(self, texture: moderngl.Texture | None, image: ByteImage) -> moderngl.Texture:
-        height, width = image.shape[:2]
-        pixels = np.ascontiguousarray(image)
-        if texture is not None and texture.size != (width, height):
+    def part(self, slot: str, image: ByteImage, place: Placement, pane: Size) -> OnPane | None:
+        """What a pane of (width, height) screen pixels shows of the image; None when it shows nothing."""
+        last = self._parts.get(slot)
+        if self._images.get(slot) is image and last is not None and last[:2] == (place, pane):
+            return last[2]
+        patch, shown = visible(image, place, pane), None
+        if patch is not None:
+            texture = self._write(slot, patch.pixels)
+            shown = OnPane(imgui.ImTextureRef(texture.glo), patch.x, patch.y, *texture.size)
+        self._images[slot], self._parts[slot] = image, (place, pane, shown)
+        return shown
+
+    def _write(self, slot: str, pixels: ByteImage) -> moderngl.Texture:
+        size = (pixels.shape[1], pixels.shape[0])
+        texture = self._textures.get(slot)
+        if texture is not None and texture.size != size:
             texture.release()
             texture = None
         if texture is None:
-            texture = self._ctx.texture((width, height), 3, alignment=1)
+            texture = self._textures[slot] = self._ctx.texture(size, 3, alignment=1)
             texture.repeat_x = texture.repeat_y = False
-        texture.write(pixels, alignment=1)
-        texture.build_mipmaps()
+        texture.write(np.ascontiguousarray(pixels), alignment=1)
         return texture
 
     def release(self) -> None:
-        for texture, _ in self._slots.values():
+        for texture in self._textures.values():
             texture.release()
-        self._slots.clear()
+        for slots in (self._textures, self._images, self._parts):
+            slots.clear()

@@ -41,7 +41,7 @@ class ProcessorViewport:
         view = state.view
         if view is None or state.model is None:
             return None
-        return OnScreen(self._textures.show("view", view.image), (0, 0), (1, 1), view.request)
+        return OnScreen(self._textures.whole("view", view.image), (0, 0), (1, 1), view.request)
 
     def release(self) -> None:
         """The textures are released by their owner."""

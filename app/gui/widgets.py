@@ -125,16 +125,23 @@ def wants_default(name: str) -> bool:
     return chosen
 
 
-def tag(text: str, position: ImVec2, color: ImVec4, *, right: bool = False) -> None:
-    """A label on a picture. `position` is its upper left corner, or its upper right one."""
+def tag(text: str, position: ImVec2, color: ImVec4) -> None:
+    """A label on a picture; `position` is its upper left corner."""
     pad = ImVec2(em(0.45), em(0.18))
     size = imgui.calc_text_size(text)
-    x = position.x - (size.x + 2 * pad.x if right else 0)
-    corner = ImVec2(x + size.x + 2 * pad.x, position.y + size.y + 2 * pad.y)
+    corner = ImVec2(position.x + size.x + 2 * pad.x, position.y + size.y + 2 * pad.y)
     draw = imgui.get_window_draw_list()
-    draw.add_rect_filled(ImVec2(x, position.y), corner, imgui.get_color_u32(color), em(0.2))
-    at = ImVec2(x + pad.x, position.y + pad.y)
+    draw.add_rect_filled(position, corner, imgui.get_color_u32(color), em(0.2))
+    at = ImVec2(position.x + pad.x, position.y + pad.y)
     draw.add_text(at, imgui.get_color_u32(theme.grey(0.97)), text)
+
+
+def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2) -> None:
+    """Labels one below the other in a picture's upper left corner."""
+    y = corner.y + em(0.4)
+    for text, color in tags:
+        tag(text, ImVec2(corner.x + em(0.4), y), color)
+        y += imgui.get_text_line_height() + em(0.5)
 
 
 def centered(text: str, color: ImVec4 = theme.MUTED) -> None:

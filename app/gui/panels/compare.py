@@ -12,8 +12,8 @@ from app.gui.enhancing import Pictures
 from app.gui.export import describe
 from app.gui.keys import fit_pictures, one_to_one
 from app.gui.state import AppState
-from app.gui.textures import ShowsImages
-from app.gui.widgets import button, centered, em, explain, tag
+from app.gui.textures import ShowsPictures
+from app.gui.widgets import button, centered, em, explain, stack_tags, tag
 from renderer.clip import ByteImage
 
 WHEEL_STEP = 1.15
@@ -22,7 +22,7 @@ STALE_SECONDS = 0.15
 Tag = tuple[str, ImVec4]
 
 
-def draw_compare(state: AppState, textures: ShowsImages, draw_welcome: Callable[[], None]) -> None:
+def draw_compare(state: AppState, textures: ShowsPictures, draw_welcome: Callable[[], None]) -> None:
     """Both pictures with their tags, or what to do when there is no clip yet."""
     if state.clip is None:
         draw_welcome()
@@ -104,7 +104,7 @@ def frame_text(pictures: Pictures) -> str:
 
 
 def _draw_pane(
-    state: AppState, textures: ShowsImages, slot: str, image: ByteImage, tags: list[Tag], size: ImVec2
+    state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, tags: list[Tag], size: ImVec2
 ) -> None:
     assert state.pictures is not None
     corner = imgui.get_cursor_screen_pos()
@@ -112,21 +112,28 @@ def _draw_pane(
     imgui.invisible_button(slot, size, flags)
     _look_around(state, image, corner, size)
     end = ImVec2(corner.x + size.x, corner.y + size.y)
-    place = state.picture_view.place((image.shape[1], image.shape[0]), (size.x, size.y))
-    first = ImVec2(corner.x + place.offset_x, corner.y + place.offset_y)
-    last = ImVec2(first.x + place.zoom * image.shape[1], first.y + place.zoom * image.shape[0])
     draw = imgui.get_window_draw_list()
     draw.push_clip_rect(corner, end, True)
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
-    draw.add_image(textures.show(slot, image, place.zoom), first, last)
-    margin = em(0.4)
-    y = corner.y + margin
-    for text, color in tags:
-        tag(text, ImVec2(corner.x + margin, y), color)
-        y += imgui.get_text_line_height() + em(0.5)
-    below = ImVec2(corner.x + margin, end.y - imgui.get_text_line_height() - em(0.76))
+    _draw_image(state, textures, slot, image, corner, size)
+    stack_tags(tags, corner)
+    below = ImVec2(corner.x + em(0.4), end.y - imgui.get_text_line_height() - em(0.76))
     tag(frame_text(state.pictures), below, theme.TAG_ORIGINAL)
     draw.pop_clip_rect()
+
+
+def _draw_image(
+    state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, corner: ImVec2, size: ImVec2
+) -> None:
+    """Sampled and placed in whole pixels of the screen, which a window may count in larger units."""
+    scale = imgui.get_io().display_framebuffer_scale.x
+    pane = (size.x * scale, size.y * scale)
+    view = state.picture_view.scaled(scale)
+    shown = textures.part(slot, image, view.place((image.shape[1], image.shape[0]), pane), pane)
+    if shown is not None:
+        x, y = round(corner.x) + shown.x / scale, round(corner.y) + shown.y / scale
+        end = ImVec2(x + shown.width / scale, y + shown.height / scale)
+        imgui.get_window_draw_list().add_image(shown.texture, ImVec2(x, y), end)
 
 
 def _look_around(state: AppState, image: ByteImage, corner: ImVec2, size: ImVec2) -> None:

@@ -10,7 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.gui import actions, theme
 from app.gui.state import AppState
 from app.gui.viewport import OnScreen, Viewport
-from app.gui.widgets import button, centered, em, explain, tag
+from app.gui.widgets import button, centered, em, explain, stack_tags
 
 TURN = 2.2
 """Radians for a drag across the whole view."""
@@ -93,10 +93,7 @@ def _draw_picture(state: AppState, shown: OnScreen | None, corner: ImVec2, size:
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.grey(0.0)))
     if shown is not None:
         draw.add_image(shown.texture, corner, end, shown.uv0, shown.uv1)
-    y = corner.y + em(0.4)
-    for text, color in view_tags(state, shown):
-        tag(text, ImVec2(corner.x + em(0.4), y), color)
-        y += imgui.get_text_line_height() + em(0.5)
+    stack_tags(view_tags(state, shown), corner)
     draw.pop_clip_rect()
 
 

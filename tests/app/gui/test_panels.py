@@ -19,7 +19,9 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.view3d import draw_view3d, view_tags
 from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.picture_view import Placement
 from app.gui.state import AppState
+from app.gui.textures import OnPane
 from app.gui.viewport import OnScreen
 from app.gui.widgets import seconds
 from enhance import EnhanceParams
@@ -88,9 +90,9 @@ class Shown:
     def __init__(self) -> None:
         self.images: dict[str, ByteImage] = {}
 
-    def show(self, slot: str, image: ByteImage, zoom: float = 1.0) -> imgui.ImTextureRef:
+    def part(self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float]) -> OnPane | None:
         self.images[slot] = image
-        return imgui.ImTextureRef(1)
+        return OnPane(imgui.ImTextureRef(1), 0, 0, 10, 10)
 
 
 class StillViewport:

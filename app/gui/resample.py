@@ -1,0 +1,62 @@
+"""The visible part of a picture, one array pixel for each pixel of the screen.
+
+The window system's own sampling knows no averaging, so that thin vessels of a picture shown smaller would
+flicker; here both panes are sampled alike, by a filter that follows from the zoom.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from app.gui.picture_view import Placement
+from renderer.clip import ByteImage
+
+SHARP_ZOOM = 3.0
+"""From here on pixels are shown as squares."""
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """Screen pixels (H, W, 3) to be drawn with their upper left corner at (x, y) in the pane."""
+
+    pixels: ByteImage
+    x: int
+    y: int
+
+
+def visible(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Patch | None:
+    """The part of an (H, W, 3) image that a pane of (width, height) pixels shows; None when it shows none."""
+    columns = _span(place.offset_x, place.zoom, image.shape[1], pane[0])
+    rows = _span(place.offset_y, place.zoom, image.shape[0], pane[1])
+    if columns is None or rows is None:
+        return None
+    part = image[rows[0] : rows[1], columns[0] : columns[1]]
+    x, width = _target(columns, place.offset_x, place.zoom)
+    y, height = _target(rows, place.offset_y, place.zoom)
+    if (width, height) == (part.shape[1], part.shape[0]):
+        return Patch(np.ascontiguousarray(part), x, y)
+    sampled = cv2.resize(part, (width, height), interpolation=_filter(place.zoom))
+    return Patch(np.asarray(sampled, dtype=np.uint8), x, y)
+
+
+def _span(offset: float, zoom: float, size: int, pane: float) -> tuple[int, int] | None:
+    """First and one past the last picture pixel that the pane shows along one axis."""
+    first = max(0, math.floor(-offset / zoom))
+    last = min(size, math.ceil((pane - offset) / zoom))
+    return (first, last) if first < last else None
+
+
+def _target(span: tuple[int, int], offset: float, zoom: float) -> tuple[int, int]:
+    """Where the span starts in the pane and how many pixels it takes there."""
+    start, end = (round(offset + zoom * edge) for edge in span)
+    return start, max(end - start, 1)
+
+
+def _filter(zoom: float) -> int:
+    if zoom < 1:
+        return cv2.INTER_AREA
+    return cv2.INTER_LINEAR if zoom < SHARP_ZOOM else cv2.INTER_NEAREST

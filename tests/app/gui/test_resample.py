@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.gui.picture_view import MAX_ZOOM, MIN_ZOOM, PictureView, Placement
+from app.gui.resample import SHARP_ZOOM, visible
+from app.gui.textures import Textures
+
+PANE = (90.0, 70.0)
+
+
+@pytest.fixture
+def image() -> np.ndarray:
+    return np.random.default_rng(5).integers(0, 256, (40, 60, 3), dtype=np.uint8)
+
+
+def test_one_to_one_is_the_picture_itself(image: np.ndarray) -> None:
+    patch = visible(image, Placement(1.0, 15.0, 15.0), PANE)
+    assert patch is not None
+    np.testing.assert_array_equal(patch.pixels, image)
+    assert (patch.x, patch.y) == (15, 15)
+
+
+def test_enlarged_pixels_are_squares(image: np.ndarray) -> None:
+    patch = visible(image, Placement(8.0, 0.0, 0.0), PANE)
+    assert patch is not None
+    np.testing.assert_array_equal(patch.pixels, image[:9, :12].repeat(8, axis=0).repeat(8, axis=1))
+
+
+def test_a_thin_line_keeps_its_share_when_made_smaller() -> None:
+    """A one-pixel vessel on any column weighs the same: it neither vanishes nor flickers with the pan."""
+    for column in range(20, 28):
+        line = np.full((64, 64, 3), 200, np.uint8)
+        line[:, column] = 0
+        patch = visible(line, Placement(0.25, 0.0, 0.0), PANE)
+        assert patch is not None
+        missing = (200.0 - patch.pixels[8, :, 0]).sum()
+        assert missing == pytest.approx(50.0, abs=1.5)
+
+
+@given(
+    st.floats(MIN_ZOOM, MAX_ZOOM), st.floats(0, 1), st.floats(0, 1), st.integers(1, 70), st.integers(1, 50)
+)
+def test_the_patch_lies_where_the_placement_says(
+    zoom: float, x: float, y: float, width: int, height: int
+) -> None:
+    image = np.zeros((height, width, 3), np.uint8)
+    place = PictureView(zoom, (x, y)).place((width, height), PANE)
+    patch = visible(image, place, PANE)
+    assert patch is not None
+    rows, columns = patch.pixels.shape[:2]
+    assert columns <= PANE[0] + 2 * zoom + 2
+    left, right = place.offset_x, place.offset_x + zoom * width
+    assert patch.x <= max(left, 0) + 1
+    assert patch.x + columns >= min(right, PANE[0]) - 1
+    assert patch.y + rows >= min(place.offset_y + zoom * height, PANE[1]) - 1
+
+
+def test_nothing_in_sight_is_nothing_to_draw(image: np.ndarray) -> None:
+    assert visible(image, Placement(SHARP_ZOOM, 1000.0, 0.0), PANE) is None
+
+
+@pytest.mark.gl
+def test_a_texture_holds_the_pixels_and_is_written_once(ctx: moderngl.Context, image: np.ndarray) -> None:
+    textures = Textures(ctx)
+    place = Placement(1.0, 0.0, 0.0)
+    first = textures.part("original", image, place, PANE)
+    assert first is not None
+    assert textures.part("original", image, place, PANE) is first
+    assert (first.width, first.height) == (60, 40)
+    other = textures.part("original", image.copy(), place, PANE)
+    assert other is not None
+    assert other is not first
+    textures.whole("view", image[:7, :5])
+    textures.whole("view", image[:5, :7])
+    textures.release()
