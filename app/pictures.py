@@ -28,14 +28,20 @@ def is_image(path: Path) -> bool:
 
 
 def images_in(folder: Path) -> list[Path]:
-    """Pictures of a folder in natural order. Raises UserError when there are none."""
+    """Pictures of a folder in natural order; else those of its images/, as clips have; else its arrays.
+
+    Raises:
+        UserError: there are none.
+    """
     inside = folder / "images"
-    paths = [path for path in folder.iterdir() if path.is_file() and is_image(path)]
-    if not paths and inside.is_dir():
+    files = [path for path in folder.iterdir() if path.is_file()]
+    pictures = [path for path in files if is_picture(path)]
+    if not pictures and inside.is_dir():
         return images_in(inside)
-    if not paths:
+    found = pictures or [path for path in files if is_image(path)]
+    if not found:
         raise UserError(f"expected a folder with pictures, found none in {folder}")
-    return sorted(paths, key=natural_key)
+    return sorted(found, key=natural_key)
 
 
 def read_image(path: Path) -> ArrayImage:

@@ -94,6 +94,12 @@ def test_a_video_keeps_its_frames_and_its_speed(tmp_path: Path, vesselsplat: Cli
     assert len(list(frames.iterdir())) == 5
 
 
+def test_a_clip_folder_is_its_images(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    call = vesselsplat("enhance", clip_path, tmp_path / "out", "--json")
+    images = sorted(path.stem for path in (clip_path / "images").iterdir())
+    assert [picture["picture"] for picture in json.loads(call.out)["pictures"]] == images
+
+
 def test_two_pictures_of_one_output_name_are_refused(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     cv2.imwrite(str(folder / "0.jpg"), tissue(9))
     call = vesselsplat("enhance", folder, tmp_path / "out")
