@@ -18,6 +18,7 @@ from app.gui.viewing import ShownModel, middle_distance
 from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Progress
 
 TOAST_SECONDS = 6.0
 MakeJob = Callable[[TrainRequest], Job]
@@ -98,7 +99,9 @@ def _show_run(state: AppState, opened: Opened) -> None:
         input=record.input,
         clip=opened.clip,
         run_path=run.path,
-        status="none" if run.model else "cancelled",
+        status="finished" if run.model else "cancelled",
+        progress=run.progress[-1] if run.progress else None,
+        curve=[point_of(progress) for progress in run.progress],
     )
 
 
@@ -257,6 +260,11 @@ def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
     job = state.reconstruction
     if job.clip is not None and job.run_path is not None:
         state.model = finished_model(model, job.clip.cameras, job.run_path.name, job.config.iterations)
+
+
+def point_of(progress: Progress) -> tuple[float, float, float]:
+    """(iteration, loss, PSNR in dB) for the curves."""
+    return float(progress.iteration), progress.loss, progress.psnr
 
 
 def reset_view(state: AppState) -> None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import tee
 from time import perf_counter
 from typing import Literal
 
 import numpy as np
 
+from app.gui.surround import inside
 from enhance import EnhanceParams, Statistics, enhance, measure
-from renderer.clip import ByteImage, Clip
+from renderer.clip import BoolImage, ByteImage, Clip
 
 Scope = Literal["image", "clip"]
 POOLED_FRAMES = 16
@@ -27,6 +29,8 @@ class PictureRequest:
     """None: white light only."""
     scope: Scope = "image"
     """Statistics of this frame, or pooled over the clip so that playing does not flicker."""
+    tissue_only: bool = False
+    """Tools and the black surround do not count in the statistics; the paper counts every pixel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,27 +50,41 @@ class PictureMaker:
     """Answers PictureRequests; remembers the newest clip's pooled statistics, which most requests share."""
 
     def __init__(self) -> None:
-        self._pooled: tuple[Clip, EnhanceParams, Statistics] | None = None
+        self._pooled: tuple[PictureRequest, Statistics] | None = None
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
         """First the photo alone, then both. Raises ClipError or ImageError."""
-        photo = request.clip.read_image(request.frame_index)
+        photo, mask = _read(request, request.frame_index)
         yield Pictures(request, photo)
         if request.params is None:
             return
-        statistics = self._of_clip(request.clip, request.params) if request.scope == "clip" else None
+        statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
         start = perf_counter()
-        result = enhance(photo, request.params, statistics=statistics)
+        result = enhance(photo, request.params, tissue_mask=mask, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
         yield Pictures(request, photo, enhanced, result.statistics, milliseconds)
 
-    def _of_clip(self, clip: Clip, params: EnhanceParams) -> Statistics:
+    def _of_clip(self, request: PictureRequest, params: EnhanceParams) -> Statistics:
         """What is measured depends on the windows alone; z and P are resolved again by `enhance`."""
         windows = EnhanceParams(radii=params.radii, eps=params.eps, subsample=params.subsample)
-        if self._pooled is None or self._pooled[0] is not clip or self._pooled[1] != windows:
-            count = min(len(clip), POOLED_FRAMES)
-            frames = np.linspace(0, len(clip) - 1, count).round().astype(int)
-            measured = measure((clip.read_image(int(index)) for index in frames), windows)
-            self._pooled = (clip, windows, measured)
-        return self._pooled[2]
+        key = replace(request, frame_index=0, params=windows)
+        if self._pooled is None or self._pooled[0] != key:
+            count = min(len(request.clip), POOLED_FRAMES)
+            indices = np.linspace(0, len(request.clip) - 1, count).round().astype(int)
+            # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
+            frames, again = tee(_read(request, int(index)) for index in indices)
+            self._pooled = (
+                key,
+                measure((photo for photo, _ in frames), windows, (mask for _, mask in again)),
+            )
+        return self._pooled[1]
+
+
+def _read(request: PictureRequest, index: int) -> tuple[ByteImage, BoolImage | None]:
+    """The photo and the pixels that count, None = all: so too where nothing but black would be left."""
+    if not request.tissue_only:
+        return request.clip.read_image(index), None
+    frame = request.clip.read_frame(index)
+    mask = frame.tissue_mask & inside(frame.image)
+    return frame.image, mask if mask.any() else None

@@ -67,6 +67,7 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
         if pictures.enhanced is not None:
             panels.append(Panel("Enhanced   " + describe(pictures), pictures.enhanced))
             facts |= {"params": wanted.params, "statistics": pictures.statistics}
+            facts["tissue_only"] = wanted.tissue_only
     if request.view is not None:
         view = _drawn(request.view)
         panels.append(Panel(f"Reconstruction   {view.request.shown.name}", view.image))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from app.gui.viewing import ShownModel, middle_distance
@@ -12,6 +12,7 @@ from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
+from renderer.train.events import Progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,8 @@ class OpenedRun:
     record: RunRecord
     model: ShownModel | None
     """None for a run that is not finished."""
+    progress: tuple[Progress, ...]
+    """Every step of it that was logged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +62,15 @@ def _open_run(folder: RunFolder) -> Opened:
     model = shown_model(folder, record) if folder.is_finished else None
     if model is None:
         notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
-    return Opened(clip, OpenedRun(folder.path, record, model), notices)
+    return Opened(clip, OpenedRun(folder.path, record, model, _logged(folder)), notices)
+
+
+def _logged(folder: RunFolder) -> tuple[Progress, ...]:
+    """What of events.jsonl the curves show; lines of another version are passed over."""
+    names = {item.name for item in fields(Progress)}
+    events = [event for event in folder.events() if event["event"] == "Progress"]
+    plain = [{name: value for name, value in event.items() if name in names} for event in events]
+    return tuple(Progress(**values) for values in plain if values.keys() == names)
 
 
 def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:

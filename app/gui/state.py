@@ -112,6 +112,8 @@ class AppState:
 
     params: EnhanceParams = field(default_factory=EnhanceParams)
     scope: Scope = "image"
+    tissue_only: bool = False
+    """Statistics without tools and black surround."""
     enhancing: bool = True
     """False: plain white light on both sides."""
     peeking: bool = False
@@ -166,7 +168,7 @@ class AppState:
         if self.clip is None:
             return None
         params = self.params if self.enhancing else None
-        return PictureRequest(self.clip, self.shown_index, params, self.scope)
+        return PictureRequest(self.clip, self.shown_index, params, self.scope, self.tissue_only)
 
     @property
     def pictures_are_stale(self) -> bool:

@@ -17,6 +17,7 @@ TEXT = grey(0.90)
 MUTED = grey(0.62)
 ACCENT = ImVec4(0.36, 0.60, 0.86, 1.0)
 ACCENT_DIM = ImVec4(0.24, 0.41, 0.60, 1.0)
+GRAB = ImVec4(0.29, 0.49, 0.71, 1.0)
 WARNING = ImVec4(0.95, 0.72, 0.30, 1.0)
 DANGER = ImVec4(0.93, 0.42, 0.38, 1.0)
 TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)
@@ -79,7 +80,7 @@ def _controls() -> dict[imgui.Col_, ImVec4]:
         c.frame_bg: grey(0.21), c.frame_bg_hovered: grey(0.26), c.frame_bg_active: grey(0.30),
         c.button: grey(0.25), c.button_hovered: grey(0.32), c.button_active: grey(0.38),
         c.header: grey(0.24), c.header_hovered: grey(0.29), c.header_active: grey(0.33),
-        c.slider_grab: ACCENT, c.slider_grab_active: ImVec4(0.50, 0.72, 0.95, 1.0), c.check_mark: ACCENT,
+        c.slider_grab: GRAB, c.slider_grab_active: ACCENT, c.check_mark: ACCENT,
         c.separator: grey(0.24), c.separator_hovered: grey(0.38), c.separator_active: ACCENT,
         c.resize_grip: grey(0.25), c.resize_grip_hovered: grey(0.35), c.resize_grip_active: ACCENT,
         c.scrollbar_bg: grey(0, 0), c.scrollbar_grab: grey(0.28), c.scrollbar_grab_hovered: grey(0.36),

@@ -129,7 +129,7 @@ def _hear(state: AppState, event: object) -> None:
             run.started, run.status = event, "running"
         case Progress():
             run.progress = event
-            run.curve.append((float(event.iteration), event.loss, event.psnr))
+            run.curve.append(actions.point_of(event))
         case Evaluated():
             run.evaluated.append(event)
         case Warned():

@@ -100,7 +100,8 @@ def frame_text(pictures: Pictures) -> str:
     """Which frame the pictures are of, counted from 1 as people do, and its name in the clip."""
     request = pictures.request
     name = request.clip.labels[request.frame_index]
-    return f"{request.frame_index + 1} / {len(request.clip)}   {name}"
+    place = f"{request.frame_index + 1} / {len(request.clip)}"
+    return place if name.isdigit() else f"{place}   {name}"
 
 
 def _draw_pane(

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import get_args
 
 from imgui_bundle import imgui, imgui_ctx
 
 from app.gui import actions, theme
+from app.gui.enhancing import Scope
 from app.gui.state import AppState
 from app.gui.widgets import button, declared, em, explain, row, slide, slide_auto, slider, wants_default
 from enhance import EnhanceParams, Statistics
 
 SUBSAMPLES = (1, 2, 4, 8)
-SCOPES = ("image", "clip")
-SCOPE_LABELS = ["each frame", "whole clip"]
+SCOPES: tuple[Scope, ...] = get_args(Scope)
+SCOPE_LABELS = ["of each frame", "of the whole clip"]
+PIXEL_LABELS = ["all", "tissue only"]
 
 
 def draw_enhancement(state: AppState) -> None:
@@ -74,16 +77,19 @@ def _draw_subsample(params: EnhanceParams) -> EnhanceParams:
 
 
 def _draw_scope(state: AppState) -> None:
-    text = (
-        "Automatic values from each frame as in the paper, or pooled over the clip, "
-        "so that playing does not flicker."
-    )
-    row("Statistics", text)
+    """What the automatic values are taken from."""
+    text = "Of each frame as in the paper, or pooled over the clip, so that playing does not flicker."
+    state.scope = SCOPES[_choose("Statistics", SCOPES.index(state.scope), SCOPE_LABELS, text)]
+    text = "All as in the paper, or without tools and the black surround."
+    state.tissue_only = bool(_choose("Pixels", int(state.tissue_only), PIXEL_LABELS, text))
+
+
+def _choose(label: str, index: int, values: list[str], text: str) -> int:
+    row(label, text)
     imgui.set_next_item_width(-em(0.1))
-    changed, index = imgui.combo("##scope", SCOPES.index(state.scope), SCOPE_LABELS)
+    _, index = imgui.combo(f"##{label}", index, values)
     explain(text)
-    if changed:
-        state.scope = "clip" if index else "image"
+    return index
 
 
 def _draw_edits(state: AppState) -> None:

@@ -99,6 +99,9 @@ def _draw_buttons(state: AppState, make_job: MakeJob) -> None:
             start = lambda: actions.start_reconstruction(state, make_job)  # noqa: E731
             button("Reconstruct###start", start, enabled=not reason, width=half)
         explain(reason or "In the background; the pictures stay usable.")
+        if reason and state.clip is not None:
+            with imgui_ctx.push_text_wrap_pos(0):
+                imgui.text_colored(theme.MUTED, reason)
         if again:
             imgui.same_line(0, em(0.5))
             onward = lambda: actions.start_reconstruction(state, make_job, resume=True)  # noqa: E731

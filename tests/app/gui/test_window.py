@@ -130,7 +130,7 @@ def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(driver.state), "the phantom")
-        ctx.item_click("//Enhancement/##scope")
+        ctx.item_click("//Enhancement/##Statistics")
         ctx.key_press(imgui.Key.escape)  # Closes the list, and that alone.
         ctx.item_click("//Enhancement/keep black")
         assert driver.state.enhancing

@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
+from app.gui.surround import inside
+from enhance import EnhanceParams, Statistics, enhance
+from renderer.clip import BoolImage, ByteImage, Clip, Frame
+
+
+def statistics(pictures: Pictures) -> Statistics:
+    assert pictures.statistics is not None
+    return pictures.statistics
+
+
+def last(request: PictureRequest) -> Pictures:
+    return list(PictureMaker().make(request))[-1]
+
+
+def round_view(size: int = 120, seed: int = 0) -> tuple[ByteImage, BoolImage]:
+    """Tissue with a dark cavity inside a circle, noisy black around it; and the circle."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:size, :size] - (size - 1) / 2
+    circle = np.hypot(x, y) < 0.45 * size
+    image = rng.integers(0, 12, (size, size, 3)).astype(np.uint8)
+    image[circle] = (200, 120, 100)
+    image[np.hypot(x - 8, y) < 12] = 0
+    return image, circle
+
+
+def test_the_enhanced_picture_is_the_library_s_own(clip: Clip) -> None:
+    request = PictureRequest(clip, 1, EnhanceParams(z=0.3))
+    first, whole = PictureMaker().make(request)
+    assert first.enhanced is None
+    expected = enhance(clip.read_image(1), EnhanceParams(z=0.3))
+    np.testing.assert_array_equal(whole.enhanced, expected.image)
+    assert whole.statistics == expected.statistics
+
+
+def test_white_light_is_the_photo_alone(clip: Clip) -> None:
+    (only,) = PictureMaker().make(PictureRequest(clip, 1, None))
+    np.testing.assert_array_equal(only.photo, clip.read_image(1))
+
+
+def test_pooled_statistics_are_measured_once_for_all_sliders(clip: Clip) -> None:
+    read: list[int] = []
+
+    def counted(index: int) -> ByteImage:
+        read.append(index)
+        return clip.read_image(index)
+
+    counting = replace(clip, read_image=counted)
+    maker = PictureMaker()
+    request = PictureRequest(counting, 0, EnhanceParams(), "clip")
+    list(maker.make(request))
+    first = len(read)
+    list(maker.make(replace(request, frame_index=3, params=EnhanceParams(z=0.1, p=1.0, d_factor=0.5))))
+    assert len(read) == first + 1
+    list(maker.make(replace(request, params=EnhanceParams(radii=(2, 8)))))
+    assert len(read) > first + 2
+
+
+def test_the_surround_is_found_and_dark_tissue_is_not_it() -> None:
+    image, circle = round_view()
+    found = inside(image)
+    assert not found[~circle].any()
+    assert found[60, 68]  # The cavity.
+    assert (found & circle).sum() > 0.85 * circle.sum()
+
+
+@pytest.mark.parametrize("level", [60, 255])
+def test_a_picture_that_fills_the_frame_has_no_surround(level: int) -> None:
+    assert inside(np.full((40, 50, 3), level, np.uint8)).all()
+
+
+def test_tools_and_surround_do_not_count_when_tissue_alone_shall(clip: Clip) -> None:
+    image, circle = round_view()
+
+    def frame(index: int) -> Frame:
+        every = np.ones(circle.shape, dtype=bool)
+        return Frame(index, 0.0, image, clip.cameras[0], every, every)
+
+    scope = replace(clip, read_frame=frame, read_image=lambda index: image)
+    request = PictureRequest(scope, 0, EnhanceParams())
+    everything, tissue = last(request), last(replace(request, tissue_only=True))
+    assert statistics(everything).z == 0.0
+    assert statistics(tissue).z > statistics(everything).z
+    pooled = last(replace(request, tissue_only=True, scope="clip"))
+    assert statistics(pooled).saturation_mean == pytest.approx(statistics(tissue).saturation_mean)
+
+
+def test_a_black_frame_is_still_a_picture(clip: Clip) -> None:
+    black = np.zeros((40, 48, 3), np.uint8)
+
+    def frame(index: int) -> Frame:
+        return replace(clip.read_frame(index), image=black)
+
+    dark = replace(clip, read_frame=frame)
+    whole = last(PictureRequest(dark, 0, EnhanceParams(), tissue_only=True))
+    np.testing.assert_array_equal(whole.enhanced, black)

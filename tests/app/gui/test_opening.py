@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from app.errors import UserError
+from app.gui import actions
+from app.gui.opening import Opened, OpenRequest, open_path
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from app.provenance import version
+from app.run_folder import ClipRecord, RunFolder, RunRecord
+from assets import phantom_path
+from renderer.clip import ClipError
+from renderer.gaussians import DynamicGaussians
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+from renderer.train.events import Progress
+
+
+def opened(path: Path) -> Opened:
+    (answer,) = open_path(OpenRequest(path))
+    return answer
+
+
+def make_run(folder: Path, clip_path: Path, model: DynamicGaussians | None) -> RunFolder:
+    clip, run = open_clip(clip_path), RunFolder(folder)
+    record = ClipRecord(
+        path=str(clip_path),
+        name=clip.name,
+        sha256="0" * 64,
+        frames=len(clip),
+        unit=clip.unit,
+        cameras=(clip.cameras[0].to_json(),),
+    )
+    config = TrainConfig(iterations=40)
+    run.create(
+        RunRecord(version=version(), created="2020-01-01", clip=record, input="enhanced", config=config)
+    )
+    for iteration in (20, 40):
+        run.log(Progress(iteration, 40, 0.1, 20.0 + iteration, 1.0, 0.0, 30))
+    if model is not None:
+        run.save_model(model)
+    return run
+
+
+def session(places: Places, path: Path) -> AppState:
+    state = AppState(places, Settings(acknowledged=True))
+    actions.show_opened(state, path, opened(path))
+    return state
+
+
+def test_a_finished_run_shows_its_clip_its_model_and_its_curves(
+    tmp_path: Path, places: Places, model: DynamicGaussians
+) -> None:
+    run = make_run(tmp_path / "run-1", phantom_path(), model)
+    state = session(places, run.path)
+    assert state.clip is not None
+    assert state.clip.name == "phantom"
+    assert state.model is not None
+    assert (state.model.name, state.model.live, state.model.iteration) == ("run-1", False, 40)
+    assert state.model.cameras[0] == state.clip.cameras[0]
+    assert state.reconstruction.status == "finished"
+    assert state.reconstruction.input == "enhanced"
+    assert [point[0] for point in state.reconstruction.curve] == [20.0, 40.0]
+    assert not actions.can_continue(state)
+
+
+def test_the_model_file_opens_its_run(tmp_path: Path, model: DynamicGaussians) -> None:
+    run = make_run(tmp_path / "run-1", phantom_path(), model)
+    answer = opened(run.model_path)
+    assert answer.run is not None
+    assert answer.run.path == run.path
+
+
+def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> None:
+    run = make_run(tmp_path / "run-1", phantom_path(), None)
+    state = session(places, run.path)
+    assert state.model is None
+    assert actions.can_continue(state)
+    assert any("Continue" in line for line in state.log)
+
+
+def test_a_run_whose_clip_is_gone_still_shows_its_model(
+    tmp_path: Path, places: Places, model: DynamicGaussians
+) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(phantom_path(), copy)
+    run = make_run(tmp_path / "run-1", copy, model)
+    shutil.rmtree(copy)
+    state = session(places, run.path)
+    assert state.clip is None
+    assert state.model is not None
+    state.view_size = (32, 24)
+    actions.seek_view(state, 0.5)
+    assert state.view_request is not None
+    assert state.view_request.time == 0.5
+    assert any("clip cannot be opened" in line for line in state.log)
+
+
+def test_a_lone_model_file_is_refused_in_one_line(tmp_path: Path, model: DynamicGaussians) -> None:
+    path = tmp_path / "model.safetensors"
+    model.save(path)
+    with pytest.raises(UserError, match="run") as caught:
+        opened(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_clip_whose_first_picture_is_damaged_is_refused(tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(phantom_path(), copy)
+    first = min((copy / "images").iterdir())
+    first.write_bytes(first.read_bytes()[:200])
+    with pytest.raises(ClipError, match=first.name):
+        opened(copy)
