@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Literal
 
-import psutil  # type: ignore[import-untyped]
+import psutil
 
 from app.errors import UserError
 from app.shared_model import Slot, SlotWriter

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
 from renderer.deformation.nodes import add_shared
 from renderer.deformation.spline import add_curve, spline_taps
@@ -94,9 +94,8 @@ class DynamicGaussians:
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     def save(self, path: Path, metadata: dict[str, str] | None = None) -> None:
-        save_file(
-            {name: np.ascontiguousarray(value) for name, value in self.arrays().items()}, path, metadata
-        )
+        arrays = {name: np.ascontiguousarray(value) for name, value in self.arrays().items()}
+        path.write_bytes(save(arrays, metadata))
 
     @classmethod
     def load(cls, path: Path) -> DynamicGaussians:

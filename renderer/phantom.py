@@ -35,7 +35,11 @@ _OPTICAL_BLUR = 0.7  # px
 _READ_SHARE = 0.36  # Of the noise variance at full brightness; the rest is shot noise.
 
 
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
+@dataclass(
+    frozen=True,
+    kw_only=True,
+    config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
+)
 class PhantomParams:
     """What the phantom shows. Equal parameters give equal pictures."""
 

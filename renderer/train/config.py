@@ -11,7 +11,11 @@ from pydantic.dataclasses import dataclass
 Method = Literal["vesselsplat", "static"]
 
 
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
+@dataclass(
+    frozen=True,
+    kw_only=True,
+    config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
+)
 class TrainConfig:
     """One run of training. Lengths are fractions of the scene size, the median depth of the tissue.
 
