@@ -71,11 +71,9 @@ def open_path(state: AppState, path: Path) -> None:
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     """Take over what has been opened: the start of a session with it."""
     state.opening = None
-    if opened.clip is not None:
-        state.clip, state.pictures = opened.clip, None
-        state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
-        state.linked = True
-        seek(state, 0)
+    state.clip, state.pictures = opened.clip, None
+    state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
+    state.linked, state.view_time, state.frame_index = True, 0.0, 0
     if not state.reconstruction.is_alive:
         _show_run(state, opened)
     for notice in opened.notices:
@@ -93,7 +91,6 @@ def _show_run(state: AppState, opened: Opened) -> None:
         return
     record, run = opened.run.record, opened.run
     state.model = run.model
-    state.linked = opened.clip is not None
     state.reconstruction = Reconstruction(
         config=record.config,
         input=record.input,

@@ -147,7 +147,7 @@ class Window:
         self._textures = Textures(ctx)
         self._viewport = make_viewport(ctx, self._textures)
         self.state.processor_draws = isinstance(self._viewport, ProcessorViewport)
-        glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self._drop)  # type: ignore[arg-type]
+        glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self.drop)  # type: ignore[arg-type]
 
     def _advance(self) -> None:
         """Before each frame: news from the background, and how soon the next frame is wanted."""
@@ -205,8 +205,9 @@ class Window:
     def _open_phantom(self) -> None:
         self._open(phantom_path())
 
-    def _drop(self, window: object, paths: list[str]) -> None:
-        self._dropped = list(paths[:1])
+    def drop(self, window: object, paths: list[str]) -> None:
+        """Files were dropped on the window: the first one is opened with the next frame."""
+        self._dropped = paths[:1]
 
     def _refresh(self) -> None:
         """Called from the worker's thread: an idle window draws at once."""

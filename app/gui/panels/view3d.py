@@ -8,6 +8,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, theme
+from app.gui.orbit import Orbit
 from app.gui.state import AppState
 from app.gui.viewport import OnScreen, Viewport
 from app.gui.widgets import button, centered, em, explain, stack_tags
@@ -107,8 +108,8 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
         count = f"{model.iteration} / {model.iterations}"
         tags.append((f"LIVE PREVIEW · iteration {count}", theme.TAG_CAUTION))
     tags.append((f"RECONSTRUCTION · time {shown.request.time:.3f}", theme.TAG_ORIGINAL))
+    if state.orbit != Orbit():
+        tags.append(("FREE VIEW · not the endoscope's", theme.TAG_ORIGINAL))
     if shown.request.reduced:
         tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
-    if state.frozen_index is not None and not state.linked:
-        tags.append(("pictures frozen", theme.TAG_ORIGINAL))
     return tags

@@ -126,9 +126,9 @@ def test_a_mistake_is_a_banner_that_can_be_dismissed(places: Places) -> None:
 @pytest.mark.display
 def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
-    actions.open_path(driver.state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
+        driver.window.drop(None, [str(phantom_path()), "another.mp4"])
         wait(ctx, lambda: is_settled(driver.state), "the phantom")
         ctx.item_click("//Enhancement/##Statistics")
         ctx.key_press(imgui.Key.escape)  # Closes the list, and that alone.
