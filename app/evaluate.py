@@ -17,7 +17,7 @@ from app.provenance import digest
 from app.run_folder import RunFolder, RunRecord
 from app.training import input_clip
 from enhance.metrics import dvbv_otsu
-from renderer.clip import ByteImage, Clip, Frame
+from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
 from renderer.sources import open_clip
@@ -25,7 +25,9 @@ from renderer.sources import open_clip
 DEFINITIONS = {
     "psnr": "dB, both pictures times the evaluation mask, mean over all pixels, render rounded to 8 bits",
     "psnr_masked": "dB, mean over the evaluated pixels only",
-    "dv_bv": "inferred definition: variances of grey above and below each picture's own Otsu threshold",
+    "dv_bv": "inferred definition: variances of grey above and below each picture's own Otsu threshold, "
+    "over the evaluated pixels, so that what is under tools or never seen does not count",
+    "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
     "lpips": "not measured: its weights are not part of this program",
     "mean": "mean over the test frames, (index - 1) % 8 == 0; means leave out what was not measured",
 }
@@ -47,10 +49,12 @@ class FrameMeasures:
     bv: float
     dv_bv: float
     ms_per_frame: float
+    whole_picture: dict[str, float]
+    """DV, BV and their ratio over every pixel of the render."""
     original_photo: dict[str, float]
-    """DV, BV and their ratio of the clip's own photo."""
+    """The same over the evaluated pixels of the clip's own photo."""
     input_photo: dict[str, float]
-    """The same of the photo that the run was trained on."""
+    """And of the photo that the run was trained on."""
 
 
 AVERAGED = ("psnr", "psnr_masked", "ssim", "lpips", "depth_rmse_mm", "dv", "bv", "dv_bv", "ms_per_frame")
@@ -95,6 +99,7 @@ class Evaluation:
             "method": self.record.config.method,
             "input": self.record.input,
             "mean": {name: _mean(getattr(frame, name) for frame in frames) for name in AVERAGED} | constant,
+            "whole_picture": _mean_photo(frame.whole_picture for frame in frames),
             "original_photo": _mean_photo(frame.original_photo for frame in frames),
             "input_photo": _mean_photo(frame.input_photo for frame in frames),
             "frames": list(frames),
@@ -124,7 +129,6 @@ def measure_frame(
 ) -> FrameMeasures:
     """Compare the picture of the model with the photo `frame.image`."""
     render, photo, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
-    dvbv = _dvbv(drawn.bytes)
     return FrameMeasures(
         index=frame.index,
         label=label,
@@ -135,9 +139,10 @@ def measure_frame(
         lpips=None,
         depth_rmse_mm=_depth_error(frame, drawn) if unit == "mm" else None,
         ms_per_frame=1000.0 * seconds,
-        original_photo=_dvbv(original),
-        input_photo=_dvbv(frame.image),
-        **dvbv,
+        whole_picture=_dvbv(drawn.bytes),
+        original_photo=_dvbv(_evaluated(original, mask)),
+        input_photo=_dvbv(_evaluated(frame.image, mask)),
+        **_dvbv(_evaluated(drawn.bytes, mask)),
     )
 
 
@@ -145,6 +150,11 @@ def _depth_error(frame: Frame, drawn: Drawn) -> float | None:
     if frame.depth is None:
         return None
     return float(depth_rmse(drawn.depth, frame.depth, frame.evaluation_mask))
+
+
+def _evaluated(image: ByteImage, mask: BoolImage) -> ByteImage:
+    """The evaluated pixels as a picture of one column, which is all the same to a split by grey value."""
+    return image[mask][:, None] if mask.any() else image
 
 
 def _dvbv(image: ByteImage) -> dict[str, float]:

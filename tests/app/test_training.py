@@ -217,9 +217,12 @@ def test_evaluation_compares_with_the_photos_the_run_was_trained_on(
     drawn = draw_on_cpu(model.at(frame.time), frame.camera, near_plane(model, frame.camera))
     row = report["frames"][1]
     assert row["psnr"] == pytest.approx(psnr(drawn.bytes / 255, frame.image / 255, frame.evaluation_mask))
-    assert row["dv_bv"] == pytest.approx(dvbv_otsu(drawn.bytes).ratio)
-    assert row["input_photo"]["dv"] == pytest.approx(dvbv_otsu(frame.image).dv)
-    assert row["original_photo"]["dv"] == pytest.approx(dvbv_otsu(clip.read_image(9)).dv)
+    assert row["whole_picture"]["dv_bv"] == pytest.approx(dvbv_otsu(drawn.bytes).ratio)
+    evaluated = [picture[frame.evaluation_mask][:, None] for picture in (drawn.bytes, frame.image)]
+    assert row["dv_bv"] == pytest.approx(dvbv_otsu(evaluated[0]).ratio)
+    assert row["input_photo"]["dv"] == pytest.approx(dvbv_otsu(evaluated[1]).dv)
+    original = clip.read_image(9)[frame.evaluation_mask][:, None]
+    assert row["original_photo"]["dv"] == pytest.approx(dvbv_otsu(original).dv)
     mean = report["mean"]
     names = "psnr psnr_masked ssim lpips depth_rmse_mm dv bv dv_bv n_gaussians train_seconds ms_per_frame"
     assert set(mean) == set(names.split())
