@@ -118,7 +118,7 @@ def open_evaluation(run_path: Path) -> Evaluation:
 def run_clip(record: RunRecord) -> Clip:
     """The clip that the run was trained on. Raises UserError when it is not the same any more."""
     path = Path(record.clip.path)
-    clip = open_clip(path)
+    clip = open_clip(path, record.clip.options)
     if digest(path) != record.clip.sha256:
         raise UserError(f"expected the clip that the run was trained on, its files have changed: {path}")
     return clip

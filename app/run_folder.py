@@ -21,6 +21,7 @@ from app.errors import UserError
 from app.provenance import strict_json
 from enhance import EnhanceParams, Statistics
 from renderer.camera import Camera
+from renderer.endonerf import DEFAULTS, EndoNerfOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import TrainEvent
@@ -36,6 +37,8 @@ class ClipRecord:
     path: str
     """Absolute."""
     name: str
+    options: EndoNerfOptions = DEFAULTS
+    """How it is read."""
     sha256: str
     """Of the manifest, see `app.provenance.digest`."""
     frames: int

@@ -13,6 +13,7 @@ from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
 from enhance import EnhanceParams, enhance, measure
 from renderer.clip import ByteImage, Clip, Frame
+from renderer.endonerf import DEFAULTS, EndoNerfOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
@@ -29,6 +30,7 @@ class TrainRequest:
     clip_path: Path
     run_path: Path
     config: TrainConfig
+    clip_options: EndoNerfOptions = DEFAULTS
     input: Input = "original"
     enhance_params: EnhanceParams = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
@@ -46,7 +48,7 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     """
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
-    clip = open_clip(request.clip_path)
+    clip = open_clip(request.clip_path, request.clip_options)
     if run.is_run:
         record = run.record()
         _check_same(request, record)
@@ -106,6 +108,7 @@ def _new_record(request: TrainRequest, clip: Clip) -> RunRecord:
         clip=ClipRecord(
             path=str(request.clip_path.absolute()),
             name=clip.name,
+            options=request.clip_options,
             sha256=digest(request.clip_path),
             frames=len(clip),
             unit=clip.unit,
@@ -128,8 +131,11 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
 
 def _check_same(request: TrainRequest, record: RunRecord) -> None:
     """A run goes on as it began, or not at all: anything else would not be repeatable."""
-    began = {"input": record.input, "clip": record.clip.sha256, **vars(record.config)}
-    asked = {"input": request.input, "clip": digest(request.clip_path), **vars(request.config)}
+    began = (
+        {"input": record.input, "clip": record.clip.sha256} | vars(record.clip.options) | vars(record.config)
+    )
+    asked = {"input": request.input, "clip": digest(request.clip_path)}
+    asked |= vars(request.clip_options) | vars(request.config)
     if record.enhancement is not None:
         began |= vars(record.enhancement.params)
         asked |= vars(request.enhance_params)

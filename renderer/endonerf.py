@@ -34,7 +34,11 @@ _LISTED = 5
 Matrix = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
+@dataclass(
+    frozen=True,
+    kw_only=True,
+    config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
+)
 class EndoNerfOptions:
     """How to read what the folder itself does not say."""
 
@@ -243,11 +247,11 @@ def _judge_masks(path: Path, samples: list[Sample], options: EndoNerfOptions) ->
     percent = f"{100 * share:.0f} % of the picture"
     if options.mask_polarity == "auto" and share > 0.999:
         raise ClipError(
-            f'masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "tissue": {path}'
+            f'masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity to "tissue": {path}'
         )
     if options.mask_polarity == "auto" and marks_tissue(samples):
         expected = f"expected masks/ with 255 = tool, got what looks like 255 = tissue ({percent})"
-        raise ClipError(f'{expected}; invert them, or set mask_polarity "tissue" or "tool": {path}')
+        raise ClipError(f'{expected}; set mask_polarity to "tissue", or to "tool" if they are right: {path}')
     if options.mask_polarity != "tissue" and share > 0.5:
         return [f"masks/ marks {percent} as tool"]
     return []

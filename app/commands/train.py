@@ -12,6 +12,7 @@ from app.errors import UserError
 from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.training import TrainRequest, run_training
+from renderer.endonerf import EndoNerfOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
 
@@ -27,6 +28,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="reconstruct the photos as they are, or enhanced (default original)",
     )
     add_fields(parser, TrainConfig, ("iterations", "seed"))
+    add_fields(
+        parser, EndoNerfOptions, ("mask_polarity", "evaluation_masks", "pose_convention", "bottom_rows")
+    )
     parser.add_argument(
         "--device", choices=("auto", "cpu", "cuda"), default="auto", help="what computes (default auto)"
     )
@@ -39,7 +43,12 @@ def run(flags: argparse.Namespace) -> None:
     if flags.device == "cuda":
         raise UserError("--device cuda: training on CUDA is not available in this version; use cpu or auto")
     request = TrainRequest(
-        clip_path=flags.clip, run_path=flags.run, config=config, input=flags.input, resume=flags.resume
+        clip_path=flags.clip,
+        run_path=flags.run,
+        config=config,
+        clip_options=parameters(EndoNerfOptions, flags),
+        input=flags.input,
+        resume=flags.resume,
     )
     try:
         started, finished = follow(request)

@@ -75,7 +75,7 @@ def _logged(folder: RunFolder) -> tuple[Progress, ...]:
 
 def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
     try:
-        clip = open_clip(Path(record.clip.path))
+        clip = open_clip(Path(record.clip.path), record.clip.options)
         return clip, clip.notices
     except ClipError as error:
         return None, (f"the run's clip cannot be opened, only its model is shown: {error}",)

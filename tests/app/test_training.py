@@ -232,6 +232,25 @@ def test_evaluation_compares_with_the_photos_the_run_was_trained_on(
     assert str(runs[name].parent) not in call.out
 
 
+def test_a_clip_with_tissue_masks_trains_and_is_measured_when_its_polarity_is_said(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    inverted = tmp_path / "inverted"
+    shutil.copytree(clip_path, inverted)
+    for path in (inverted / "masks").iterdir():
+        cv2.imwrite(str(path), 255 - cv2.imread(str(path), cv2.IMREAD_GRAYSCALE))
+    steps = ("--iterations", "10")
+    refused = vesselsplat("train", inverted, "--run", tmp_path / "refused", *steps)
+    assert refused.code == 2
+    assert "mask_polarity" in refused.error
+    assert vesselsplat("train", clip_path, "--run", tmp_path / "plain", *steps).code == 0
+    said = vesselsplat("train", inverted, "--run", tmp_path / "said", *steps, "--mask-polarity", "tissue")
+    assert said.code == 0
+    same = [(tmp_path / name / "model.safetensors").read_bytes() for name in ("plain", "said")]
+    assert same[0] == same[1]
+    assert vesselsplat("evaluate", tmp_path / "said").code == 0
+
+
 def test_a_clip_that_changed_is_not_evaluated(
     clip_path: Path, runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
