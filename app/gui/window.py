@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import glcontext  # type: ignore[import-untyped]
 import glfw
 import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
@@ -143,7 +144,7 @@ class Window:
     def _begin(self) -> None:
         """The OpenGL context is there."""
         theme.apply_plot_style()
-        ctx = moderngl.create_context(require=330)
+        ctx = _attach()
         self._textures = Textures(ctx)
         self._viewport = make_viewport(ctx, self._textures)
         self.state.processor_draws = isinstance(self._viewport, ProcessorViewport)
@@ -212,6 +213,12 @@ class Window:
     def _refresh(self) -> None:
         """Called from the worker's thread: an idle window draws at once."""
         hello_imgui.request_refresh()
+
+
+def _attach() -> moderngl.Context:
+    """The window's own context; named, so that one left by an earlier window is never taken for it."""
+    current = glcontext.default_backend()(mode="detect", glversion=330)
+    return moderngl.create_context(require=330, context=current)
 
 
 def _configure() -> None:

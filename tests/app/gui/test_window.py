@@ -15,6 +15,7 @@ from imgui_bundle.immapp import testing
 from app.gui import actions
 from app.gui.settings import Places, Settings, load_settings
 from app.gui.state import AppState
+from app.gui.viewport import GraphicsViewport
 from app.gui.window import Window
 from app.provenance import read_provenance
 from assets import phantom_path
@@ -140,3 +141,36 @@ def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
 
     driver.run(drive)
     assert driver.state.frozen_index == 0
+
+
+@pytest.mark.display
+def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
+    places: Places, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Drawn by OpenGL in the window's context, the view is in its pane and the controls are still there."""
+    monkeypatch.setattr("app.gui.window.make_viewport", lambda ctx, textures: GraphicsViewport(ctx))
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    actions.open_path(driver.state, phantom_path())
+    pane: list[float] = []
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(driver.state), "the phantom")
+        ctx.item_click("//Reconstruction/###start")
+        wait(ctx, lambda: bool(jobs), "the job")
+        jobs[0].model = model
+        wait(ctx, lambda: driver.state.view_request is not None, "the view")
+        ctx.yield_(3)
+        box = ctx.item_info("//3D view/view").rect_full
+        pane.extend((box.min.x, box.min.y, box.max.x, box.max.y))
+
+    driver.run(drive)
+    assert not driver.state.processor_draws
+    shot = np.asarray(hello_imgui.final_app_window_screenshot()).astype(int)
+    left, top, right, bottom = (round(edge) for edge in pane)
+    view = shot[top:bottom, left:right]
+    middle = view[view.shape[0] // 2, view.shape[1] // 2]
+    assert np.ptp(middle) == 0  # The model is grey,
+    assert 60 < middle[0] < 140  # half as bright as white,
+    assert (view[view.shape[0] // 2, 2] == 0).all()  # and nothing is beside it.
+    assert np.ptp(shot[:top]) > 200
