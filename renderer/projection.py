@@ -87,6 +87,23 @@ def _screen_axes(
         out[1, j] = view[1] / z * (y - down * depth) * scale[j]
 
 
+@njit(inline="always")
+def _covariance(axes: FloatArray) -> tuple[float, float, float, float]:
+    """xx, xy, yy of axes axes^T + LOW_PASS I, and its determinant.
+
+    The determinant is a sum of squares (Cauchy-Binet), which cannot cancel as xx yy - xy^2 does.
+    """
+    xx = axes[0, 0] ** 2 + axes[0, 1] ** 2 + axes[0, 2] ** 2 + LOW_PASS
+    xy = axes[0, 0] * axes[1, 0] + axes[0, 1] * axes[1, 1] + axes[0, 2] * axes[1, 2]
+    yy = axes[1, 0] ** 2 + axes[1, 1] ** 2 + axes[1, 2] ** 2 + LOW_PASS
+    minors = (
+        (axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]) ** 2
+        + (axes[0, 0] * axes[1, 2] - axes[0, 2] * axes[1, 0]) ** 2
+        + (axes[0, 1] * axes[1, 2] - axes[0, 2] * axes[1, 1]) ** 2
+    )
+    return xx, xy, yy, minors + LOW_PASS * (xx + yy - LOW_PASS)
+
+
 @njit(parallel=True, cache=True, error_model="numpy")
 def project(
     means: NDArray[np.float32],  # (N, 3)
@@ -108,10 +125,7 @@ def project(
             continue
         _rotation(quats[n], rotation)
         _screen_axes(local, view, rotation, scales[n], axes)
-        xx = axes[0, 0] ** 2 + axes[0, 1] ** 2 + axes[0, 2] ** 2 + LOW_PASS
-        xy = axes[0, 0] * axes[1, 0] + axes[0, 1] * axes[1, 1] + axes[0, 2] * axes[1, 2]
-        yy = axes[1, 0] ** 2 + axes[1, 1] ** 2 + axes[1, 2] ** 2 + LOW_PASS
-        determinant = _determinant(axes, xx, yy)
+        xx, xy, yy, determinant = _covariance(axes)
         if not (determinant > 0.0 and determinant < np.inf):
             continue
         reach = 2.0 * math.log(opacity / ALPHA_CUT)
@@ -127,17 +141,6 @@ def project(
         record[HALF_WIDTH] = math.sqrt(reach * xx) + 1e-3
         record[HALF_HEIGHT] = math.sqrt(reach * yy) + 1e-3
         visible[n] = record[HALF_WIDTH] < np.inf and record[HALF_HEIGHT] < np.inf
-
-
-@njit(inline="always")
-def _determinant(axes: FloatArray, xx: float, yy: float) -> float:
-    """det(axes axes^T + LOW_PASS I) as a sum of squares (Cauchy-Binet), which cannot cancel."""
-    minors = (
-        (axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]) ** 2
-        + (axes[0, 0] * axes[1, 2] - axes[0, 2] * axes[1, 0]) ** 2
-        + (axes[0, 1] * axes[1, 2] - axes[0, 2] * axes[1, 1]) ** 2
-    )
-    return float(minors + LOW_PASS * (xx + yy - LOW_PASS))
 
 
 @njit(inline="always")
@@ -250,10 +253,7 @@ def project_backward(
         _to_camera(means[n], view, local)
         _rotation(quats[n], rotation)
         _screen_axes(local, view, rotation, scales[n], axes)
-        xx = axes[0, 0] ** 2 + axes[0, 1] ** 2 + axes[0, 2] ** 2 + LOW_PASS
-        xy = axes[0, 0] * axes[1, 0] + axes[0, 1] * axes[1, 1] + axes[0, 2] * axes[1, 2]
-        yy = axes[1, 0] ** 2 + axes[1, 1] ** 2 + axes[1, 2] ** 2 + LOW_PASS
-        determinant = _determinant(axes, xx, yy)
+        xx, xy, yy, determinant = _covariance(axes)
         total = sums[n]
         _conic_gradient(total, xx, xy, yy, determinant, by_cov)
         for j in range(3):

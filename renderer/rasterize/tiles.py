@@ -53,10 +53,21 @@ ADJOINT_PLANES = 6
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 ALPHA_CAP = np.float32(0.99)
 LOG2_CUT = np.float32(math.log2(1.0 / 255.0))
+LOWEST = np.float32(-9.0)
+"""Exponents below the cut that exp2 still takes."""
 STOP = np.float32(1e-4)
 """A pixel takes no more splats once less light than this is left."""
 _CHECK = 8
 """Entries between two looks at whether a whole tile has stopped."""
+
+
+@njit(inline="always")
+def _alpha(exponent: np.float32, light: np.float32) -> np.float32:
+    """2**exponent, capped, and 0 below the cut or where a pixel has stopped."""
+    alpha = exp2(max(exponent, LOWEST))
+    alpha = alpha if alpha < ALPHA_CAP else ALPHA_CAP
+    alpha = alpha if exponent >= LOG2_CUT else ZERO
+    return alpha if light >= STOP else ZERO
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -98,10 +109,7 @@ def blend(
                     dx = lane[x] + start
                     exponent = row_level + dx * (row_slope + a * dx)
                     light = state[LEFT, y, x]
-                    alpha = exp2(max(exponent, np.float32(-9.0)))
-                    alpha = alpha if alpha < ALPHA_CAP else ALPHA_CAP
-                    alpha = alpha if exponent >= LOG2_CUT else ZERO
-                    alpha = alpha if light >= STOP else ZERO
+                    alpha = _alpha(exponent, light)
                     weight = alpha * light
                     state[LEFT, y, x] = light - weight
                     state[PLANE_RED, y, x] += weight * red
@@ -186,10 +194,7 @@ def blend_backward(
                     dx = lane[x] + start
                     exponent = row_level + dx * (row_slope + a * dx)
                     light = state[ADJOINT_PLANES, y, x]
-                    raw = exp2(max(exponent, np.float32(-9.0)))
-                    alpha = raw if raw < ALPHA_CAP else ALPHA_CAP
-                    alpha = alpha if exponent >= LOG2_CUT else ZERO
-                    alpha = alpha if light >= STOP else ZERO
+                    alpha = _alpha(exponent, light)
                     weight = alpha * light
                     by_weight = (
                         red * state[BY_RED, y, x]
@@ -201,7 +206,7 @@ def blend_backward(
                     running = state[ADJOINT_PLANES + 1, y, x] + weight * by_weight
                     behind = state[TOTAL, y, x] - running
                     q = weight * by_weight - behind * (alpha / (ONE - alpha))
-                    q = q if raw < ALPHA_CAP else ZERO
+                    q = q if alpha < ALPHA_CAP else ZERO
                     state[ADJOINT_PLANES, y, x] = light - weight
                     state[ADJOINT_PLANES + 1, y, x] = running
                     lanes[_Q, x] += q
