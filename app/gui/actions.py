@@ -13,10 +13,11 @@ from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
 from app.gui.settings import save_settings
-from app.gui.state import AppState, Banner, Job, Reconstruction, Toast
+from app.gui.state import AppState, Banner, CurvePoint, Job, Reconstruction, Toast
 from app.gui.viewing import ShownModel, middle_distance
 from app.training import TrainRequest
 from enhance import EnhanceParams
+from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Progress
 
@@ -95,7 +96,7 @@ def _show_run(state: AppState, opened: Opened) -> None:
         config=record.config,
         input=record.input,
         clip=opened.clip,
-        run_path=run.path,
+        request=run.request,
         status="finished" if run.model else "cancelled",
         progress=run.progress[-1] if run.progress else None,
         curve=[point_of(progress) for progress in run.progress],
@@ -185,28 +186,44 @@ def white_light(state: AppState) -> None:
 # ---- reconstruction
 
 
-def start_reconstruction(state: AppState, make_job: MakeJob, *, resume: bool = False) -> None:
-    """Start a run in another process, or go on with the one that was cut short."""
+def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
+    """Start a new run, as chosen, in another process."""
     clip, draft = state.clip, state.reconstruction
     if draft.is_alive or clip is None:
         return
-    going_on = resume and draft.run_path is not None
-    path = draft.run_path if going_on and draft.run_path else _run_path(state)
     request = TrainRequest(
         clip_path=clip.path,
-        run_path=path,
+        run_path=_run_path(state),
         config=draft.config,
         input=draft.input,
         enhance_params=replace(state.params, d_factor=draft.d_factor),
-        resume=going_on,
     )
+    _start(state, make_job, clip, request, [])
+
+
+def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
+    """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
+    run = state.reconstruction
+    if can_continue(state) and run.clip is not None and run.request is not None:
+        _start(state, make_job, run.clip, replace(run.request, resume=True), run.curve)
+
+
+def _start(
+    state: AppState, make_job: MakeJob, clip: Clip, request: TrainRequest, curve: list[CurvePoint]
+) -> None:
     job = make_job(request)
-    state.reconstruction = replace(
-        Reconstruction(), config=draft.config, input=draft.input, d_factor=draft.d_factor,
-        status="starting", job=job, clip=clip, run_path=path,
-    )  # fmt: skip
+    state.reconstruction = Reconstruction(
+        config=request.config,
+        input=request.input,
+        d_factor=state.reconstruction.d_factor,
+        status="starting",
+        job=job,
+        clip=clip,
+        request=request,
+        curve=curve,
+    )
     job.start()
-    say(state, f"reconstruction of {clip.name} started: {path.name}")
+    say(state, f"reconstruction of {clip.name} started: {request.run_path.name}")
 
 
 def _run_path(state: AppState) -> Path:
@@ -259,7 +276,7 @@ def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
         state.model = finished_model(model, job.clip.cameras, job.run_path.name, job.config.iterations)
 
 
-def point_of(progress: Progress) -> tuple[float, float, float]:
+def point_of(progress: Progress) -> CurvePoint:
     """(iteration, loss, PSNR in dB) for the curves."""
     return float(progress.iteration), progress.loss, progress.psnr
 
@@ -272,7 +289,7 @@ def reset_view(state: AppState) -> None:
 def can_continue(state: AppState) -> bool:
     """A run was cut short and its clip is the one that is open."""
     job = state.reconstruction
-    if job.run_path is None or job.status not in ("cancelled", "failed"):
+    if job.request is None or job.status not in ("cancelled", "failed"):
         return False
     return state.clip is not None and state.clip is job.clip
 

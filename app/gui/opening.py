@@ -8,6 +8,7 @@ from pathlib import Path
 
 from app.gui.viewing import ShownModel, middle_distance
 from app.run_folder import RunFolder, RunRecord
+from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
@@ -28,6 +29,8 @@ class OpenedRun:
 
     path: Path
     record: RunRecord
+    request: TrainRequest
+    """What it was begun with."""
     model: ShownModel | None
     """None for a run that is not finished."""
     progress: tuple[Progress, ...]
@@ -62,7 +65,22 @@ def _open_run(folder: RunFolder) -> Opened:
     model = shown_model(folder, record) if folder.is_finished else None
     if model is None:
         notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
-    return Opened(clip, OpenedRun(folder.path, record, model, _logged(folder)), notices)
+    return Opened(
+        clip, OpenedRun(folder.path, record, _request(folder, record), model, _logged(folder)), notices
+    )
+
+
+def _request(folder: RunFolder, record: RunRecord) -> TrainRequest:
+    """The request that made the run, so that Continue asks for the same again."""
+    params = record.enhancement.params if record.enhancement else RECONSTRUCTION_PARAMS
+    return TrainRequest(
+        clip_path=Path(record.clip.path),
+        run_path=folder.path,
+        config=record.config,
+        clip_options=record.clip.options,
+        input=record.input,
+        enhance_params=params,
+    )
 
 
 def _logged(folder: RunFolder) -> tuple[Progress, ...]:

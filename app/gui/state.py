@@ -14,7 +14,7 @@ from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
 from app.gui.settings import Places, Settings
 from app.gui.viewing import ShownModel, View, ViewRequest
-from app.training import RECONSTRUCTION_PARAMS
+from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from enhance import EnhanceParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
@@ -23,6 +23,7 @@ from renderer.train.events import Evaluated, Omission, Progress, Started
 
 JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
 InputKind = Literal["original", "enhanced"]
+CurvePoint = tuple[float, float, float]
 LOG_LINES = 500
 
 
@@ -68,14 +69,19 @@ class Reconstruction:
     status: JobStatus = "none"
     job: Job | None = None
     clip: Clip | None = None
-    run_path: Path | None = None
+    request: TrainRequest | None = None
+    """What the run was begun with."""
     started: Started | None = None
     progress: Progress | None = None
-    curve: list[tuple[float, float, float]] = field(default_factory=list)
+    curve: list[CurvePoint] = field(default_factory=list)
     """(iteration, loss, PSNR in dB) of every Progress."""
     evaluated: list[Evaluated] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failure: str = ""
+
+    @property
+    def run_path(self) -> Path | None:
+        return self.request.run_path if self.request else None
 
     @property
     def omitted(self) -> tuple[Omission, ...]:

@@ -104,7 +104,7 @@ def _draw_buttons(state: AppState, make_job: MakeJob) -> None:
                 imgui.text_colored(theme.MUTED, reason)
         if again:
             imgui.same_line(0, em(0.5))
-            onward = lambda: actions.start_reconstruction(state, make_job, resume=True)  # noqa: E731
+            onward = lambda: actions.continue_reconstruction(state, make_job)  # noqa: E731
             button("Continue", onward, width=half)
             explain("From the last checkpoint of the run that was cut short.")
         return

@@ -21,8 +21,8 @@ from tests.app.gui.conftest import FakeJob, make_clip
 MakeFake = Callable[[object], FakeJob]
 
 
-def started(state: AppState, make_job: MakeFake, *, resume: bool = False) -> FakeJob:
-    actions.start_reconstruction(state, make_job, resume=resume)
+def started(state: AppState, make_job: MakeFake) -> FakeJob:
+    actions.start_reconstruction(state, make_job)
     assert isinstance(state.reconstruction.job, FakeJob)
     return state.reconstruction.job
 
@@ -174,14 +174,21 @@ def test_words_go_to_the_job_only_when_they_mean_something(state: AppState, make
     assert job.told == ["start", "pause", "resume", "cancel"]
 
 
-def test_continue_takes_the_same_folder_and_resumes(state: AppState, make_job: MakeFake) -> None:
+def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
+    state: AppState, make_job: MakeFake
+) -> None:
     first = started(state, make_job).request
-    state.reconstruction.status = "cancelled"
+    run = state.reconstruction
+    run.status, run.curve = "cancelled", [(1.0, 0.5, 20.0)]
+    run.config = replace(run.config, iterations=7)
+    actions.set_params(state, EnhanceParams(z=0.9))
     assert actions.can_continue(state)
-    second = started(state, make_job, resume=True).request
+    actions.continue_reconstruction(state, make_job)
+    job = state.reconstruction.job
+    assert isinstance(job, FakeJob)
     assert isinstance(first, TrainRequest)
-    assert isinstance(second, TrainRequest)
-    assert second == replace(first, resume=True)
+    assert job.request == replace(first, resume=True)
+    assert state.reconstruction.curve == [(1.0, 0.5, 20.0)]
 
 
 def test_continue_is_not_offered_for_another_clip(

@@ -12,12 +12,14 @@ from app.gui.settings import Places, Settings
 from app.gui.state import AppState
 from app.provenance import version
 from app.run_folder import ClipRecord, RunFolder, RunRecord
+from app.training import TrainRequest
 from assets import phantom_path
 from renderer.clip import ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress
+from tests.app.gui.conftest import FakeJob
 
 
 def opened(path: Path) -> Opened:
@@ -80,6 +82,11 @@ def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> N
     state = session(places, run.path)
     assert state.model is None
     assert actions.can_continue(state)
+    jobs: list[FakeJob] = []
+    actions.continue_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
+    request = jobs[0].request
+    assert isinstance(request, TrainRequest)
+    assert (request.resume, request.run_path, request.config) == (True, run.path, run.record().config)
     assert any("Continue" in line for line in state.log)
 
 
