@@ -70,7 +70,10 @@ class StateGuard:
             self._depth_mask(*depth_mask)
 
     def _entry(self, name: str, *arguments: type) -> Callable[..., None]:
-        address = self._ctx.mglo._context.load(name)
+        # moderngl's own loader of a window's context and those of glcontext name the call differently.
+        loader = self._ctx.mglo._context
+        load = getattr(loader, "load", None) or loader.load_opengl_function
+        address = load(name)
         return ctypes.CFUNCTYPE(None, *arguments)(address)
 
     def _values(self, name: int, count: int) -> list[int]:
