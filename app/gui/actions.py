@@ -65,7 +65,7 @@ def _save(state: AppState) -> None:
 
 def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there."""
-    state.opening = OpenRequest(path)
+    state.opening = OpenRequest(path.absolute())
     state.banner = None
 
 
