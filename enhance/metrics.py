@@ -1,20 +1,25 @@
-"""Visibility in numbers: DV/BV, vessel contrast, saturated share. None of them is detection or diagnosis."""
+"""Visibility in numbers and what it costs: noise, saturation, flicker. Neither detection nor diagnosis."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.brightness import value
-from enhance.image import AnyImage, BoolImage, ImageError, read_picture
+from enhance.brightness import BLACK, value
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_picture
 
-RING_GAP = 2
-RING_WIDTH = 5
-SATURATED = 250 / 255
+RING_GAP: Final = 2
+RING_WIDTH: Final = 5
+SATURATED: Final = 250 / 255
+FLAT_SIGMA: Final = 2.0
+NOISE_KERNEL: Final = np.outer((1, -2, 1), (1, -2, 1)).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -26,14 +31,26 @@ class DvBv:
     ratio: float
 
 
-def dvbv_otsu(image: AnyImage) -> DvBv:
+def dvbv_otsu(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> DvBv:
     """DV and BV as the paper's tables have them: an inferred definition, the paper prints none.
 
     Variance of the grey levels (BT.601, 8 bit) above, and at or below, the image's own Otsu threshold. It
     answers to brightness more than to vessels: darkening an image raises the ratio. Over several images, the
     tables' ratio is the mean of the ratios. NaN: an empty class, and the ratio where bv = 0.
+
+    Args:
+        tissue_mask: (H, W), True = keep: threshold and variances are of these pixels. Without it, a black
+            surround is the class below.
+
+    Raises:
+        ImageError: a mask of another size.
     """
-    grey = np.rint(_grey(image)).astype(np.uint8)
+    grey = np.rint(_grey(image)).astype(np.uint8).ravel()
+    if tissue_mask is not None:
+        _check_mask(tissue_mask, _colors(image))
+        grey = grey[tissue_mask.ravel() != 0]
+    if not grey.size:
+        return DvBv(math.nan, math.nan, math.nan)
     threshold, _ = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
     above = grey > threshold
     return _ratio(_variance(grey[above]), _variance(grey[~above]))
@@ -56,29 +73,147 @@ def dvbv_local(image: AnyImage, original: AnyImage, *, threshold: float | None =
     return _ratio(_mean(after[detail]), _mean(after[~detail]))
 
 
-def vessel_contrast(image: AnyImage, vessel_mask: BoolImage) -> float:
+def vessel_contrast(
+    image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None
+) -> float:
     """Weber contrast (ring - vessel) / ring of mean green; positive where vessels are darker than around.
 
     The ring is what lies 3 to 7 pixels from the mask; the two pixels beside it, blurred edges, are left out.
     RGB images only by that order of colours: green is the middle channel; a grey image is its own green.
+    To compare methods, keep one mask: a given truth, or `vesselness.vessel_mask` of the original.
     NaN: no vessel, no ring or a black ring.
+
+    Args:
+        tissue_mask: (H, W), True = keep; the ring lies within.
 
     Raises:
         ImageError: a mask of another size.
     """
-    colors = read_picture(image).colors
-    green = colors if colors.ndim == 2 else colors[..., 1]
-    if vessel_mask.shape != green.shape:
-        raise ImageError(f"expected a vessel_mask of shape {green.shape}, got {vessel_mask.shape}")
+    vessel, ring = _vessel_and_ring(image, vessel_mask, tissue_mask)
+    around = _mean(ring)
+    return (around - _mean(vessel)) / around if around > 0 else math.nan
+
+
+def vessel_cnr(image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None) -> float:
+    """Contrast to noise ratio (ring - vessel) / std(ring) of green, with the ring of `vessel_contrast`.
+
+    The ring's deviation holds texture and uneven light besides noise. NaN: also where it is 0.
+
+    Raises:
+        ImageError: a mask of another size.
+    """
+    vessel, ring = _vessel_and_ring(image, vessel_mask, tissue_mask)
+    spread = math.sqrt(_variance(ring))
+    return (_mean(ring) - _mean(vessel)) / spread if spread > 0 else math.nan
+
+
+def blackened_share(image: AnyImage, original: AnyImage, vessel_mask: BoolImage) -> float:
+    """Share of vessel pixels, 0 to 1, that are near-black (V below 48 of 255) and were not. NaN: no vessel.
+
+    Raises:
+        ImageError: images or a mask of different sizes.
+    """
+    before, after = _colors(original), _colors(image)
+    _check_sizes(after, before)
+    _check_mask(vessel_mask, before)
     vessel = vessel_mask != 0
-    ring = _dilated(vessel, RING_GAP + RING_WIDTH) & ~_dilated(vessel, RING_GAP)
-    around = _mean(green[ring])
-    return (around - _mean(green[vessel])) / around if around > 0 else math.nan
+    black = np.float32(2 * BLACK)
+    return _mean(((value(after) < black) & (value(before) >= black))[vessel])
+
+
+def noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | None = None) -> float:
+    """How many times larger the noise of `image` is where `original` is flat; 1 = the same.
+
+    Noise is the mean size of the response to the kernel that is blind to planes (Immerkaer, Computer Vision
+    and Image Understanding 64(2), 1996), over all channels, without the largest quarter, which edges make.
+    (Their median would step by whole grey levels.) Flat is the half of the tissue with the smallest gradient
+    of the blurred green of `original`, without black and highlights. NaN: nothing flat, or an original
+    without noise.
+
+    Args:
+        tissue_mask: (H, W), True = keep.
+
+    Raises:
+        ImageError: images or a mask of different sizes.
+    """
+    before, after = _colors(original), _colors(image)
+    _check_sizes(after, before)
+    flat = _flat(before, tissue_mask)
+    was, is_now = (_noise(colors, flat) for colors in (before, after))
+    return is_now / was if was > 0 else math.nan
+
+
+def flicker(images: Iterable[AnyImage], originals: Iterable[AnyImage]) -> float:
+    """Mean step of the mean luma between neighbouring frames, less that of the originals, in grey levels.
+
+    0 or less: as steady as the original clip. NaN: fewer than two frames.
+
+    Raises:
+        ImageError: not as many images as originals.
+    """
+    after, before = ([float(_grey(image).mean()) for image in clip] for clip in (images, originals))
+    if len(after) != len(before):
+        raise ImageError(f"expected as many images as originals, got {len(after)} and {len(before)}")
+    return _mean_step(after) - _mean_step(before)
 
 
 def saturated_share(image: AnyImage) -> float:
     """Share of pixels, 0 to 1, whose largest channel is at 250 of 255 or above."""
     return float(np.mean(value(read_picture(image).colors) >= np.float32(SATURATED)))
+
+
+def _colors(image: AnyImage) -> Float32Image:
+    return read_picture(image).colors
+
+
+def _check_sizes(image: Float32Image, original: Float32Image) -> None:
+    if image.shape != original.shape:
+        raise ImageError(f"expected image and original of one size, got {image.shape} and {original.shape}")
+
+
+def _check_mask(mask: BoolImage, colors: Float32Image) -> None:
+    if mask.shape != colors.shape[:2]:
+        raise ImageError(f"expected a mask of shape {colors.shape[:2]}, got {mask.shape}")
+
+
+def _green(colors: Float32Image) -> Float32Image:
+    return colors if colors.ndim == 2 else colors[..., 1]
+
+
+def _vessel_and_ring(
+    image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
+) -> tuple[Float32Image, Float32Image]:
+    """Green of the vessel's pixels, and of those around it."""
+    colors = _colors(image)
+    _check_mask(vessel_mask, colors)
+    vessel = vessel_mask != 0
+    ring = _dilated(vessel, RING_GAP + RING_WIDTH) & ~_dilated(vessel, RING_GAP)
+    if tissue_mask is not None:
+        _check_mask(tissue_mask, colors)
+        ring &= tissue_mask != 0
+    green = _green(colors)
+    return green[vessel], green[ring]
+
+
+def _flat(colors: Float32Image, tissue_mask: BoolImage | None) -> BoolImage:
+    bright = value(colors)
+    keep = np.asarray((bright > np.float32(2 * BLACK)) & (_green(colors) < np.float32(SATURATED)))
+    if tissue_mask is not None:
+        _check_mask(tissue_mask, colors)
+        keep &= tissue_mask != 0
+    smooth = cv2.GaussianBlur(_green(colors), (0, 0), FLAT_SIGMA)
+    slope = np.hypot(cv2.Sobel(smooth, cv2.CV_32F, 1, 0), cv2.Sobel(smooth, cv2.CV_32F, 0, 1))
+    return np.asarray(keep & (slope <= np.median(slope[keep]))) if keep.any() else keep
+
+
+def _noise(colors: Float32Image, where: BoolImage) -> float:
+    response = np.abs(cv2.filter2D(colors, cv2.CV_32F, NOISE_KERNEL, borderType=cv2.BORDER_REFLECT))[where]
+    return _mean(response[response <= np.quantile(response, 0.75)]) if response.size else math.nan
+
+
+def _mean_step(means: list[float]) -> float:
+    steps = [abs(after - before) for before, after in pairwise(means)]
+    return float(np.mean(steps)) if steps else math.nan
 
 
 def _grey(image: AnyImage) -> NDArray[np.float64]:
@@ -100,9 +235,9 @@ def _ratio(dv: float, bv: float) -> DvBv:
     return DvBv(dv, bv, dv / bv if bv > 0 else math.nan)
 
 
-def _variance(values: NDArray[np.uint8]) -> float:
+def _variance(values: NDArray[Any]) -> float:
     return float(values.var(dtype=np.float64)) if values.size else math.nan
 
 
-def _mean(values: NDArray[np.floating]) -> float:
+def _mean(values: NDArray[Any]) -> float:
     return float(values.mean(dtype=np.float64)) if values.size else math.nan

@@ -8,7 +8,16 @@ import pytest
 from numpy.typing import NDArray
 
 from enhance import ImageError
-from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
+from enhance.metrics import (
+    blackened_share,
+    dvbv_local,
+    dvbv_otsu,
+    flicker,
+    noise_gain,
+    saturated_share,
+    vessel_cnr,
+    vessel_contrast,
+)
 from tests.enhance.pictures import DTYPES, as_type, vessels
 
 
@@ -125,5 +134,105 @@ def test_saturated_share_counts_any_channel_from_250_on() -> None:
 def test_sizes_must_agree() -> None:
     with pytest.raises(ImageError, match="one size"):
         dvbv_local(vessels(20, 30), vessels(30, 20))
-    with pytest.raises(ImageError, match="vessel_mask"):
+    with pytest.raises(ImageError, match="expected a mask"):
         vessel_contrast(vessels(20, 30), np.ones((30, 20), bool))
+
+
+def test_otsu_within_a_mask_is_that_of_the_cut_out() -> None:
+    image = vessels(60, 80)
+    mask = np.zeros((60, 80), bool)
+    mask[10:50, 20:70] = True
+    assert dvbv_otsu(image, tissue_mask=mask) == dvbv_otsu(image[10:50, 20:70])
+    assert dvbv_otsu(image, tissue_mask=~mask) != dvbv_otsu(image)
+    assert math.isnan(dvbv_otsu(image, tissue_mask=np.zeros((60, 80), bool)).dv)
+    with pytest.raises(ImageError, match="expected a mask"):
+        dvbv_otsu(image, tissue_mask=mask.T)
+
+
+def drawn() -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+    """A vessel of green 60 on 100 +- 10, and where it is."""
+    image = np.full((60, 60, 3), (200, 100, 80), np.uint8)
+    image[::2, :, 1] += 10
+    image[1::2, :, 1] -= 10
+    mask = np.zeros((60, 60), bool)
+    mask[:, 28:32] = True
+    image[mask, 1] = 60
+    return image, mask
+
+
+def test_contrast_to_noise_is_the_drop_in_deviations() -> None:
+    image, mask = drawn()
+    assert vessel_cnr(image, mask) == pytest.approx(4.0)
+    image[::2, :28, 1] += 10
+    image[1::2, :28, 1] -= 10
+    assert vessel_cnr(image, mask) < 4.0
+    flat = np.full((60, 60), 90, np.uint8)
+    assert math.isnan(vessel_cnr(flat, mask))
+
+
+def test_ring_lies_within_the_tissue() -> None:
+    image, mask = drawn()
+    image[:, :28, 1] = 220
+    right = np.zeros((60, 60), bool)
+    right[:, 28:] = True
+    assert vessel_contrast(image, mask, tissue_mask=right) == pytest.approx(0.4)
+    assert vessel_contrast(image, mask) > 0.5
+
+
+def test_blackened_share_counts_vessel_pixels_that_turn_black() -> None:
+    image, mask = drawn()
+    after = image.copy()
+    after[:15, 28:32] = (47, 20, 20)
+    after[:, :10] = 0
+    assert blackened_share(after, image, mask) == pytest.approx(0.25)
+    after[:15, 28:32] = (48, 20, 20)
+    assert blackened_share(after, image, mask) == 0
+    image[:15, 28:32] = (30, 30, 30)
+    after[:15, 28:32] = 0
+    assert blackened_share(after, image, mask) == 0
+    assert math.isnan(blackened_share(after, image, np.zeros((60, 60), bool)))
+
+
+@pytest.mark.parametrize("gain", [0.5, 1.0, 3.0])
+def test_noise_gain_is_the_ratio_of_the_noise(gain: float) -> None:
+    """Planes, a step and another brightness are no noise; what is masked or structured is not looked at."""
+    rng = np.random.default_rng(8)
+    noise = rng.normal(0, 0.01, (120, 120, 3))
+    x = np.linspace(0.4, 0.6, 120)[None, :, None] + np.zeros((120, 1, 3))
+    x[60:] += 0.1
+    after = 0.6 * x + 0.1 + gain * noise
+    assert noise_gain(after, x + noise) == pytest.approx(gain, rel=0.03)
+    mask = np.zeros((120, 120), bool)
+    mask[:50] = True
+    after[60:] += rng.normal(0, 0.2, (60, 120, 3)).clip(-0.1, 0.1)
+    assert noise_gain(after, x + noise, tissue_mask=mask) == pytest.approx(gain, rel=0.05)
+
+
+def test_noise_gain_is_undefined_without_noise_or_without_tissue() -> None:
+    flat = np.full((20, 20, 3), 0.5)
+    assert math.isnan(noise_gain(flat, flat))
+    assert math.isnan(noise_gain(vessels(), vessels(), tissue_mask=np.zeros((120, 150), bool)))
+    assert noise_gain(vessels(), vessels()) == 1
+
+
+def test_flicker_is_what_the_originals_do_not_have() -> None:
+    frames = [np.full((4, 4), level, np.uint8) for level in (100, 110, 105)]
+    assert flicker(frames, frames) == 0
+    shaken = [frame + np.uint8(20 * (index % 2)) for index, frame in enumerate(frames)]
+    assert flicker(shaken, frames) == pytest.approx((30 + 25) / 2 - (10 + 5) / 2)
+    assert flicker([frames[0]] * 3, frames) == pytest.approx(-7.5)
+    assert math.isnan(flicker(frames[:1], frames[:1]))
+    with pytest.raises(ImageError, match="as many images as originals, got 3 and 2"):
+        flicker(frames, frames[:2])
+
+
+def test_measures_against_an_original_want_one_size() -> None:
+    small, large = vessels(20, 30), vessels(30, 20)
+    mask = np.ones((20, 30), bool)
+    for measure in (lambda: noise_gain(small, large), lambda: blackened_share(small, large, mask)):
+        with pytest.raises(ImageError, match="one size"):
+            measure()
+    with pytest.raises(ImageError, match="expected a mask"):
+        noise_gain(small, small, tissue_mask=mask.T)
+    with pytest.raises(ImageError, match="expected a mask"):
+        blackened_share(small, small, mask.T)

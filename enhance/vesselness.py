@@ -1,0 +1,134 @@
+"""Where vessels are, for measuring: dark ridges of green at several scales, and one fixed mask of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance.brightness import BLACK, value
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_picture
+
+SIGMAS: Final = (1.5, 2.5, 4.0)
+"""Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
+SHARE: Final = 0.05
+"""Of the tissue that the fixed mask takes."""
+MARGIN: Final = 12
+"""Pixels beside the surround that are neither vessel nor tissue: its edge is darker than any vessel."""
+GLARE: Final = 235 / 255
+"""R, G and B all above: a specular highlight."""
+GLARE_MARGIN: Final = 8
+"""Pixels beside a highlight that are left out: lines between highlights only look dark."""
+LEAST_AREA: Final = 40
+"""Pixels: smaller specks of a mask are noise."""
+SHADOW: Final = 0.1
+"""Share of the mean green that is added to the blurred green, so that noise in the dark is no ridge."""
+
+
+def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Image:
+    """Ridge strength of dark lines, (H, W) >= 0; 0 on a constant image.
+
+    At each scale the larger eigenvalue of the Hessian of green (blurred by a Gaussian, times sigma^2 as in
+    Lindeberg, IJCV 30(2), 1998), less the other eigenvalue's size, which spots have, and less sigma times the
+    gradient, which step edges have; relative to the blurred green plus a tenth of its mean, so that slow
+    shading falls out and a gain of the whole image leaves the result as it is. The largest over the scales,
+    in whichever order. A grey image is its own green.
+
+    Raises:
+        ImageError: an image that cannot be used; no scale.
+    """
+    if not sigmas:
+        raise ImageError("expected at least one sigma, got none")
+    colors = read_picture(image).colors
+    green = (colors if colors.ndim == 2 else colors[..., 1]).astype(np.float64)
+    return np.asarray(np.max([_ridge(green, sigma) for sigma in sigmas], axis=0), dtype=np.float32)
+
+
+def field_of_view(image: AnyImage) -> BoolImage:
+    """What the endoscope sees, (H, W): True but for the black surround.
+
+    The surround is what is dark (V below 24 of 255 after a 5x5 median) and connected to the border of the
+    picture. Dark tissue that touches the border is taken for it, too.
+    """
+    colors = read_picture(image).colors
+    smooth = cv2.medianBlur(np.rint(255 * value(colors)).astype(np.uint8), 5)
+    dark = (smooth < 255 * BLACK).astype(np.uint8)
+    _, labels = cv2.connectedComponents(dark, connectivity=4)
+    rim = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
+    return np.asarray(~np.isin(labels, rim[rim > 0]))
+
+
+def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: float = SHARE) -> BoolImage:
+    """The fixed mask of an original, (H, W): the strongest ridges, `share` of the tissue or fewer.
+
+    Meant for comparing methods on the same pixels, not for finding vessels: it also takes other dark lines.
+
+    Args:
+        tissue_mask: (H, W), non-zero = keep; None: the field of view. 12 pixels along its edge and 8 around
+            highlights are left out, and so are specks of fewer than 40 pixels.
+        share: of the tissue without margin, in (0, 1].
+
+    Raises:
+        ImageError: an image that cannot be used, or a mask of another size.
+    """
+    strength = vesselness(image)
+    tissue = field_of_view(image) if tissue_mask is None else np.asarray(tissue_mask) != 0
+    if tissue.shape != strength.shape:
+        raise ImageError(f"expected a tissue_mask of shape {strength.shape}, got {tissue.shape}")
+    inside = _eroded(tissue, MARGIN) & _eroded(~glare(image), GLARE_MARGIN)
+    if not inside.any():
+        return inside
+    threshold = np.quantile(strength[inside], 1 - share)
+    return _without_specks(inside & (strength > threshold))
+
+
+def glare(image: AnyImage) -> BoolImage:
+    """Specular highlights, (H, W): where all channels are at 235 of 255 or above."""
+    colors = read_picture(image).colors
+    return np.asarray((colors if colors.ndim == 2 else colors.min(axis=2)) >= np.float32(GLARE))
+
+
+def _ridge(green: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
+    """One scale of `vesselness`."""
+    smooth = _derivative(green, sigma, 0, 0)
+    xx, xy, yy = (_derivative(green, sigma, *order) for order in ((2, 0), (1, 1), (0, 2)))
+    middle, apart = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    slope = np.hypot(_derivative(green, sigma, 1, 0), _derivative(green, sigma, 0, 1))
+    line = sigma**2 * (middle + apart - np.abs(middle - apart)) - sigma * slope
+    level = smooth + SHADOW * smooth.mean()
+    relative: NDArray[np.float64] = np.divide(line, level, out=np.zeros_like(line), where=level > 0)
+    return np.maximum(relative, 0.0)
+
+
+def _derivative(image: NDArray[np.float64], sigma: float, along_x: int, along_y: int) -> NDArray[np.float64]:
+    kernels = (_kernel(sigma, along_x), _kernel(sigma, along_y))
+    return np.asarray(cv2.sepFilter2D(image, cv2.CV_64F, *kernels, borderType=cv2.BORDER_REFLECT))
+
+
+def _kernel(sigma: float, order: int) -> NDArray[np.float64]:
+    """Sampled Gaussian derivative, flipped for correlation, exact on polynomials up to its order."""
+    reach = int(np.ceil(4 * sigma))
+    x = np.arange(-reach, reach + 1, dtype=np.float64)
+    weight = np.exp(-(x**2) / (2 * sigma**2))
+    weight /= weight.sum()
+    if order == 0:
+        return weight
+    if order == 1:
+        return np.asarray(x * weight / np.sum(x**2 * weight))
+    second = (x**2 - np.sum(x**2 * weight)) * weight
+    return np.asarray(2 * second / np.sum(x**2 * second))
+
+
+def _eroded(mask: BoolImage, radius: int) -> BoolImage:
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
+    return np.asarray(cv2.erode(mask.astype(np.uint8), disc)) > 0
+
+
+def _without_specks(mask: BoolImage) -> BoolImage:
+    _, labels, facts, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    large = facts[:, cv2.CC_STAT_AREA] >= LEAST_AREA
+    large[0] = False
+    return np.asarray(large[labels])

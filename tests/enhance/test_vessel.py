@@ -1,0 +1,178 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from numpy.typing import NDArray
+
+from enhance import EnhanceParams, ImageError, enhance, measure
+from enhance.metrics import (
+    blackened_share,
+    dvbv_otsu,
+    noise_gain,
+    saturated_share,
+    vessel_cnr,
+    vessel_contrast,
+)
+from enhance.vessel import ABSORPTION, MOST, VesselParams, blood_density, enhance_vessels
+from enhance.vesselness import field_of_view, vessel_mask
+from tests.enhance.pictures import DTYPES, as_type, images, vessels
+from tests.enhance.test_real_images import DATA, read
+
+OFF = VesselParams(strength=0)
+
+
+@settings(max_examples=30, deadline=None)
+@given(images())
+def test_shape_type_and_alpha_are_kept(image: NDArray[Any]) -> None:
+    result = enhance_vessels(image).image
+    assert (result.shape, result.dtype) == (image.shape, image.dtype)
+    if image.ndim == 3 and image.shape[2] == 4:
+        assert np.array_equal(result[..., 3], image[..., 3])
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_types_agree(dtype: Any) -> None:
+    image = vessels() / 255
+    expected = enhance_vessels(image).image
+    scale = np.iinfo(dtype).max if np.dtype(dtype).kind == "u" else 1.0
+    difference = np.abs(enhance_vessels(as_type(image, dtype)).image / scale - expected)
+    assert difference.mean() < 2e-3
+
+
+def test_more_strength_is_more_contrast_in_proportion_to_absorption() -> None:
+    image = vessels() / 255
+    plain = enhance_vessels(image, OFF).image
+    results = [enhance_vessels(image, VesselParams(strength=k)).image for k in (1.0, 2.0)]
+    changed = (plain > 1e-3).all(axis=2) & (results[0] < 0.9 * plain).any(axis=2)
+    assert changed.mean() > 0.02
+    once, twice = (np.log(plain[changed] / result[changed]) for result in results)
+    np.testing.assert_allclose(twice, 2 * once, atol=1e-3)
+    np.testing.assert_allclose(once, once[:, 1:2] * ABSORPTION, atol=1e-3)
+
+
+def test_density_is_of_narrow_structures_in_green_alone() -> None:
+    x = np.mgrid[0:120, 0:120][1].astype(np.float32)
+    narrow = np.exp(-(((x - 60) / 4) ** 2))
+    shading = 0.5 + 0.003 * x
+    tissue = np.stack([shading, 0.6 * shading, 0.5 * shading], axis=2).astype(np.float32)
+    params = VesselParams(coring=0, shading=1)
+
+    def density(image: NDArray[np.floating]) -> NDArray[np.float32]:
+        return blood_density(image.astype(np.float32), params)[20:100, 20:100]
+
+    blood = tissue * np.exp(-0.3 * narrow[..., None] * ABSORPTION)
+    full = 0.3 * (ABSORPTION[1] - ABSORPTION[0])
+    assert 0.75 * full < density(blood)[40, 40] < full  # less what the blur, the floor and the bound take
+    assert density(tissue).max() < 0.02
+    assert density(tissue * (1 - 0.3 * narrow[..., None])).max() < 0.02  # a shadow: the same in all channels
+    assert density(tissue * np.exp(0.3 * narrow[..., None] * ABSORPTION))[40, 40] < 0.02
+
+
+def test_density_hardly_shows_at_a_step_between_tissues() -> None:
+    x = np.mgrid[0:120, 0:120][1]
+    pale, dense = np.array([0.6, 0.4, 0.3]), np.array([0.42, 0.17, 0.13])
+    image = np.where((x < 60)[..., None], pale, dense).astype(np.float32)
+    params = VesselParams(coring=0)
+    step = params.shading * np.log(dense[0] / pale[0]) - np.log(dense[1] / pale[1])
+    assert blood_density(image, params).max() < 0.2 * step
+
+
+def test_density_is_bounded() -> None:
+    noise = np.random.default_rng(1).random((50, 60, 3)).astype(np.float32)
+    for image in (noise, np.round(noise), np.zeros_like(noise), np.ones_like(noise)):
+        density = blood_density(image, VesselParams(coring=0))
+        assert density.min() >= 0
+        assert density.max() <= MOST
+
+
+def test_coring_spares_weak_structures() -> None:
+    image = np.clip(np.random.default_rng(2).normal(0.5, 0.01, (80, 80, 3)), 0, 1).astype(np.float32)
+    mean = [blood_density(image, VesselParams(coring=k)).mean() for k in (0.0, 1.0, 4.0)]
+    assert mean[0] > 1.3 * mean[1] > 1.3 * 1.3 * mean[2]
+
+
+def test_nothing_gets_brighter_by_blood_and_black_stays() -> None:
+    image = vessels()
+    with_blood, without = (enhance_vessels(image, p).image for p in (VesselParams(), OFF))
+    assert np.all(with_blood <= without)
+    black = image.copy()
+    black[30:80, 40:100] = 0
+    assert not enhance_vessels(black).image[40:70, 50:90].any()
+    assert saturated_share(enhance_vessels(image).image) <= saturated_share(image)
+
+
+def test_colours_keep_their_measure() -> None:
+    """Grey stays grey; saturation neither falls nor grows beyond its bound, but for rounding."""
+    grey = np.repeat(vessels()[..., 1:2], 3, axis=2)
+    plain = enhance_vessels(grey, OFF).image
+    assert np.ptp(plain, axis=2).max() == 0
+    image = np.array([[(0.8, 0.5, 0.4), (0.5, 0.45, 0.3)]]).repeat(20, axis=0).repeat(20, axis=1)
+    params = replace(OFF, most_color=1.3, d_factor=0.25)
+    before, after = (1 - x.min(axis=2) / x.max(axis=2) for x in (image, enhance_vessels(image, params).image))
+    gain = (after / before)[:, np.r_[0:15, 25:40]]
+    assert gain.min() > 0.99
+    assert gain.max() < 1.31
+    assert gain.max() > 1.05
+
+
+def test_statistics_of_a_clip_and_masks_are_used() -> None:
+    clip = [vessels(60, 80, seed) for seed in (1, 2)]
+    clip[1] = clip[1] // 2
+    pooled = measure(clip)
+    results = [enhance_vessels(image, statistics=pooled) for image in clip]
+    assert results[0].statistics.z == results[1].statistics.z
+    assert results[0].statistics.scope == "clip"
+    mask = np.zeros((60, 80), bool)
+    mask[20:40, 30:60] = True
+    masked, alone = (
+        enhance_vessels(clip[0], tissue_mask=mask).statistics,
+        enhance_vessels(np.ascontiguousarray(clip[0][20:40, 30:60])).statistics,
+    )
+    assert masked.z == pytest.approx(alone.z, abs=0.02)
+    assert masked.z != enhance_vessels(clip[0]).statistics.z
+
+
+def test_bad_images_and_parameters_are_refused() -> None:
+    with pytest.raises(ImageError, match="float values"):
+        enhance_vessels(np.full((4, 4, 3), 3.0))
+    with pytest.raises(ImageError, match="at least one pixel"):
+        enhance_vessels(vessels(), tissue_mask=np.zeros((120, 150), bool))
+    with pytest.raises(ValueError, match="strength"):
+        VesselParams(strength=5)
+
+
+HELD_OUT = {
+    "pulling": ("endonerf/pulling_soft_tissues/images/*0021.color.png", "gt_masks/*0021*", None),
+    "scared": ("scared/d1k1_rectified_pair/right.png", None, None),
+    "fetoscopy": ("clips/fetoscopy_470x470/input/*00868.png", None, None),
+    "retina": ("retina/Image_02L.jpg", None, "retina/Image_02L_1stHO.png"),
+}
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("name", HELD_OUT)
+def test_held_out_frames_beat_the_papers_method_on_every_bar(name: str) -> None:
+    """Frames that the defaults were not tuned on."""
+    pattern, tools, truth = HELD_OUT[name]
+    image = read(pattern)
+    tissue = field_of_view(image)
+    if tools is not None:
+        (path,) = (DATA / "endonerf/pulling_soft_tissues").glob(tools)
+        tissue &= read(str(path.relative_to(DATA)))[..., 0] == 0
+        tissue[-16:] = False  # a burned-in status bar
+    vessel = vessel_mask(image, tissue_mask=tissue) if truth is None else read(truth)[..., 0] > 0
+    paper = enhance(image, EnhanceParams(), tissue_mask=tissue).image
+    own = enhance_vessels(image, tissue_mask=tissue).image
+    ratios = [dvbv_otsu(result, tissue_mask=tissue).ratio for result in (own, paper)]
+    assert ratios[0] > ratios[1]
+    for contrast in (vessel_contrast, vessel_cnr):
+        assert contrast(own, vessel, tissue_mask=tissue) > 1.02 * contrast(paper, vessel, tissue_mask=tissue)
+    noise = [noise_gain(result, image, tissue_mask=tissue) for result in (own, paper)]
+    assert noise[0] < noise[1]
+    assert saturated_share(own) <= saturated_share(paper)
+    assert saturated_share(own) <= saturated_share(image)
+    assert blackened_share(own, image, vessel) < 1e-3
