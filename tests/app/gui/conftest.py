@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -97,6 +98,14 @@ class FakeJob:
 
     def close(self) -> None:
         self.told.append("close")
+
+
+@pytest.fixture(autouse=True)
+def broken_pipes_stay_errors() -> Iterator[None]:
+    """The test engine takes over SIGPIPE, so that a later test's write to a dead process would end pytest."""
+    yield
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
 @pytest.fixture
