@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,11 +24,11 @@ class Series:
     notices: tuple[str, ...] = ()
     """One sentence for each oddity met while opening."""
 
+    is_video: bool = False
+    """Whether all pictures are frames of one video file."""
+
     def __len__(self) -> int:
         return len(self.names)
-
-    def __iter__(self) -> Iterator[ArrayImage]:
-        return (self.read(index) for index in range(len(self)))
 
 
 FRAMES_PER_SECOND = 25.0
@@ -58,4 +58,4 @@ def _of_video(path: Path) -> Series:
     clip = open_clip(path)
     names = tuple(f"frame-{index:06d}" for index in range(len(clip)))
     speed = clip.frames_per_second or FRAMES_PER_SECOND
-    return Series(names, (path,) * len(clip), clip.read_image, speed, clip.notices)
+    return Series(names, (path,) * len(clip), clip.read_image, speed, clip.notices, is_video=True)

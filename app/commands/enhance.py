@@ -5,30 +5,46 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
+from app.ahead import ahead
 from app.arguments import add_fields, parameters
 from app.atomic import filled, write_bytes
 from app.errors import UserError
+from app.methods import METHODS, PAPER, VESSEL, Enhanced, Params, apply
 from app.pictures import ArrayImage, is_image, write_image
 from app.progress import progress
 from app.provenance import provenance, source, strict_json
 from app.series import Series, open_series
 from app.video import write_video
-from enhance import EnhanceParams, EnhanceResult, ImageError, Statistics, enhance, measure
+from enhance import EnhanceParams, ImageError, Statistics, measure
+from enhance.vessel import VesselParams
+from renderer.clip import ClipError
 
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black")
+VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
+OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "d_factor"}}
 VIDEO = ".mp4"
+
+T = TypeVar("T")
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("input", metavar="INPUT", type=Path, help="picture, folder of pictures or video")
     parser.add_argument("output", metavar="OUTPUT", type=Path, help="picture, folder or .mp4 video to write")
+    parser.add_argument(
+        "--method",
+        choices=METHODS,
+        default=PAPER,
+        help="the paper's method (default), the own preset `vessel`, or another one to compare with",
+    )
     add_fields(parser, EnhanceParams, FIELDS)
+    group = parser.add_argument_group("with --method vessel", "and --d-factor, which is 0.5 there")
+    add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
     parser.add_argument(
         "--statistics",
         choices=("image", "clip"),
@@ -39,20 +55,37 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    params = parameters(EnhanceParams, flags)
+    params = _params(flags)
     series = open_series(flags.input)
     _check_output(flags.input, flags.output, series)
     started = time.perf_counter()
-    statistics = _pooled(series, params) if flags.statistics == "clip" else None
-    pictures = _write(flags.output, series, _enhanced(series, params, statistics))
-    seconds = time.perf_counter() - started
-    for notice in series.notices:
+    notices = list(series.notices)
+    statistics = _pooled(series, params, notices) if flags.statistics == "clip" else None
+    read = _pictures(series, notices)
+    pictures = ahead(_enhanced(series, ahead(read), _Job(flags.method, params, statistics)))
+    written = _write(flags.output, series, _told("enhance", series, pictures), notices)
+    shared = {"method": flags.method, "params": params, "notices": notices}
+    for notice in notices:
         sys.stderr.write(f"{notice}\n")
+    seconds = time.perf_counter() - started
     if flags.json:
-        summary = provenance(params=params, pictures=pictures, seconds=seconds)
-        sys.stdout.write(strict_json(summary) + "\n")
+        sys.stdout.write(strict_json(provenance(**shared, pictures=written, seconds=seconds)) + "\n")
     else:
-        sys.stdout.write(f"{flags.output}: {len(series)} enhanced in {seconds:.1f} s\n")
+        sys.stdout.write(f"{flags.output}: {len(written)} enhanced in {seconds:.1f} s\n")
+
+
+def _params(flags: argparse.Namespace) -> Params:
+    """Of the method asked for. Raises UserError when flags of another one are given."""
+    for name in (*FIELDS, *VESSEL_FIELDS):
+        if name in flags and name not in OWN_FIELDS.get(flags.method, set()):
+            raise UserError(f"--{name.replace('_', '-')} does nothing with --method {flags.method}")
+    if flags.method == PAPER:
+        return parameters(EnhanceParams, flags)
+    if flags.method == VESSEL:
+        return parameters(VesselParams, flags)
+    if flags.statistics == "clip":
+        raise UserError(f"--statistics clip does nothing with --method {flags.method}")
+    return None
 
 
 def _check_output(given: Path, output: Path, series: Series) -> None:
@@ -68,42 +101,66 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Enhanced:
+class _Job:
+    method: str
+    params: Params
+    statistics: Statistics | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Picture:
     name: str
     source: dict[str, str]
-    params: EnhanceParams
-    result: EnhanceResult
-
-    @property
-    def image(self) -> ArrayImage:
-        return self.result.image
+    job: _Job
+    result: Enhanced
 
     @property
     def facts(self) -> dict[str, Any]:
         return {
             "source": self.source,
             "picture": self.name,
-            "params": self.params,
+            "method": self.job.method,
+            "params": self.job.params,
             "statistics": self.result.statistics,
             "omitted": self.result.omitted,
         }
 
 
-def _pooled(series: Series, params: EnhanceParams) -> Statistics:
+def _pictures(series: Series, notices: list[str]) -> Generator[ArrayImage, None, None]:
+    """The pictures. A video that cannot be decoded to its end stops there, with a notice."""
+    for index in range(len(series)):
+        try:
+            image = series.read(index)
+        except ClipError as error:
+            if index == 0 or not series.is_video:
+                raise
+            notice = f"stopped after {index} of {len(series)} frames: {error}"
+            notices.extend({notice}.difference(notices))
+            return
+        yield image
+
+
+def _pooled(series: Series, params: Params, notices: list[str]) -> Statistics:
+    measured = params if isinstance(params, EnhanceParams) else EnhanceParams()
     try:
-        return measure(_told("measure", series), params)
+        return measure(_told("measure", series, ahead(_pictures(series, notices))), measured)
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error
 
 
-def _enhanced(series: Series, params: EnhanceParams, statistics: Statistics | None) -> Iterator[_Enhanced]:
+def _enhanced(
+    series: Series, images: Generator[ArrayImage, None, None], job: _Job
+) -> Generator[_Picture, None, None]:
     origins = _origins(series)
-    for index, image in enumerate(_told("enhance", series)):
-        try:
-            result = enhance(image, params, statistics=statistics)
-        except ImageError as error:
-            raise UserError(f"{error}: {series.sources[index]}") from error
-        yield _Enhanced(series.names[index], next(origins), params, result)
+    try:
+        for index, image in enumerate(images):
+            try:
+                result = apply(job.method, job.params, image, job.statistics)
+            except (ImageError, UserError) as error:
+                raise UserError(f"{error}: {series.sources[index]}") from error
+            yield _Picture(series.names[index], next(origins), job, result)
+    finally:
+        images.close()
 
 
 def _origins(series: Series) -> Iterator[dict[str, str]]:
@@ -113,42 +170,53 @@ def _origins(series: Series) -> Iterator[dict[str, str]]:
         yield from (origin for _ in pictures)
 
 
-def _told(title: str, series: Series) -> Iterator[ArrayImage]:
-    """The pictures, with progress."""
-    with progress(title, len(series)) as report:
-        for index, image in enumerate(series):
-            yield image
-            report(index + 1, series.names[index])
+def _told(title: str, series: Series, items: Generator[T, None, None]) -> Generator[T, None, None]:
+    """The items, with progress."""
+    try:
+        with progress(title, len(series)) as report:
+            for index, item in enumerate(items):
+                yield item
+                report(index + 1, series.names[index])
+    finally:
+        items.close()
 
 
-def _write(output: Path, series: Series, pictures: Iterator[_Enhanced]) -> list[dict[str, Any]]:
+def _write(
+    output: Path, series: Series, pictures: Iterator[_Picture], notices: list[str]
+) -> list[dict[str, Any]]:
     """Write all pictures or none; what was used for each."""
     if output.suffix.lower() == VIDEO:
-        return _write_video(output, series, pictures)
+        return _write_video(output, series, pictures, notices)
     if is_image(output) and not output.is_dir():
         (picture,) = pictures
-        write_image(output, picture.image, provenance(**picture.facts))
+        write_image(output, picture.result.image, provenance(**picture.facts))
         return [{"output": output.name} | picture.facts]
     facts = []
     with filled(output) as staging:
         for picture in pictures:
+            image = picture.result.image
             # PNG holds no floats.
-            name = picture.name + (".tiff" if picture.image.dtype.kind == "f" else ".png")
-            write_image(staging / name, picture.image, provenance(**picture.facts))
+            name = picture.name + (".tiff" if image.dtype.kind == "f" else ".png")
+            write_image(staging / name, image, provenance(**picture.facts))
             facts.append({"output": name} | picture.facts)
     return facts
 
 
-def _write_video(output: Path, series: Series, pictures: Iterator[_Enhanced]) -> list[dict[str, Any]]:
+def _write_video(
+    output: Path, series: Series, pictures: Iterator[_Picture], notices: list[str]
+) -> list[dict[str, Any]]:
     """The video, and beside it its provenance, which this container does not carry."""
     facts = []
 
     def frames() -> Iterator[ArrayImage]:
         for picture in pictures:
             facts.append({"output": output.name} | picture.facts)
-            yield picture.image
+            yield picture.result.image
 
-    write_video(output, frames(), series.frames_per_second)
+    like = series.sources[0] if series.is_video else None
+    written = write_video(output, frames(), series.frames_per_second, like=like)
+    notices.extend(written.notices)
+    record = provenance(encoding=written.encoding, notices=notices, pictures=facts)
     sidecar = output.with_name(f"{output.name}.json")
-    write_bytes(sidecar, strict_json(provenance(pictures=facts), indent=2).encode())
+    write_bytes(sidecar, strict_json(record, indent=2).encode())
     return facts

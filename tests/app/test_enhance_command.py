@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,9 +11,14 @@ import cv2
 import numpy as np
 import pytest
 
+from app.__main__ import main
 from app.pictures import read_image
 from app.provenance import digest, read_provenance
+from app.series import Series
 from enhance import EnhanceParams, enhance, measure
+from enhance.baselines import BASELINES
+from enhance.vessel import VesselParams, enhance_vessels
+from renderer.clip import ClipError
 from renderer.sources import open_clip
 from tests.app.conftest import Call
 
@@ -114,3 +120,147 @@ def test_metrics_against_itself_is_perfect(folder: Path, vesselsplat: Cli) -> No
     assert report["mean"]["ssim"] == pytest.approx(1.0)
     assert report["mean"]["psnr"] is None  # infinite: strict JSON has no word for it
     assert report["images"][0]["dv"] == report["images"][0]["original"]["dv"]
+
+
+@pytest.mark.parametrize("method", ["vessel", *BASELINES])
+def test_other_methods_are_those_of_the_library(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, method: str
+) -> None:
+    given, out = folder / "1.png", tmp_path / "out.png"
+    assert vesselsplat("enhance", given, out, "--method", method).code == 0
+    image = read_image(given)
+    expected = enhance_vessels(image).image if method == "vessel" else BASELINES[method](image)
+    assert np.array_equal(read_image(out), expected)
+    assert read_provenance(out)["method"] == method
+
+
+def test_flags_of_the_preset_reach_it(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    flags = ("--method", "vessel", "--strength", "3", "--radius", "7", "--d-factor", "0.3")
+    assert vesselsplat("enhance", folder / "1.png", tmp_path / "out.png", *flags).code == 0
+    params = VesselParams(strength=3, radius=7, d_factor=0.3)
+    image = read_image(folder / "1.png")
+    assert np.array_equal(read_image(tmp_path / "out.png"), enhance_vessels(image, params).image)
+    assert read_provenance(tmp_path / "out.png")["params"]["radius"] == 7
+
+
+@pytest.mark.parametrize(
+    ("flags", "says"),
+    [
+        (("--method", "vessel", "--z", "0.3"), "--z does nothing with --method vessel"),
+        (("--strength", "1"), "--strength does nothing with --method paper"),
+        (("--method", "clahe", "--d-factor", "1"), "--d-factor does nothing with --method clahe"),
+        (("--method", "clahe", "--statistics", "clip"), "--statistics clip does nothing"),
+        (("--method", "vessel", "--strength", "9"), "--strength: .*4"),
+        (("--method", "tao"), "tao"),
+    ],
+)
+def test_flags_that_do_not_fit_are_refused(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], says: str
+) -> None:
+    call = vesselsplat("enhance", folder, tmp_path / "out", *flags)
+    assert call.code == 2
+    assert re.search(says, call.error)
+    assert call.error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_other_methods_take_eight_bits_in_colour(tmp_path: Path, vesselsplat: Cli) -> None:
+    cv2.imwrite(str(tmp_path / "in.png"), tissue(1).astype(np.uint16) * 257)
+    call = vesselsplat("enhance", tmp_path / "in.png", tmp_path / "out.png", "--method", "clahe")
+    assert call.code == 2
+    assert "8-bit RGB" in call.error
+    assert "in.png" in call.error
+
+
+def test_clip_statistics_serve_the_preset(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    flags = ("--method", "vessel", "--statistics", "clip", "--json")
+    pictures = json.loads(vesselsplat("enhance", folder, tmp_path / "out", *flags).out)["pictures"]
+    assert len({picture["statistics"]["z"] for picture in pictures}) == 1
+    assert pictures[0]["statistics"]["scope"] == "clip"
+
+
+@pytest.mark.parametrize("statistics", ["image", "clip"])
+def test_a_video_that_breaks_off_leaves_what_was_whole(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, statistics: str
+) -> None:
+    given, out = tmp_path / "in.mp4", tmp_path / "out.mp4"
+    given.write_bytes(b"video")
+
+    def read(index: int) -> np.ndarray:
+        if index == 3:
+            raise ClipError(f"frame 3 of 8 cannot be decoded: {given}")
+        return tissue(index)
+
+    names = tuple(str(index) for index in range(8))
+    series = Series(names, (given,) * 8, read, 12.0, is_video=True)
+    monkeypatch.setattr("app.commands.enhance.open_series", lambda path: series)
+    monkeypatch.setattr("app.video.find_spec", lambda name: None)
+    assert main(["enhance", str(given), str(out), "--statistics", statistics]) == 0
+    captured = capfd.readouterr()
+    assert captured.err == f"stopped after 3 of 8 frames: frame 3 of 8 cannot be decoded: {given}\n"
+    assert "3 enhanced" in captured.out
+    clip = open_clip(out)
+    assert (len(clip), clip.size, clip.frames_per_second) == (3, (60, 40), 12.0)
+    assert "stopped after 3" in json.loads((tmp_path / "out.mp4.json").read_text())["notices"][0]
+
+
+def test_a_truncated_video_becomes_a_shorter_one(tmp_path: Path, vesselsplat: Cli) -> None:
+    given, out = tmp_path / "in.avi", tmp_path / "out.mp4"
+    writer = cv2.VideoWriter(str(given), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (64, 48))
+    for index in range(40):
+        writer.write(cv2.resize(tissue(index), (64, 48)))
+    writer.release()
+    given.write_bytes(given.read_bytes()[: given.stat().st_size // 2])
+    call = vesselsplat("enhance", given, out)
+    assert call.code == 0
+    assert call.error.count("\n") == 1
+    assert "cut off" in call.error
+    assert 2 <= len(open_clip(out)) < 40
+
+
+def test_a_damaged_picture_of_a_folder_stops_all(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    (folder / "2.png").write_bytes((folder / "2.png").read_bytes()[:400])
+    call = vesselsplat("enhance", folder, tmp_path / "out")
+    assert call.code == 2
+    assert "2.png" in call.error
+    assert not (tmp_path / "out").exists()
+
+
+def test_metrics_know_contrast_noise_and_black_vessels(tmp_path: Path, vesselsplat: Cli) -> None:
+    rng = np.random.default_rng(4)
+    image = np.clip(rng.normal((60, 100, 170), 2, (90, 120, 3)), 0, 255)
+    image[:, 58:62] *= (0.5, 0.5, 0.9)
+    before = np.rint(image).astype(np.uint8)
+    after = before.copy()
+    after[:, 58:62] //= 4
+    truth = np.zeros((90, 120), np.uint8)
+    truth[:, 58:62] = 255
+    for name, picture in (("before", before), ("after", after), ("truth", truth)):
+        cv2.imwrite(str(tmp_path / f"{name}.png"), picture)
+    paths = [tmp_path / f"{name}.png" for name in ("after", "before", "truth")]
+    alone = json.loads(vesselsplat("metrics", paths[1], "--vessels", paths[2], "--json").out)
+    assert alone["mean"]["vessel_contrast"] == pytest.approx(0.5, abs=0.02)
+    report = json.loads(vesselsplat("metrics", paths[0], "--against", paths[1], "--json").out)
+    mean, original = report["mean"], report["images"][0]["original"]
+    assert original["vessel_contrast"] == pytest.approx(0.5, abs=0.05)
+    assert mean["vessel_contrast"] == pytest.approx(0.875, abs=0.05)
+    assert mean["vessel_cnr"] > original["vessel_cnr"]
+    assert mean["noise_gain"] == pytest.approx(1.0, abs=0.02)
+    assert mean["blackened_share"] > 0.95
+    assert set(report["definitions"]) >= {"vessel_contrast", "noise_gain", "blackened_share"}
+    both = json.loads(
+        vesselsplat("metrics", paths[0], "--against", paths[1], "--vessels", paths[2], "--json").out
+    )
+    assert both["images"][0]["original"]["vessel_contrast"] == alone["mean"]["vessel_contrast"]
+
+
+def test_metrics_want_one_mask_a_picture_and_of_its_size(
+    folder: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    small = tmp_path / "small.png"
+    cv2.imwrite(str(small), np.zeros((8, 8), np.uint8))
+    pictures = (folder / "0.png", folder / "1.png")
+    call = vesselsplat("metrics", *pictures, "--vessels", small)
+    assert (call.code, "one vessel mask for each of 2" in call.error) == (2, True)
+    call = vesselsplat("metrics", pictures[0], "--vessels", small)
+    assert (call.code, "60x40, got 8x8" in call.error, call.error.count("\n")) == (2, True, 1)
