@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import BoolImage, Float32Image
+
+Float = TypeVar("Float", bound=np.floating[Any])
 
 BLACK: Final = 24 / 255
 """V below which keep_black fades: the surround of real endoscopes holds noise of up to some 10 levels."""
@@ -35,24 +37,7 @@ def z_from_level(level: float) -> float:
     return min(max((level - 50) / 100, 0.0), 1.0)
 
 
-def brighten(value: Float32Image, z: float) -> Float32Image:
-    """Vn of Eq 1, in [0, 1]; strictly increasing in V; exactly V at z = 1."""
-    lift = value ** np.float32(0.75 * z + 0.25)
-    lift += np.float32(0.4 * (1 - z)) * (1 - value)
-    lift += value ** np.float32(2 - z)
-    return lift * np.float32(0.5)
-
-
-def fade_black(colors: Float32Image, enhanced: Float32Image, value: Float32Image) -> Float32Image:
-    """`keep_black`: below V = 24/255 the enhanced colours fade back to the original ones, `colors`.
-
-    The weight is a smoothstep of the original V, 0 at V = 0: exact black stays exact black, there is no kink,
-    and Eq 1, which never darkens, still rises with V. At z = 0 the steepest step of two neighbouring 8-bit
-    levels shrinks from 32 levels to 7, so that noise in the dark is not blown up. Where enhancement changes
-    nothing, neither does the fade.
-    """
-    t = np.minimum(value * np.float32(1 / BLACK), np.float32(1))
-    weight = np.asarray(t * t * (3 - 2 * t), dtype=np.float32)
-    if colors.ndim == 3:
-        weight = weight[..., None]
-    return np.asarray(weight * enhanced + (1 - weight) * colors, dtype=np.float32)
+def brighten(value: NDArray[Float], z: float) -> NDArray[Float]:
+    """Vn of Eq 1, in [0, 1], in the precision of V; strictly increasing in V; exactly V at z = 1."""
+    lift = value ** (0.75 * z + 0.25) + 0.4 * (1 - z) * (1 - value) + value ** (2 - z)
+    return np.asarray(lift * 0.5, dtype=value.dtype)

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Final
 
-import numpy as np
-
-from enhance.image import Float32Image
 from enhance.params import PForm
 
 FLOOR: Final = 1 / 255
@@ -28,24 +24,3 @@ def exponent(sigma: float, form: PForm) -> float:
     if sigma <= 2:
         return 1.75
     return middle if sigma < 10 else 0.5
-
-
-def surround_ratio(value: Float32Image, filtered: Float32Image, p: float) -> Float32Image:
-    """E of Eq 7, ((Q + e) / (V + e))^P with e = 1/255; below 1 where a pixel is brighter than around it.
-
-    The ratio is within [1/256, 256], so E is finite for all P.
-    """
-    e = np.float32(FLOOR)
-    ratio = (filtered + e) / (value + e)
-    return np.sqrt(ratio) if p == 0.5 else ratio ** np.float32(p)
-
-
-def detailed(brightened: Float32Image, ratio: Float32Image) -> Float32Image:
-    """v of Eq 8, Vn^E, in [0, 1]; 0 where it underflows."""
-    return np.asarray(brightened**ratio, dtype=np.float32)
-
-
-def mean_over_scales(details: Iterable[Float32Image]) -> Float32Image:
-    """V* of Eq 10, scales weighted equally."""
-    scales = list(details)
-    return np.asarray(sum(scales[1:], scales[0]) / np.float32(len(scales)), dtype=np.float32)

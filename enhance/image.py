@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,12 +22,22 @@ class ImageError(ValueError):
 class Picture:
     """An accepted image, colours apart from alpha."""
 
-    colors: Float32Image
-    """(H, W) grey or (H, W, 3), in [0, 1]."""
+    pixels: AnyImage
+    """(H, W) grey or (H, W, 3), as they came."""
     alpha: AnyImage | None
     """(H, W) as it came, or None."""
-    dtype: np.dtype[Any]
-    """Type of the input, and of the result."""
+
+    @cached_property
+    def colors(self) -> Float32Image:
+        """The pixels in [0, 1], C-contiguous."""
+        scaled = self.pixels.astype(np.float32, order="C")
+        full = full_scale(self.dtype)
+        return scaled if full == 1 else scaled / np.float32(full)
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the input, and of the result."""
+        return self.pixels.dtype
 
     @property
     def visible(self) -> BoolImage:
@@ -63,8 +74,7 @@ def read_picture(image: AnyImage) -> Picture:
     _check_values(image)
     alpha = image[..., 3] if image.ndim == 3 and image.shape[2] == 4 else None
     colors = image if alpha is None else image[..., :3]
-    scaled = colors.astype(np.float32) / np.float32(full_scale(image.dtype))
-    return Picture(colors=np.ascontiguousarray(scaled), alpha=alpha, dtype=image.dtype)
+    return Picture(pixels=colors, alpha=alpha)
 
 
 def read_mask(mask: AnyImage | None, picture: Picture) -> BoolImage:

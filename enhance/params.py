@@ -44,6 +44,9 @@ class EnhanceParams:
     """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation alone."""
     keep_black: bool = True
     """Keep the black surround of an endoscope black; without it, black becomes grey 51 at z = 0."""
+    omit_below: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
+    """Leave out what is known to change the result by less than this, in grey levels; 0: only what changes
+    nothing."""
 
     @model_validator(mode="after")
     def _one_p_a_scale(self) -> EnhanceParams:

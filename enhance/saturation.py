@@ -3,10 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from enhance.image import Float32Image
+
+MOST_PULL: Final = 1e30
+"""Stands for an infinite `pull`; times the square of any grey level it is still a float32."""
+
+
+def pull(mean: float, d_factor: float) -> float:
+    """k B / A of Eq 11, so that S* = S^2 / (S^2 + pull (1 - S)^2), see `stretch`; -1 for k = 0: S stays."""
+    if d_factor == 0:
+        return -1.0
+    a = (1 - mean) ** 2 * (1 + 2 * mean)
+    b = d_factor * mean**2 * (3 - 2 * mean)
+    return b / a if b < MOST_PULL * a else MOST_PULL
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, detail
-from enhance.image import BoolImage, Float32Image, ImageError
+from enhance.image import ImageError
 from enhance.params import EnhanceParams
 
-Scope = Literal["image", "clip"]
+Scope = Literal["image", "clip", "live"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class Statistics:
     p: tuple[float, ...]
     """Used in Eq 7, one for each scale."""
     scope: Scope
-    """Measured on this image, or pooled over a clip."""
+    """Measured on this image, pooled over a clip, or smoothed over the images so far of a live stream."""
 
     def resolved(self, params: EnhanceParams) -> Statistics:
         """The same measurements with z and P as `params` ask: set by the user, or Eqs 2 and 9.
@@ -72,6 +72,11 @@ class Tally:
     squares: NDArray[np.float64]
     """(n_scales,) sum of (Q - mean)^2."""
 
+    @property
+    def sigmas(self) -> tuple[float, ...]:
+        """Standard deviation of each scale's Q in grey levels."""
+        return tuple(255 * float(sigma) for sigma in np.sqrt(self.squares / max(self.count, 1)))
+
     def __add__(self, other: Tally) -> Tally:
         """Counts and sums add; variances by Chan, Golub and LeVeque, 1979, without cancellation."""
         count = self.count + other.count
@@ -99,23 +104,37 @@ class Tally:
             level=brightness.level(self.histogram),
             z=0.0,
             saturation_mean=self.saturation / self.count,
-            sigmas=tuple(255 * float(sigma) for sigma in np.sqrt(self.squares / self.count)),
+            sigmas=self.sigmas,
             p=(),
             scope=scope,
         )
         return measured.resolved(params)
 
 
-def tally(
-    value: Float32Image, chroma: Float32Image | None, filtered: tuple[Float32Image, ...], keep: BoolImage
-) -> Tally:
-    """Sums over the kept pixels of one image: of its V, its S (None for grey) and each scale's Q."""
-    count = int(np.count_nonzero(keep))
-    kept = [np.asarray(q[keep], dtype=np.float64) for q in filtered]
-    return Tally(
-        count=count,
-        histogram=brightness.value_histogram(value, keep),
-        saturation=0.0 if chroma is None else float(np.sum(chroma[keep], dtype=np.float64)),
-        means=np.array([q.mean() if count else 0.0 for q in kept]),
-        squares=np.array([q.var() * count if count else 0.0 for q in kept]),
-    )
+@dataclass(frozen=True, kw_only=True)
+class LiveStatistics:
+    """How statistics follow a live stream: each image moves them a share of the way, so nothing flickers."""
+
+    half_life: float = 12.0
+    """Images after which half of a sudden change has been followed; 0 follows at once."""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.half_life < np.inf:
+            raise ValueError(f"expected a half_life of 0 or more images, got {self.half_life}")
+
+    def follow(self, before: Statistics | None, measured: Statistics) -> Statistics:
+        """`before` moved towards what was `measured` on the next image; z and P are to be resolved again."""
+        if before is None or len(before.sigmas) != len(measured.sigmas):
+            return replace(measured, scope="live")
+        keep = 0.5 ** (1 / self.half_life) if self.half_life > 0 else 0.0
+
+        def blend(old: float, new: float) -> float:
+            return new + keep * (old - new)
+
+        return replace(
+            measured,
+            level=blend(before.level, measured.level),
+            saturation_mean=blend(before.saturation_mean, measured.saturation_mean),
+            sigmas=tuple(map(blend, before.sigmas, measured.sigmas)),
+            scope="live",
+        )

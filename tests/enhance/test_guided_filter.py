@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from enhance import guided_filter
+from tests.benchmarks import yardstick
 from tests.enhance.pictures import KINDS, picture, vessels
 
 Float64 = NDArray[np.float64]
@@ -31,9 +32,10 @@ def direct_filter(image: Float64, radius: int, eps: float) -> Float64:
 
 
 def filtered(value: NDArray[np.float32], radius: int, eps: float, subsample: int) -> NDArray[np.float32]:
-    low = guided_filter.shrink(value, subsample)
-    model = guided_filter.coefficients(low, guided_filter.shrunk_radius(radius, subsample), eps)
-    return guided_filter.apply(value, model, subsample)
+    low = yardstick.shrink(value, subsample)
+    window = (guided_filter.shrunk_radius(radius, subsample), eps, subsample)
+    a, b = guided_filter.WindowModels().of(low, (window,))[0]
+    return yardstick.apply(value, yardstick.Coefficients(a, b), subsample)
 
 
 @settings(max_examples=30, deadline=None)
@@ -55,7 +57,7 @@ def test_filter_agrees_with_the_definition(
 @given(st.tuples(st.integers(1, 40), st.integers(1, 40)), st.sampled_from([1, 3, 16, 512]))
 def test_window_mean_counts_only_what_is_inside(shape: tuple[int, int], radius: int) -> None:
     image = np.random.default_rng(2).random(shape)
-    mean = guided_filter.window_mean(image.astype(np.float32), radius)
+    mean = yardstick.window_mean(image.astype(np.float32), radius)
     np.testing.assert_allclose(mean, direct_mean(image, radius), atol=3e-7)
 
 
@@ -97,7 +99,7 @@ def test_shrinking_averages_blocks_and_repeats_the_edge(shape: tuple[int, int], 
         at_rows = np.minimum(np.arange(i * subsample, (i + 1) * subsample), shape[0] - 1)
         at_columns = np.minimum(np.arange(j * subsample, (j + 1) * subsample), shape[1] - 1)
         expected[i, j] = image[np.ix_(at_rows, at_columns)].mean()
-    np.testing.assert_allclose(guided_filter.shrink(image.astype(np.float32), subsample), expected, atol=1e-7)
+    np.testing.assert_allclose(yardstick.shrink(image.astype(np.float32), subsample), expected, atol=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,372 @@
+"""The two passes over an image, fused: first what the statistics need, then Eqs 1 and 6-12 in one go.
+
+Rows are worked through in chunks of a constant number of pixels, held in one local block whose planes cannot
+overlap: that, float32 alone, and selects instead of branches let LLVM turn each loop into straight vector
+code. Sums are never reordered and the blocks of rows do not depend on the number of threads, so results
+repeat bit for bit. Lanes past the end of a row hold black pixels that nobody counts or reads.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
+
+from enhance.interleave import put_together, take_apart
+from enhance.powers import exp2, log2, rounded
+
+CHUNK = 128
+"""Pixels worked on at once: 8 planes of them stay in the first-level cache. A multiple of 8 and of 16."""
+BLOCK = 16
+"""Low-resolution rows of one task."""
+BINS = 256
+
+ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
+LEVELS = np.float32(255.0)
+FLOOR = np.float32(1 / 255)
+BLACK = np.float32(24 / 255)
+LEAST = np.float32(1e-30)
+TWO, THREE = np.float32(2.0), np.float32(3.0)
+
+# Planes of a chunk.
+RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)
+
+
+@njit(inline="always")
+def _load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
+    """Colours, their largest and smallest, as they come; taken apart in their own, narrow type."""
+    take_apart(pixels, apart)
+    for i in range(CHUNK):
+        red, green, blue = apart[0, i], apart[1, i], apart[2, i]
+        most = red if red > green else green
+        least = red if red < green else green
+        apart[3, i] = most if most > blue else blue
+        apart[4, i] = least if least < blue else blue
+    for plane in range(5):
+        for i in range(CHUNK):
+            chunk[plane, i] = np.float32(apart[plane, i])
+
+
+@njit(inline="always")
+def _load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArray[np.float32]) -> None:
+    """1 where a pixel counts, 0 elsewhere; an empty `keep` keeps all."""
+    if keep.shape[0] == 0:
+        for i in range(CHUNK):
+            chunk[KEEP, i] = ONE if i < count else ZERO
+    else:
+        for i in range(CHUNK):
+            chunk[KEEP, i] = ZERO
+        for i in range(count):
+            chunk[KEEP, i] = np.float32(keep[y, x0 + i])
+
+
+@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+def survey(
+    image: NDArray[Any],  # (H, W, 3)
+    keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
+    full: np.float32,  # the image's value of 1.0
+    subsample: int,
+    low: NDArray[np.float32],  # (h, w), out: block means of V
+    histograms: NDArray[np.int64],  # (blocks, BINS), out: of V in grey levels, over the kept pixels
+    chroma: NDArray[np.float64],  # (blocks,), out: sum of S over the kept pixels
+) -> None:
+    """First pass: V at low resolution, its histogram and the sum of S."""
+    rows, columns = image.shape[0], image.shape[1]
+    width = low.shape[1] * subsample
+    unit = ONE / full
+    mean = ONE / np.float32(subsample * subsample)
+    for block in prange(len(chroma)):
+        chunk = np.empty((PLANES, CHUNK), np.float32)
+        apart = np.zeros((5, CHUNK), image.dtype)
+        line = np.empty(width + CHUNK, np.float32)
+        levels = np.empty(CHUNK, np.uint8)
+        counts = np.zeros((4, BINS), np.int32)
+        total = 0.0
+        for low_row in range(block * BLOCK, min((block + 1) * BLOCK, low.shape[0])):
+            line[:] = ZERO
+            chunk[TOTAL] = ZERO
+            for y in range(low_row * subsample, (low_row + 1) * subsample):
+                inside = y < rows
+                for step in range((columns + CHUNK - 1) // CHUNK):
+                    x0 = step * CHUNK
+                    count = min(CHUNK, columns - x0)
+                    _load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
+                    for i in range(CHUNK):
+                        chunk[VALUE, i] = chunk[MOST, i] * unit
+                    for i in range(CHUNK):
+                        line[x0 + i] += chunk[VALUE, i]
+                    if inside:
+                        _load_keep(keep, y, x0, count, chunk)
+                        _tally(chunk, levels, counts, count)
+            for x in range(columns, width):
+                line[x] = line[columns - 1]
+            _shrink(line, subsample, mean, low[low_row])
+            for i in range(CHUNK):
+                total += np.float64(chunk[TOTAL, i])
+        chroma[block] = total
+        for level in range(BINS):
+            histograms[block, level] = (
+                counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
+            )
+
+
+@njit(inline="always")
+def _tally(
+    chunk: NDArray[np.float32], levels: NDArray[np.uint8], counts: NDArray[np.int32], count: int
+) -> None:
+    """Add the chunk's S and V to the sums; four histograms in turn, as equal neighbours would wait."""
+    for i in range(CHUNK):
+        most = chunk[MOST, i]
+        chroma = (most - chunk[LEAST_COLOR, i]) / (most if most > LEAST else LEAST)
+        chunk[TOTAL, i] += chunk[KEEP, i] * chroma
+        levels[i] = np.uint8(np.int32(rounded(chunk[VALUE, i] * LEVELS)))  # type: ignore[call-arg]
+    for i in range(count):
+        counts[i & 3, levels[i]] += np.int32(chunk[KEEP, i])
+
+
+@njit(inline="always")
+def _shrink(line: NDArray[np.float32], subsample: int, mean: np.float32, out: NDArray[np.float32]) -> None:
+    if subsample == 1:
+        for x in range(len(out)):
+            out[x] = line[x]
+    elif subsample == 2:
+        for x in range(len(out)):
+            out[x] = (line[2 * x] + line[2 * x + 1]) * mean
+    else:
+        for x in range(len(out)):
+            total = ZERO
+            for k in range(subsample):
+                total += line[x * subsample + k]
+            out[x] = total * mean
+
+
+@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+def render(
+    image: NDArray[Any],  # (H, W, 3)
+    keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
+    full: np.float32,  # the image's value of 1.0
+    subsample: int,
+    models: NDArray[np.float32],  # (n, 2, h, w): window means of a and b of each scale
+    exponents: NDArray[np.float32],  # (n,) P of each scale; negative: E is left out
+    curve: NDArray[np.float32],  # (256,) log2 Vn of each grey level, or empty: by the formula
+    z: np.float32,
+    pull: np.float32,  # k B / A of Eq 11; negative: S stays
+    keep_black: bool,
+    pivot: np.float32,  # near the mean of Q
+    known: bool,  # `values` is given: only saturation is done
+    values: NDArray[np.float32],  # (H, W), V*: out, or in if known
+    sums: NDArray[np.float64],  # (H, n, 2), out: of Q - pivot and its square over the kept pixels, or empty
+    out: NDArray[Any],  # (H, W, 3), out, of the image's type
+) -> None:
+    """Second pass: Q, E, V*, S* and the colours, read once and written once."""
+    rows, columns = image.shape[0], image.shape[1]
+    scales = models.shape[0]
+    task = BLOCK * subsample
+    measured = len(sums) > 0
+    for block in prange((rows + task - 1) // task):
+        chunk = np.empty((PLANES, CHUNK), np.float32)
+        apart = np.zeros((5, CHUNK), image.dtype)
+        drift = np.empty((scales, CHUNK), np.float32)
+        spread = np.empty((scales, CHUNK), np.float32)
+        lines = np.empty((2 * scales, models.shape[3] + CHUNK + 2), np.float32)
+        for y in range(block * task, min((block + 1) * task, rows)):
+            drift[:] = ZERO
+            spread[:] = ZERO
+            if not known:
+                _blend(models, y, subsample, lines)
+            for step in range((columns + CHUNK - 1) // CHUNK):
+                x0 = step * CHUNK
+                count = min(CHUNK, columns - x0)
+                _load(image[y, x0 : x0 + count], apart, chunk)
+                for i in range(CHUNK):
+                    chunk[VALUE, i] = chunk[MOST, i] / full
+                if known:
+                    for i in range(count):
+                        chunk[TOTAL, i] = values[y, x0 + i]
+                else:
+                    _load_keep(keep, y, x0, count, chunk)
+                    _brighten(chunk, apart, curve, z)
+                    for i in range(CHUNK):
+                        chunk[TOTAL, i] = ZERO
+                        chunk[INVERSE, i] = ONE / (chunk[VALUE, i] + FLOOR)
+                    start = x0 // subsample
+                    for scale in range(scales):
+                        if measured or exponents[scale] >= ZERO:
+                            _widen(lines[2 * scale, start:], x0, subsample, chunk, SLOPE)
+                            _widen(lines[2 * scale + 1, start:], x0, subsample, chunk, OFFSET)
+                            _filter(chunk)
+                            if measured:
+                                _add_moments(chunk, pivot, drift[scale], spread[scale])
+                        if exponents[scale] == HALF:
+                            _detail_root(chunk)
+                        elif exponents[scale] >= ZERO:
+                            _detail(chunk, exponents[scale])
+                    _mean(chunk, exponents)
+                    for i in range(count):
+                        values[y, x0 + i] = chunk[TOTAL, i]
+                _recolor(chunk, pull, full)
+                if keep_black:
+                    _fade(chunk, apart)
+                _store(chunk, full, apart, out[y, x0 : x0 + count])
+            if measured:
+                for scale in range(scales):
+                    sums[y, scale, 0] = _added(drift[scale])
+                    sums[y, scale, 1] = _added(spread[scale])
+
+
+@njit(inline="always")
+def _added(lanes: NDArray[np.float32]) -> float:
+    total = 0.0
+    for i in range(CHUNK):
+        total += np.float64(lanes[i])
+    return total
+
+
+@njit(error_model="numpy")
+def _blend(models: NDArray[np.float32], y: int, subsample: int, lines: NDArray[np.float32]) -> None:
+    """Every model's row at `y`, between two of low resolution; the border repeats to the left and right."""
+    rows, columns = models.shape[2], models.shape[3]
+    at = (np.float32(y) + HALF) / np.float32(subsample) - HALF
+    at = min(max(at, ZERO), np.float32(rows - 1))
+    first = min(int(at), max(rows - 2, 0))
+    second = min(first + 1, rows - 1)
+    weight = at - np.float32(first)
+    for plane in range(len(lines)):
+        above, below = models[plane // 2, plane % 2, first], models[plane // 2, plane % 2, second]
+        line = lines[plane]
+        for x in range(columns):
+            line[x + 1] = above[x] + weight * (below[x] - above[x])
+        line[0] = line[1]
+        for x in range(columns + 1, len(line)):
+            line[x] = line[columns]
+
+
+@njit(inline="always")
+def _widen(
+    line: NDArray[np.float32], x0: int, subsample: int, chunk: NDArray[np.float32], plane: int
+) -> None:
+    """Bring one row of the low resolution up bilinearly; pixel centres aligned."""
+    if subsample == 1:
+        for i in range(CHUNK):
+            chunk[plane, i] = line[i + 1]
+    elif subsample == 2:
+        for i in range(CHUNK // 2):
+            middle = line[i + 1]
+            chunk[plane, 2 * i] = middle + np.float32(0.25) * (line[i] - middle)
+            chunk[plane, 2 * i + 1] = middle + np.float32(0.25) * (line[i + 2] - middle)
+    else:
+        for i in range(CHUNK):
+            at = (np.float32(x0 % subsample + i) + HALF) / np.float32(subsample) + HALF
+            first = int(at)
+            left, right = line[first], line[first + 1]
+            chunk[plane, i] = left + (at - np.float32(first)) * (right - left)
+
+
+@njit(inline="always")
+def _brighten(
+    chunk: NDArray[np.float32], apart: NDArray[Any], curve: NDArray[np.float32], z: np.float32
+) -> None:
+    """log2 of Vn of Eq 1."""
+    if len(curve) == BINS:
+        for i in range(CHUNK):
+            chunk[LOG, i] = curve[np.uint8(apart[3, i])]
+    elif z == ONE:
+        for i in range(CHUNK):
+            chunk[LOG, i] = log2(chunk[VALUE, i])
+    else:
+        for i in range(CHUNK):
+            value = chunk[VALUE, i]
+            log = log2(value)
+            root = exp2((np.float32(0.75) * z + np.float32(0.25)) * log)
+            power = exp2((TWO - z) * log)
+            chunk[LOG, i] = log2(HALF * (root + np.float32(0.4) * (ONE - z) * (ONE - value) + power))
+
+
+@njit(inline="always")
+def _filter(chunk: NDArray[np.float32]) -> None:
+    """Q of Eq 6, into SLOPE."""
+    for i in range(CHUNK):
+        chunk[SLOPE, i] = chunk[SLOPE, i] * chunk[VALUE, i] + chunk[OFFSET, i]
+
+
+@njit(inline="always")
+def _add_moments(
+    chunk: NDArray[np.float32], pivot: np.float32, drift: NDArray[np.float32], spread: NDArray[np.float32]
+) -> None:
+    for i in range(CHUNK):
+        apart = (chunk[SLOPE, i] - pivot) * chunk[KEEP, i]
+        drift[i] += apart
+        spread[i] += apart * apart
+
+
+@njit(inline="always")
+def _detail_root(chunk: NDArray[np.float32]) -> None:
+    """Add v of Eqs 7 and 8 where P is 1/2."""
+    for i in range(CHUNK):
+        ratio = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
+        chunk[TOTAL, i] += exp2(np.sqrt(ratio) * chunk[LOG, i])
+
+
+@njit(inline="always")
+def _detail(chunk: NDArray[np.float32], p: np.float32) -> None:
+    """Add v of Eqs 7 and 8."""
+    for i in range(CHUNK):
+        ratio = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
+        chunk[TOTAL, i] += exp2(exp2(p * log2(ratio)) * chunk[LOG, i])
+
+
+@njit(inline="always")
+def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
+    """V* of Eq 10: of the scales added up, and of Vn for each that is left out, or alone if there is none."""
+    left_out = ONE if len(exponents) == 0 else ZERO
+    for scale in range(len(exponents)):
+        left_out += ONE if exponents[scale] < ZERO else ZERO
+    share = ONE / np.float32(max(len(exponents), 1))
+    if left_out > ZERO:
+        for i in range(CHUNK):
+            chunk[TOTAL, i] += left_out * exp2(chunk[LOG, i])
+    for i in range(CHUNK):
+        chunk[TOTAL, i] *= share
+
+
+@njit(inline="always")
+def _recolor(chunk: NDArray[np.float32], pull: np.float32, full: np.float32) -> None:
+    """Colours of V* and S* (Eqs 11, 12) with the old hue: c becomes V* (1 - S* (M - c) / D), one division."""
+    for i in range(CHUNK):
+        most, least = chunk[MOST, i], chunk[LEAST_COLOR, i]
+        spread = most - least
+        above = spread if pull >= ZERO else ONE
+        below = spread * spread + pull * least * least if pull >= ZERO else most
+        chunk[SLOPE, i] = above / (below if below > LEAST else LEAST)
+    for i in range(CHUNK):
+        chunk[OFFSET, i] = chunk[TOTAL, i] * full
+    for plane in range(3):
+        for i in range(CHUNK):
+            apart = chunk[SLOPE, i] * (chunk[MOST, i] - chunk[plane, i])
+            chunk[plane, i] = chunk[OFFSET, i] * (ONE - apart)
+
+
+@njit(inline="always")
+def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
+    """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
+    for i in range(CHUNK):
+        t = chunk[VALUE, i] * (ONE / BLACK)
+        t = t if t < ONE else ONE
+        chunk[OFFSET, i] = t * t * (THREE - TWO * t)
+    for plane in range(3):
+        for i in range(CHUNK):
+            weight = chunk[OFFSET, i]
+            chunk[plane, i] = weight * chunk[plane, i] + (ONE - weight) * np.float32(apart[plane, i])
+
+
+@njit(inline="always")
+def _store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
+    for plane in range(3):
+        for i in range(CHUNK):
+            color = chunk[plane, i]
+            color = color if color < full else full
+            color = color if color > ZERO else ZERO
+            apart[plane, i] = rounded(color) if full > ONE else color  # type: ignore[call-arg]
+    put_together(apart, pixels)
