@@ -25,6 +25,8 @@ from renderer.train.model import NEAR_SHARE, StepResult, TrainModel
 PROGRESS_SECONDS = 0.25
 SNAPSHOT_SECONDS = 1.0
 HELD_OUT_PHASE = 5
+FULL_COST = 1.7
+"""A step at full resolution takes about this many at half resolution; only the time left depends on it."""
 
 
 class TrainingError(RuntimeError):
@@ -52,13 +54,13 @@ def train(
     start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)
     yield Started(start, config.iterations, len(model.gaussians), omissions(clip, config))
 
-    meter = _Meter(config.iterations, len(model.gaussians), seconds)
+    meter = _Meter(config, len(model.gaussians), seconds)
     half = [halved(frame) for frame in full] if start < half_steps(config) else []
     for iteration in range(start, config.iterations):
         frame = frame_of(iteration, half if iteration < half_steps(config) else full, config.seed)
         began = time.perf_counter()
         result = model.step(frame, iteration)
-        meter.add(result, time.perf_counter() - began)
+        meter.add(result, iteration, time.perf_counter() - began)
         if not math.isfinite(result.loss):
             raise TrainingError(f"the loss is not finite at iteration {iteration}: lower the learning rates")
         done = iteration + 1
@@ -140,20 +142,24 @@ def _resumed(model: TrainModel, folder: Path, clip: Clip, config: TrainConfig) -
 class _Meter:
     """Adds up what the steps measured and says when it is time to tell."""
 
-    def __init__(self, iterations: int, n_gaussians: int, seconds: float) -> None:
+    def __init__(self, config: TrainConfig, n_gaussians: int, seconds: float) -> None:
         self.seconds = seconds
-        self._iterations, self._n_gaussians = iterations, n_gaussians
+        self._config, self._n_gaussians = config, n_gaussians
         self._results: list[StepResult] = []
-        self._recent: list[float] = []
+        self._recent: list[float] | None = None
         self._told = self._shown = time.perf_counter()
 
-    def add(self, result: StepResult, seconds: float) -> None:
+    def add(self, result: StepResult, iteration: int, seconds: float) -> None:
         self.seconds += seconds
         self._results.append(result)
-        self._recent = [*self._recent[-49:], seconds]
+        if self._recent is None:
+            # The first step loads or compiles the kernels: no measure of those to come.
+            self._recent = []
+        else:
+            self._recent = [*self._recent[-49:], seconds / self._cost(iteration, iteration + 1)]
 
     def progress_is_due(self) -> bool:
-        return time.perf_counter() - self._told > PROGRESS_SECONDS
+        return bool(self._recent) and time.perf_counter() - self._told > PROGRESS_SECONDS
 
     def snapshot_is_due(self) -> bool:
         due = time.perf_counter() - self._shown > SNAPSHOT_SECONDS
@@ -161,16 +167,22 @@ class _Meter:
             self._shown = time.perf_counter()
         return due
 
-    def progress(self, iteration: int) -> Progress:
+    def progress(self, done: int) -> Progress:
         error = float(np.mean([result.squared_error for result in self._results]))
+        unit = float(np.median(self._recent)) if self._recent else 0.0
         event = Progress(
-            iteration=iteration,
-            iterations=self._iterations,
+            iteration=done,
+            iterations=self._config.iterations,
             loss=float(np.mean([result.loss for result in self._results])),
             psnr=-10 * math.log10(max(error, 1e-12)),
             seconds=self.seconds,
-            seconds_left=float(np.median(self._recent)) * (self._iterations - iteration),
+            seconds_left=unit * self._cost(done, self._config.iterations),
             n_gaussians=self._n_gaussians,
         )
         self._results, self._told = [], time.perf_counter()
         return event
+
+    def _cost(self, first: int, end: int) -> float:
+        """Expected time of the steps from `first` up to `end`, in steps at half resolution."""
+        half = max(0, min(end, half_steps(self._config)) - first)
+        return half + FULL_COST * (end - first - half)
