@@ -270,3 +270,11 @@ def test_only_the_active_control_values_move() -> None:
     assert (controls[0, 2:6, 0] < 0).all()
     assert not controls[0, [0, 1, 6, 7]].any()
     assert not controls[1].any()
+
+
+def test_progress_ends_at_the_last_step_with_no_time_left() -> None:
+    told = [event for event in train(moving_sheet(), SMALL) if isinstance(event, Progress)]
+    assert told[-1].iteration == told[-1].iterations == SMALL.iterations
+    assert told[-1].seconds_left == 0
+    assert all(event.seconds_left > 0 for event in told[:-1])
+    assert [event.seconds for event in told] == sorted(event.seconds for event in told)
