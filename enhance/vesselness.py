@@ -17,7 +17,7 @@ SIGMAS: Final = (1.5, 2.5, 4.0)
 SHARE: Final = 0.05
 """Of the tissue that the fixed mask takes."""
 MARGIN: Final = 12
-"""Pixels beside the surround that are neither vessel nor tissue: its edge is darker than any vessel."""
+"""Pixels beside the surround and along the border that are no tissue: edges look like vessels."""
 GLARE: Final = 235 / 255
 """R, G and B all above: a specular highlight."""
 GLARE_MARGIN: Final = 8
@@ -67,8 +67,8 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
     Meant for comparing methods on the same pixels, not for finding vessels: it also takes other dark lines.
 
     Args:
-        tissue_mask: (H, W), non-zero = keep; None: the field of view. 12 pixels along its edge and 8 around
-            highlights are left out, and so are specks of fewer than 40 pixels.
+        tissue_mask: (H, W), non-zero = keep; None: the field of view. 12 pixels along its edge and
+            the picture's, and 8 around highlights, are left out, and so are specks of fewer than 40 pixels.
         share: of the tissue without margin, in (0, 1].
 
     Raises:
@@ -124,7 +124,10 @@ def _kernel(sigma: float, order: int) -> NDArray[np.float64]:
 
 def _eroded(mask: BoolImage, radius: int) -> BoolImage:
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
-    return np.asarray(cv2.erode(mask.astype(np.uint8), disc)) > 0
+    # What lies outside the picture is not kept: its edge is one, too.
+    return (
+        np.asarray(cv2.erode(mask.astype(np.uint8), disc, borderType=cv2.BORDER_CONSTANT, borderValue=0)) > 0
+    )
 
 
 def _without_specks(mask: BoolImage) -> BoolImage:

@@ -88,6 +88,8 @@ def test_mask_finds_drawn_vessels_and_keeps_its_distance() -> None:
     assert np.mean(distance[mask] < 3) > 0.98
     tissue = y < 120
     assert not vessel_mask(image, tissue_mask=tissue)[120 - MARGIN :].any()
+    assert not mask[:MARGIN].any()
+    assert mask[MARGIN:30].any()
     assert vessel_mask(image, tissue_mask=tissue)[: 120 - MARGIN].any()
     image[90:110, 90:130] = 1.0
     near = vessel_mask(image, share=0.03)[90 - GLARE_MARGIN // 2 : 110 + GLARE_MARGIN // 2, 90:130]
