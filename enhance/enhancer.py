@@ -12,7 +12,17 @@ from numpy.typing import NDArray
 from enhance import brightness, needs, saturation
 from enhance.guided_filter import WindowModels, Windows, shrunk_radius
 from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
-from enhance.kernels import BINS, BLOCK, render, survey
+from enhance.kernels import (
+    BINS,
+    BLOCK,
+    FROM_LOGARITHM,
+    FROM_POWER,
+    KEEP_LOGARITHM,
+    KEEP_POWER,
+    NOTHING,
+    render,
+    survey,
+)
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.powers import LOG2_ZERO
 from enhance.result import EnhanceResult
@@ -107,6 +117,8 @@ class Enhancer:
         self._reaches: tuple[Windows, tuple[float, ...]] | None = None
         self._made: _Made | None = None
         self._values = np.empty((0, 0), np.float32)
+        self._kept_from: _Made | None = None
+        self._kept = np.empty((0, 0, 0), np.float32)
 
     def show(self, image: AnyImage, tissue_mask: AnyImage | None = None) -> None:
         """Take the next image; see `enhance.enhance` for both. It must not change while it is in use.
@@ -119,7 +131,7 @@ class Enhancer:
         if tissue_mask is not None or picture.alpha is not None:
             keep = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
         self._shown = _Shown(picture, _interleaved(picture), keep)
-        self._survey = self._moments = self._reaches = self._made = None
+        self._survey = self._moments = self._reaches = self._made = self._kept_from = None
         self._models.forget()
         self._before = self._last
 
@@ -200,6 +212,7 @@ class Enhancer:
         else:
             models = self._models.of(seen.low, windows)
             exponents = np.where(left_out, -1.0, used.p or 0.0).astype(np.float32)
+        stage = NOTHING if measure or known else self._stage(made)
         rows, columns = now.pixels.shape[:2]
         if self._values.shape != (rows, columns):
             self._values = np.empty((rows, columns), np.float32)
@@ -219,6 +232,8 @@ class Enhancer:
             np.float32(seen.mean),
             known,
             self._values,
+            stage,
+            self._kept,
             sums,
             out,
         )
@@ -226,6 +241,26 @@ class Enhancer:
         if measure:
             self._moments = _moments(windows, sums.sum(axis=0), seen)
         return out
+
+    def _stage(self, made: _Made) -> int:
+        """What to take from the last pass: E if only z has moved since, a logarithm if P has.
+
+        The first such move keeps it for those that follow.
+        """
+        steady, moving = replace(made, z=0.0), replace(made, z=0.0, p=())
+        if self._kept_from == steady:
+            return FROM_POWER
+        if self._kept_from == moving and 0.5 not in made.p:
+            return FROM_LOGARITHM
+        if self._made is None or self._made.windows != made.windows or all(made.left_out):
+            return NOTHING
+        if self._made.p != made.p and 0.5 in made.p:
+            return NOTHING
+        shape = (len(made.windows), *self._values.shape)
+        if self._kept.shape != shape:
+            self._kept = np.empty(shape, np.float32)
+        self._kept_from = steady if self._made.p == made.p else moving
+        return KEEP_POWER if self._made.p == made.p else KEEP_LOGARITHM
 
     def _reach(self, params: EnhanceParams, used: Statistics) -> tuple[float, ...]:
         """Bounds on each scale's effect, as loose as the decision allows: tighter ones take longer."""

@@ -30,6 +30,9 @@ BLACK = np.float32(24 / 255)
 LEAST = np.float32(1e-30)
 TWO, THREE = np.float32(2.0), np.float32(3.0)
 
+# What the second pass keeps for the next, or takes from the last.
+NOTHING, KEEP_LOGARITHM, FROM_LOGARITHM, KEEP_POWER, FROM_POWER = range(5)
+
 # Planes of a chunk.
 RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)
 
@@ -157,6 +160,8 @@ def render(
     pivot: np.float32,  # near the mean of Q
     known: bool,  # `values` is given: only saturation is done
     values: NDArray[np.float32],  # (H, W), V*: out, or in if known
+    stage: int,  # what of `kept` to use or to keep
+    kept: NDArray[np.float32],  # (n, H, W): the logarithm of Eq 7's ratio (no P is 1/2), or E
     sums: NDArray[np.float64],  # (H, n, 2), out: of Q - pivot and its square over the kept pixels, or empty
     out: NDArray[Any],  # (H, W, 3), out, of the image's type
 ) -> None:
@@ -165,6 +170,7 @@ def render(
     scales = models.shape[0]
     task = BLOCK * subsample
     measured = len(sums) > 0
+    filters = not known and stage not in (FROM_LOGARITHM, FROM_POWER)
     for block in prange((rows + task - 1) // task):
         chunk = np.empty((PLANES, CHUNK), np.float32)
         apart = np.zeros((5, CHUNK), image.dtype)
@@ -174,7 +180,7 @@ def render(
         for y in range(block * task, min((block + 1) * task, rows)):
             drift[:] = ZERO
             spread[:] = ZERO
-            if not known:
+            if filters:
                 _blend(models, y, subsample, lines)
             for step in range((columns + CHUNK - 1) // CHUNK):
                 x0 = step * CHUNK
@@ -193,21 +199,22 @@ def render(
                         chunk[INVERSE, i] = ONE / (chunk[VALUE, i] + FLOOR)
                     start = x0 // subsample
                     for scale in range(scales):
-                        if measured or exponents[scale] >= ZERO:
+                        p = exponents[scale]
+                        if filters and (measured or p >= ZERO):
                             _widen(lines[2 * scale, start:], x0, subsample, chunk, SLOPE)
                             _widen(lines[2 * scale + 1, start:], x0, subsample, chunk, OFFSET)
                             _filter(chunk)
                             if measured:
                                 _add_moments(chunk, pivot, drift[scale], spread[scale])
-                        if exponents[scale] == HALF:
-                            _detail_root(chunk)
-                        elif exponents[scale] >= ZERO:
-                            _detail(chunk, exponents[scale])
+                        if p >= ZERO:
+                            _raise(chunk, p, stage, kept[scale, y, x0 : x0 + count])
+                            for i in range(CHUNK):
+                                chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
                     _mean(chunk, exponents)
                     for i in range(count):
                         values[y, x0 + i] = chunk[TOTAL, i]
                 _recolor(chunk, pull, full)
-                if keep_black:
+                if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)
                 _store(chunk, full, apart, out[y, x0 : x0 + count])
             if measured:
@@ -302,31 +309,45 @@ def _add_moments(
 
 
 @njit(inline="always")
-def _detail_root(chunk: NDArray[np.float32]) -> None:
-    """Add v of Eqs 7 and 8 where P is 1/2."""
-    for i in range(CHUNK):
-        ratio = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
-        chunk[TOTAL, i] += exp2(np.sqrt(ratio) * chunk[LOG, i])
-
-
-@njit(inline="always")
-def _detail(chunk: NDArray[np.float32], p: np.float32) -> None:
-    """Add v of Eqs 7 and 8."""
-    for i in range(CHUNK):
-        ratio = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
-        chunk[TOTAL, i] += exp2(exp2(p * log2(ratio)) * chunk[LOG, i])
+def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
+    """E of Eq 7 from Q, or as far as needed from what is kept of an earlier pass; into SLOPE."""
+    if stage in (FROM_LOGARITHM, FROM_POWER):
+        for i in range(len(kept)):
+            chunk[SLOPE, i] = kept[i]
+    else:
+        for i in range(CHUNK):
+            chunk[SLOPE, i] = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
+        if p == HALF:
+            for i in range(CHUNK):
+                chunk[SLOPE, i] = np.sqrt(chunk[SLOPE, i])
+        else:
+            for i in range(CHUNK):
+                chunk[SLOPE, i] = log2(chunk[SLOPE, i])
+    if stage == KEEP_LOGARITHM:
+        for i in range(len(kept)):
+            kept[i] = chunk[SLOPE, i]
+    if p != HALF and stage != FROM_POWER:
+        for i in range(CHUNK):
+            chunk[SLOPE, i] = exp2(p * chunk[SLOPE, i])
+    if stage == KEEP_POWER:
+        for i in range(len(kept)):
+            kept[i] = chunk[SLOPE, i]
 
 
 @njit(inline="always")
 def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
     """V* of Eq 10: of the scales added up, and of Vn for each that is left out, or alone if there is none."""
-    left_out = ONE if len(exponents) == 0 else ZERO
+    left_out = 0
     for scale in range(len(exponents)):
-        left_out += ONE if exponents[scale] < ZERO else ZERO
-    share = ONE / np.float32(max(len(exponents), 1))
-    if left_out > ZERO:
+        left_out += 1 if exponents[scale] < ZERO else 0
+    if left_out == len(exponents):
         for i in range(CHUNK):
-            chunk[TOTAL, i] += left_out * exp2(chunk[LOG, i])
+            chunk[TOTAL, i] = exp2(chunk[LOG, i])
+        return
+    share, missing = ONE / np.float32(len(exponents)), np.float32(left_out)
+    if left_out > 0:
+        for i in range(CHUNK):
+            chunk[TOTAL, i] += missing * exp2(chunk[LOG, i])
     for i in range(CHUNK):
         chunk[TOTAL, i] *= share
 
@@ -349,6 +370,15 @@ def _recolor(chunk: NDArray[np.float32], pull: np.float32, full: np.float32) -> 
 
 
 @njit(inline="always")
+def _is_dark(chunk: NDArray[np.float32]) -> bool:
+    """Whether any pixel is below V = 24/255; whole numbers, as minima of floats are not reordered."""
+    darkest = np.int32(BINS)
+    for i in range(CHUNK):
+        darkest = min(darkest, np.int32(chunk[VALUE, i] * LEVELS))
+    return bool(darkest < 24)
+
+
+@njit(inline="always")
 def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
     """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
     for i in range(CHUNK):
@@ -366,7 +396,5 @@ def _store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pi
     for plane in range(3):
         for i in range(CHUNK):
             color = chunk[plane, i]
-            color = color if color < full else full
-            color = color if color > ZERO else ZERO
             apart[plane, i] = rounded(color) if full > ONE else color  # type: ignore[call-arg]
     put_together(apart, pixels)

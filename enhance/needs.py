@@ -70,7 +70,7 @@ def left_out(p: tuple[float, ...], reaches: tuple[float, ...], limit: float) -> 
 
 def scale_bound(p: float, reach: float, scales: int) -> float:
     """g(P reach) / n in grey levels: what one of n scales can change of V*."""
-    u = p * reach * math.log(2)
+    u = p * reach * math.log(2) if p > 0 else 0.0
     if u == 0:
         return 0.0
     if u > 700:
