@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from app.gui.surround import inside
-from enhance import EnhanceParams, Statistics, enhance, measure
+from enhance import EnhanceParams, Enhancer, Statistics, measure
 from renderer.clip import BoolImage, ByteImage, Clip
 
 Scope = Literal["image", "clip"]
@@ -47,23 +47,36 @@ class Pictures:
 
 
 class PictureMaker:
-    """Answers PictureRequests; remembers the newest clip's pooled statistics, which most requests share."""
+    """Answers PictureRequests; remembers what most of them share: the frame, of which a moved slider computes
+    only what it changes, and the clip's pooled statistics."""
 
     def __init__(self) -> None:
+        self._enhancer = Enhancer()
+        self._shown: tuple[PictureRequest, ByteImage] | None = None
         self._pooled: tuple[PictureRequest, Statistics] | None = None
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
         """First the photo alone, then both. Raises ClipError or ImageError."""
-        photo, mask = _read(request, request.frame_index)
+        photo = self._show(request)
         yield Pictures(request, photo)
         if request.params is None:
             return
         statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
         start = perf_counter()
-        result = enhance(photo, request.params, tissue_mask=mask, statistics=statistics)
+        result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
         yield Pictures(request, photo, enhanced, result.statistics, milliseconds)
+
+    def _show(self, request: PictureRequest) -> ByteImage:
+        """The photo, read once for as long as only parameters move."""
+        key = replace(request, params=None, scope="image")
+        if self._shown is None or self._shown[0] != key:
+            self._shown = None
+            photo, mask = _read(request, request.frame_index)
+            self._enhancer.show(photo, mask)
+            self._shown = key, photo
+        return self._shown[1]
 
     def _of_clip(self, request: PictureRequest, params: EnhanceParams) -> Statistics:
         """What is measured depends on the windows alone; z and P are resolved again by `enhance`."""
