@@ -7,8 +7,13 @@ from collections.abc import Iterator
 
 import moderngl
 import pytest
+from hypothesis import settings
 
 from renderer.draw.context import OpenGLUnavailable, standalone_context
+
+# The first example of a test may compile kernels, which has nothing to do with what it asserts.
+settings.register_profile("compiling", deadline=None)
+settings.load_profile("compiling")
 
 
 @pytest.fixture(scope="session")
