@@ -310,6 +310,6 @@ def _interleaved(picture: Picture) -> NDArray[Any]:
 def _finished(picture: Picture, out: NDArray[Any]) -> AnyImage:
     """The input's shape and type again, alpha untouched."""
     colors = out if picture.pixels.ndim == 3 else np.ascontiguousarray(out[..., 0])
-    if picture.dtype != np.uint8:
+    if picture.dtype not in (np.uint8, np.float32):
         return picture.with_colors(colors)
     return colors if picture.alpha is None else np.dstack((colors, picture.alpha))

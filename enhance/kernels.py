@@ -79,7 +79,6 @@ def survey(
     rows, columns = image.shape[0], image.shape[1]
     width = low.shape[1] * subsample
     unit = ONE / full
-    mean = ONE / np.float32(subsample * subsample)
     for block in prange(len(chroma)):
         chunk = np.empty((PLANES, CHUNK), np.float32)
         apart = np.zeros((5, CHUNK), image.dtype)
@@ -105,7 +104,7 @@ def survey(
                         _tally(chunk, levels, counts, count)
             for x in range(columns, width):
                 line[x] = line[columns - 1]
-            _shrink(line, subsample, mean, low[low_row])
+            _shrink(line, subsample, low[low_row])
             for i in range(CHUNK):
                 total += np.float64(chunk[TOTAL, i])
         chroma[block] = total
@@ -130,19 +129,29 @@ def _tally(
 
 
 @njit(inline="always")
-def _shrink(line: NDArray[np.float32], subsample: int, mean: np.float32, out: NDArray[np.float32]) -> None:
+def _shrink(line: NDArray[np.float32], subsample: int, out: NDArray[np.float32]) -> None:
+    """Block means of a row, which is the sum of the block's rows."""
     if subsample == 1:
         for x in range(len(out)):
             out[x] = line[x]
     elif subsample == 2:
-        for x in range(len(out)):
-            out[x] = (line[2 * x] + line[2 * x + 1]) * mean
+        _shrink_by(line, 2, out)
+    elif subsample == 4:
+        _shrink_by(line, 4, out)
+    elif subsample == 8:
+        _shrink_by(line, 8, out)
     else:
-        for x in range(len(out)):
-            total = ZERO
-            for k in range(subsample):
-                total += line[x * subsample + k]
-            out[x] = total * mean
+        _shrink_by(line, subsample, out)
+
+
+@njit(inline="always")
+def _shrink_by(line: NDArray[np.float32], subsample: int, out: NDArray[np.float32]) -> None:
+    mean = ONE / np.float32(subsample * subsample)
+    for x in range(len(out)):
+        total = ZERO
+        for k in range(subsample):
+            total += line[x * subsample + k]
+        out[x] = total * mean
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -169,6 +178,7 @@ def render(
     rows, columns = image.shape[0], image.shape[1]
     scales = models.shape[0]
     task = BLOCK * subsample
+    width = CHUNK // subsample * subsample  # so that a chunk begins with a low-resolution pixel
     measured = len(sums) > 0
     filters = not known and stage not in (FROM_LOGARITHM, FROM_POWER)
     for block in prange((rows + task - 1) // task):
@@ -182,9 +192,9 @@ def render(
             spread[:] = ZERO
             if filters:
                 _blend(models, y, subsample, lines)
-            for step in range((columns + CHUNK - 1) // CHUNK):
-                x0 = step * CHUNK
-                count = min(CHUNK, columns - x0)
+            for step in range((columns + width - 1) // width):
+                x0 = step * width
+                count = min(width, columns - x0)
                 _load(image[y, x0 : x0 + count], apart, chunk)
                 for i in range(CHUNK):
                     chunk[VALUE, i] = chunk[MOST, i] / full
@@ -197,12 +207,12 @@ def render(
                     for i in range(CHUNK):
                         chunk[TOTAL, i] = ZERO
                         chunk[INVERSE, i] = ONE / (chunk[VALUE, i] + FLOOR)
-                    start = x0 // subsample
+                    start = step * (CHUNK // subsample)
                     for scale in range(scales):
                         p = exponents[scale]
                         if filters and (measured or p >= ZERO):
-                            _widen(lines[2 * scale, start:], x0, subsample, chunk, SLOPE)
-                            _widen(lines[2 * scale + 1, start:], x0, subsample, chunk, OFFSET)
+                            _widen(lines[2 * scale, start:], subsample, chunk, SLOPE)
+                            _widen(lines[2 * scale + 1, start:], subsample, chunk, OFFSET)
                             _filter(chunk)
                             if measured:
                                 _add_moments(chunk, pivot, drift[scale], spread[scale])
@@ -251,24 +261,33 @@ def _blend(models: NDArray[np.float32], y: int, subsample: int, lines: NDArray[n
 
 
 @njit(inline="always")
-def _widen(
-    line: NDArray[np.float32], x0: int, subsample: int, chunk: NDArray[np.float32], plane: int
-) -> None:
+def _widen(line: NDArray[np.float32], subsample: int, chunk: NDArray[np.float32], plane: int) -> None:
     """Bring one row of the low resolution up bilinearly; pixel centres aligned."""
     if subsample == 1:
         for i in range(CHUNK):
             chunk[plane, i] = line[i + 1]
     elif subsample == 2:
-        for i in range(CHUNK // 2):
-            middle = line[i + 1]
-            chunk[plane, 2 * i] = middle + np.float32(0.25) * (line[i] - middle)
-            chunk[plane, 2 * i + 1] = middle + np.float32(0.25) * (line[i + 2] - middle)
+        _widen_by(line, 2, chunk, plane)
+    elif subsample == 4:
+        _widen_by(line, 4, chunk, plane)
+    elif subsample == 8:
+        _widen_by(line, 8, chunk, plane)
     else:
-        for i in range(CHUNK):
-            at = (np.float32(x0 % subsample + i) + HALF) / np.float32(subsample) + HALF
-            first = int(at)
-            left, right = line[first], line[first + 1]
-            chunk[plane, i] = left + (at - np.float32(first)) * (right - left)
+        _widen_by(line, subsample, chunk, plane)
+
+
+@njit(inline="always")
+def _widen_by(line: NDArray[np.float32], subsample: int, chunk: NDArray[np.float32], plane: int) -> None:
+    """One low-resolution pixel a step; where `subsample` is a constant, this becomes vector code."""
+    unit = ONE / np.float32(subsample)
+    for i in range(CHUNK // subsample):
+        left, middle, right = line[i], line[i + 1], line[i + 2]
+        for k in range(subsample):
+            offset = (np.float32(k) + HALF) * unit - HALF
+            near = left if offset < ZERO else right
+            chunk[plane, i * subsample + k] = middle + abs(offset) * (near - middle)
+    for i in range(CHUNK // subsample * subsample, CHUNK):
+        chunk[plane, i] = ZERO
 
 
 @njit(inline="always")
@@ -396,5 +415,7 @@ def _store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pi
     for plane in range(3):
         for i in range(CHUNK):
             color = chunk[plane, i]
+            color = color if color < full else full
+            color = color if color > ZERO else ZERO
             apart[plane, i] = rounded(color) if full > ONE else color  # type: ignore[call-arg]
     put_together(apart, pixels)
