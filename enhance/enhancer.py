@@ -67,11 +67,10 @@ class _Survey:
     def count(self) -> int:
         return int(self.histogram.sum())
 
-    @property
-    def range(self) -> tuple[float, float]:
-        """Darkest and brightest V counted, widened by what rounding to grey levels may hide."""
+    def range(self, rounding: float) -> tuple[float, float]:
+        """Darkest and brightest V counted, widened by what rounding hides, in grey levels."""
         levels = np.flatnonzero(self.histogram)
-        return max(levels[0] - 0.5, 0) / 255, min(levels[-1] + 0.5, 255) / 255
+        return max(levels[0] - rounding, 0) / 255, min(levels[-1] + rounding, 255) / 255
 
     @property
     def mean(self) -> float:
@@ -144,7 +143,10 @@ class Enhancer:
             ImageError: statistics that cannot be used, or no pixel to measure.
         """
         if statistics is not None:
-            return self._draw(params, statistics.resolved(params))
+            return self._draw(params, statistics.resolved(params), tight=True)
+        if params.p is not None:
+            self._last = self._statistics(params, ())
+            return self._draw(params, self._last, tight=True)
         if self._is_measured(params):
             self._last = self._statistics(params, self.tally(params).sigmas)
             return self._draw(params, self._last)
@@ -193,10 +195,13 @@ class Enhancer:
             return measured
         return self._live.follow(self._before, measured).resolved(params)
 
-    def _draw(self, params: EnhanceParams, used: Statistics, measure: bool = False) -> EnhanceResult:
+    def _draw(
+        self, params: EnhanceParams, used: Statistics, *, measure: bool = False, tight: bool = False
+    ) -> EnhanceResult:
+        """measure: Q as well; tight: spend time on a tight bound, as it pays where Q need not be measured."""
         picture = self._now.picture
         grey = picture.pixels.ndim == 2
-        left_out, omitted = needs.decide(params, used, grey, self._reach(params, used))
+        left_out, omitted = needs.decide(params, used, grey, self._reach(params, used, tight))
         out = self._render(params, used, left_out, measure)
         return EnhanceResult(_finished(picture, out), used, omitted)
 
@@ -262,14 +267,15 @@ class Enhancer:
         self._kept_from = steady if self._made.p == made.p else moving
         return KEEP_POWER if self._made.p == made.p else KEEP_LOGARITHM
 
-    def _reach(self, params: EnhanceParams, used: Statistics) -> tuple[float, ...]:
+    def _reach(self, params: EnhanceParams, used: Statistics, tight: bool) -> tuple[float, ...]:
         """Bounds on each scale's effect, as loose as the decision allows: tighter ones take longer."""
         seen, now, windows = self._surveyed(params.subsample), self._now, _windows(params)
-        if self._reaches is not None and self._reaches[0] == windows:
+        if tight and self._reaches is not None and self._reaches[0] == windows:
             return self._reaches[1]
-        reach = needs.range_reach(*(seen.range if now.keep.size == 0 else (0.0, 1.0)))
+        rounding = 0.0 if now.full > 1 else 0.5
+        reach = needs.range_reach(*(seen.range(rounding) if now.keep.size == 0 else (0.0, 1.0)))
         loose = (reach,) * len(windows)
-        if params.omit_below == 0 or all(needs.left_out(used.p, loose, params.omit_below)):
+        if not tight or params.omit_below == 0 or all(needs.left_out(used.p, loose, params.omit_below)):
             return loose
         models = self._models.of(seen.low, windows)
         sampled = needs.sampled_reaches(seen.low, models)

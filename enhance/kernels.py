@@ -155,6 +155,35 @@ def _shrink_by(line: NDArray[np.float32], subsample: int, out: NDArray[np.float3
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+def extremes(
+    image: NDArray[Any],  # (H, W, 3)
+    full: np.float32,  # the image's value of 1.0
+    subsample: int,
+    darkest: NDArray[np.float32],  # (h, w), out: smallest V of each block
+    brightest: NDArray[np.float32],  # (h, w), out: largest V of each block
+) -> None:
+    """The range of V within each block of the low resolution."""
+    rows, columns = image.shape[0], image.shape[1]
+    for low_row in prange(darkest.shape[0]):
+        chunk = np.empty((PLANES, CHUNK), np.float32)
+        apart = np.zeros((5, CHUNK), image.dtype)
+        least, most = np.full(columns + CHUNK, full), np.zeros(columns + CHUNK, np.float32)
+        for y in range(low_row * subsample, min((low_row + 1) * subsample, rows)):
+            for step in range((columns + CHUNK - 1) // CHUNK):
+                x0 = step * CHUNK
+                count = min(CHUNK, columns - x0)
+                _load(image[y, x0 : x0 + count], apart, chunk)
+                for i in range(CHUNK):
+                    least[x0 + i] = min(least[x0 + i], chunk[MOST, i])
+                    most[x0 + i] = max(most[x0 + i], chunk[MOST, i])
+        for x in range(darkest.shape[1]):
+            low, high = full, ZERO
+            for column in range(x * subsample, min((x + 1) * subsample, columns)):
+                low, high = min(low, least[column]), max(high, most[column])
+            darkest[low_row, x], brightest[low_row, x] = low / full, high / full
+
+
+@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def render(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all

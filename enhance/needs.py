@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from enhance.detail import FLOOR
 from enhance.image import Float32Image
+from enhance.kernels import extremes
 from enhance.params import EnhanceParams
 from enhance.result import Omission
 from enhance.statistics import Statistics
@@ -108,54 +109,45 @@ def local_reaches(
     """
     scales, _, rows, columns = models.shape
     darkest, brightest = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
-    _ranges(image, np.float32(full), subsample, darkest, brightest)
+    extremes(image, np.float32(full), subsample, darkest, brightest)
     reaches = np.empty((rows, scales), np.float32)
     _reaches(models, darkest, brightest, np.float32(FLOOR), reaches)
     return tuple(math.log2(float(reach)) + ROUNDING for reach in reaches.max(axis=0))
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
-def _ranges(
-    image: NDArray[Any],  # (H, W, 3)
-    full: np.float32,
-    subsample: int,
-    darkest: NDArray[np.float32],  # (h, w), out: smallest V of each block
-    brightest: NDArray[np.float32],  # (h, w), out: largest V of each block
-) -> None:
-    rows, columns = image.shape[0], image.shape[1]
-    for low_row in prange(darkest.shape[0]):
-        for x in range(darkest.shape[1]):
-            least, most = full, np.float32(0.0)
-            for y in range(low_row * subsample, min((low_row + 1) * subsample, rows)):
-                for column in range(x * subsample, min((x + 1) * subsample, columns)):
-                    red, green, blue = image[y, column, 0], image[y, column, 1], image[y, column, 2]
-                    value = np.float32(max(red, green, blue))
-                    least = min(least, value)
-                    most = max(most, value)
-            darkest[low_row, x] = least / full
-            brightest[low_row, x] = most / full
-
-
-@njit(parallel=True, cache=True, error_model="numpy")
 def _reaches(
     models: NDArray[np.float32],  # (n, 2, h, w)
-    darkest: NDArray[np.float32],  # (h, w)
-    brightest: NDArray[np.float32],  # (h, w)
+    darkest: NDArray[np.float32],  # (h, w), smallest V of each block
+    brightest: NDArray[np.float32],  # (h, w), largest
     floor: np.float32,
     out: NDArray[np.float32],  # (h, n), out: of each row, the largest of ratio and 1 / ratio
 ) -> None:
     rows, columns = darkest.shape
     for y in prange(rows):
-        out[y] = np.float32(1.0)
-        for x in range(columns):
-            least, most = darkest[y, x], brightest[y, x]
-            for near in range(max(y - 1, 0), min(y + 2, rows)):
-                for column in range(max(x - 1, 0), min(x + 2, columns)):
-                    least = min(least, darkest[near, column])
-                    most = max(most, brightest[near, column])
-            for scale in range(models.shape[0]):
-                a, b = models[scale, 0, y, x], models[scale, 1, y, x]
-                first = (a * least + b + floor) / (least + floor)
-                last = (a * most + b + floor) / (most + floor)
-                far = max(first, last, np.float32(1.0) / first, np.float32(1.0) / last)
-                out[y, scale] = max(out[y, scale], far)
+        least = _least_around(darkest, y, np.float32(1.0))
+        most = _least_around(brightest, y, np.float32(-1.0))
+        high, low = np.empty(columns, np.float32), np.empty(columns, np.float32)
+        for scale in range(models.shape[0]):
+            a, b = models[scale, 0, y], models[scale, 1, y]
+            for x in range(columns):
+                first = (a[x] * least[x] + b[x] + floor) / (least[x] + floor)
+                last = (a[x] * most[x] + b[x] + floor) / (most[x] + floor)
+                high[x] = max(first, last)
+                low[x] = min(first, last)
+            out[y, scale] = max(high.max(), np.float32(1.0) / low.min())
+
+
+@njit(error_model="numpy")
+def _least_around(image: NDArray[np.float32], y: int, sign: np.float32) -> NDArray[np.float32]:
+    """(w,) the smallest of the 3 x 3 pixels around each pixel of row y; the largest for a sign of -1."""
+    rows, columns = image.shape
+    above, here, below = image[max(y - 1, 0)], image[y], image[min(y + 1, rows - 1)]
+    padded = np.empty(columns + 2, np.float32)
+    for x in range(columns):
+        padded[x + 1] = min(sign * above[x], min(sign * here[x], sign * below[x]))
+    padded[0], padded[columns + 1] = padded[1], padded[columns]
+    out = np.empty(columns, np.float32)
+    for x in range(columns):
+        out[x] = sign * min(padded[x], min(padded[x + 1], padded[x + 2]))
+    return out

@@ -30,7 +30,7 @@ class Statistics:
     saturation_mean: float
     """S_m of Eq 12, in [0, 1]; 0 for grey images."""
     sigmas: tuple[float, ...]
-    """Standard deviation of each scale's Q in grey levels (Eq 9)."""
+    """Standard deviation of each scale's Q in grey levels (Eq 9); none of an image for which P was set."""
     p: tuple[float, ...]
     """Used in Eq 7, one for each scale."""
     scope: Scope
@@ -42,7 +42,7 @@ class Statistics:
         Raises:
             ImageError: measured with another number of scales.
         """
-        if len(self.sigmas) != len(params.radii):
+        if params.p is None and len(self.sigmas) != len(params.radii):
             raise ImageError(
                 f"expected statistics of {len(params.radii)} scales (radii {params.radii}), "
                 f"got {len(self.sigmas)}; measure again with these radii"
@@ -51,7 +51,7 @@ class Statistics:
         if isinstance(params.p, tuple):
             p = params.p
         elif params.p is not None:
-            p = (params.p,) * len(self.sigmas)
+            p = (params.p,) * len(params.radii)
         else:
             p = tuple(detail.exponent(sigma, params.p_form) for sigma in self.sigmas)
         return replace(self, z=z, p=p)
@@ -124,9 +124,11 @@ class LiveStatistics:
 
     def follow(self, before: Statistics | None, measured: Statistics) -> Statistics:
         """`before` moved towards what was `measured` on the next image; z and P are to be resolved again."""
-        if before is None or len(before.sigmas) != len(measured.sigmas):
+        if before is None:
             return replace(measured, scope="live")
         keep = 0.5 ** (1 / self.half_life) if self.half_life > 0 else 0.0
+
+        known = len(before.sigmas) == len(measured.sigmas)
 
         def blend(old: float, new: float) -> float:
             return new + keep * (old - new)
@@ -135,6 +137,6 @@ class LiveStatistics:
             measured,
             level=blend(before.level, measured.level),
             saturation_mean=blend(before.saturation_mean, measured.saturation_mean),
-            sigmas=tuple(map(blend, before.sigmas, measured.sigmas)),
+            sigmas=tuple(map(blend, before.sigmas, measured.sigmas)) if known else measured.sigmas,
             scope="live",
         )

@@ -72,7 +72,7 @@ def test_reaches_are_true_bounds(image: NDArray[Any], subsample: int, eps: float
     (local,) = needs.local_reaches(pixels, 1.0, subsample, models)
     (sampled,) = needs.sampled_reaches(seen.low, models)
     assert reach <= local
-    assert reach <= needs.range_reach(*seen.range) + 1e-6
+    assert reach <= needs.range_reach(*seen.range(0.5)) + 1e-6
     assert sampled <= local
 
 

