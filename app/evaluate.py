@@ -140,9 +140,9 @@ def measure_frame(
         depth_rmse_mm=_depth_error(frame, drawn) if unit == "mm" else None,
         ms_per_frame=1000.0 * seconds,
         whole_picture=_dvbv(drawn.bytes),
-        original_photo=_dvbv(_evaluated(original, mask)),
-        input_photo=_dvbv(_evaluated(frame.image, mask)),
-        **_dvbv(_evaluated(drawn.bytes, mask)),
+        original_photo=_dvbv(original, mask),
+        input_photo=_dvbv(frame.image, mask),
+        **_dvbv(drawn.bytes, mask),
     )
 
 
@@ -152,19 +152,14 @@ def _depth_error(frame: Frame, drawn: Drawn) -> float | None:
     return float(depth_rmse(drawn.depth, frame.depth, frame.evaluation_mask))
 
 
-def _evaluated(image: ByteImage, mask: BoolImage) -> ByteImage:
-    """The evaluated pixels as a picture of one column, which is all the same to a split by grey value."""
-    return image[mask][:, None] if mask.any() else image
-
-
-def _dvbv(image: ByteImage) -> dict[str, float]:
-    measured = dvbv_otsu(image)
+def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> dict[str, float]:
+    measured = dvbv_otsu(image, tissue_mask=mask)
     return {"dv": measured.dv, "bv": measured.bv, "dv_bv": measured.ratio}
 
 
 def _mean(values: Iterator[float | None]) -> float | None:
     """None when nothing was measured; frames where a measure is undefined are left out."""
-    measured = [value for value in values if value is not None and not math.isnan(value)]
+    measured = [value for value in values if value is not None and math.isfinite(value)]
     return float(np.mean(measured)) if measured else None
 
 

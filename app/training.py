@@ -17,7 +17,7 @@ from renderer.endonerf import DEFAULTS, EndoNerfOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
-from renderer.train.trainer import TrainingError, train
+from renderer.train.trainer import TrainingError, require_depth, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
@@ -53,6 +53,7 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         record = run.record()
         _check_same(request, record)
     else:
+        require_depth(clip)
         record = _new_record(request, clip)
     if run.is_finished:
         yield _finished_before(run)

@@ -21,13 +21,14 @@ def psnr(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
 
     Pictures (H, W, 3) or (H, W) in [0, 1]; mask (H, W), True = counted. Pixels outside count as
     free of error, so the value is higher than `psnr_masked` by -10 log10(share of the mask).
-    Rounding to 8 bits, which published figures have, is the caller's. Infinite for equal pictures.
+    Rounding to 8 bits, which published figures have, is the caller's. Infinite for equal pictures, NaN
+    for an empty mask.
 
     Raises:
         ValueError: shapes that do not agree.
     """
     error = _squared_error(image, reference, mask)
-    return _decibel(float(error.sum()) / error.size)
+    return _decibel(float(error.sum()) / error.size) if mask.any() else float("nan")
 
 
 def psnr_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
@@ -41,7 +42,7 @@ def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     """Mean structural similarity, at most 1 (Wang et al. 2004, Eq 13), as the field publishes it.
 
     Both pictures times the mask, 11x11 Gaussian window of sigma 1.5, zeros beyond the border,
-    mean over all pixels and channels. Arguments and errors as for `psnr`.
+    mean over all pixels and channels; NaN for an empty mask. Arguments and errors as for `psnr`.
     """
     x, y = _masked(image, reference, mask)
     mean_x, mean_y = _window(x), _window(y)
@@ -50,7 +51,7 @@ def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     covariance = _window(x * y) - mean_x * mean_y
     similarity = (2 * mean_x * mean_y + _C1) * (2 * covariance + _C2)
     similarity /= (mean_x**2 + mean_y**2 + _C1) * (variance_x + variance_y + _C2)
-    return float(similarity.mean())
+    return float(similarity.mean()) if np.any(mask) else float("nan")
 
 
 def depth_rmse(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass as plain_dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
 
 import cv2
@@ -207,16 +207,16 @@ def write_phantom(
     """
     if out.exists():
         raise ClipError(f"expected a new folder for the phantom, got one that exists: {out}")
-    partial = out.with_name(f"{out.name}.partial")
     writers = {"endonerf": write_endonerf, "scared": write_scared}
     try:
-        (partial / "vessel_masks").mkdir(parents=True)
-        writers[layout](partial, _drawn(Phantom(params), partial / "vessel_masks"))
-        partial.rename(out)
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=f".{out.name}-", suffix=".partial", dir=out.parent) as temporary:
+            partial = Path(temporary) / out.name
+            (partial / "vessel_masks").mkdir(parents=True)
+            writers[layout](partial, _drawn(Phantom(params), partial / "vessel_masks"))
+            partial.rename(out)
     except OSError as error:
         raise ClipError(f"cannot write the phantom, {error.strerror or error}: {out}") from error
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
 
 
 def _drawn(phantom: Phantom, vessel_masks: Path) -> Iterator[Frame]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from renderer.clip import Clip
+from renderer.clip import Clip, ClipError
 from renderer.metrics import psnr
 from renderer.rasterize.cpu import render
 from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_checkpoint
@@ -45,6 +45,7 @@ def train(
         ClipError: frames cannot be read, or there is no depth to start from.
         TrainingError: the checkpoint belongs to another run, or the loss is no longer finite.
     """
+    require_depth(clip)
     fit, held_out = split(clip, config)
     frames = [clip.read_frame(index) for index in fit]
     size = scene_size(frames)
@@ -74,6 +75,12 @@ def train(
     if held_out:
         yield Evaluated(config.iterations, held_out_psnr(model, clip, held_out, size))
     yield Finished(config.iterations, meter.seconds, model.gaussians)
+
+
+def require_depth(clip: Clip) -> None:
+    """Raises ClipError before any frame is read in vain."""
+    if not clip.has_depth:
+        raise ClipError(f"reconstruction expects measured depth, and this clip has none: {clip.path}")
 
 
 def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -108,10 +115,8 @@ def omissions(clip: Clip, config: TrainConfig) -> tuple[Omission, ...]:
         Omission("tiles without tissue", "no pixel of them is supervised", "their share of the raster"),
         Omission("moments of unseen Gaussians and of far control values", "no gradient", "most of Adam"),
     ]
-    if clip.camera_is_fixed:
-        left_out.append(
-            Omission("spherical harmonics", "one camera: no view dependence", "45 of 59 numbers a Gaussian")
-        )
+    view = "one camera: no view dependence" if clip.camera_is_fixed else "not in this version"
+    left_out.append(Omission("spherical harmonics", view, "45 of 59 numbers a Gaussian"))
     if config.method == "static":
         left_out.append(Omission("deformation", "the method is static", "all motion and colour curves"))
     return tuple(left_out)

@@ -218,6 +218,7 @@ def test_evaluation_compares_with_the_photos_the_run_was_trained_on(
     row = report["frames"][1]
     assert row["psnr"] == pytest.approx(psnr(drawn.bytes / 255, frame.image / 255, frame.evaluation_mask))
     assert row["whole_picture"]["dv_bv"] == pytest.approx(dvbv_otsu(drawn.bytes).ratio)
+    # A split by grey value does not care where pixels lie: the evaluated ones make a picture of one column.
     evaluated = [picture[frame.evaluation_mask][:, None] for picture in (drawn.bytes, frame.image)]
     assert row["dv_bv"] == pytest.approx(dvbv_otsu(evaluated[0]).ratio)
     assert row["input_photo"]["dv"] == pytest.approx(dvbv_otsu(evaluated[1]).dv)
@@ -249,6 +250,32 @@ def test_a_clip_with_tissue_masks_trains_and_is_measured_when_its_polarity_is_sa
     same = [(tmp_path / name / "model.safetensors").read_bytes() for name in ("plain", "said")]
     assert same[0] == same[1]
     assert vesselsplat("evaluate", tmp_path / "said").code == 0
+
+
+def test_a_frame_without_evaluated_pixels_does_not_count(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    hidden = tmp_path / "hidden"
+    shutil.copytree(clip_path, hidden)
+    cv2.imwrite(str(hidden / "masks" / "frame-000001.mask.png"), np.full((48, 64), 255, np.uint8))
+    assert vesselsplat("train", hidden, "--run", tmp_path / "run", "--iterations", "10").code == 0
+    report = json.loads(vesselsplat("evaluate", tmp_path / "run", "--json").out)
+    nothing, measured = report["frames"]
+    for name in ("psnr", "psnr_masked", "ssim", "dv", "dv_bv"):
+        assert nothing[name] is None
+        assert report["mean"][name] == measured[name]
+
+
+def test_photos_without_depth_are_refused(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    photos = tmp_path / "photos"
+    photos.mkdir()
+    for path in sorted((clip_path / "images").iterdir())[:3]:
+        shutil.copy(path, photos)
+    call = vesselsplat("train", photos, "--run", tmp_path / "run", "--input", "enhanced")
+    assert call.code == 2
+    assert "expects measured depth" in call.error
 
 
 def test_a_clip_that_changed_is_not_evaluated(

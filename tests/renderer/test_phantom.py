@@ -300,6 +300,16 @@ def test_nothing_is_overwritten(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["clip", "file"]
 
 
+def test_what_lies_beside_is_left_alone(tmp_path):
+    own = tmp_path / "clip.partial" / "vessel_masks"
+    own.mkdir(parents=True)
+    (own / "mine.txt").write_text("mine")
+    write_phantom(tmp_path / "clip", PhantomParams(**SMALL))
+    assert (own / "mine.txt").read_text() == "mine"
+    assert not (tmp_path / "clip" / "vessel_masks" / "mine.txt").exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["clip", "clip.partial"]
+
+
 def test_an_interruption_leaves_nothing(tmp_path, monkeypatch):
     def stop(self, index):
         raise KeyboardInterrupt
