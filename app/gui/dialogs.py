@@ -14,6 +14,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import portable_file_dialogs as desktop
 
 from app.gui import theme
+from app.gui.legible import legible
 from app.gui.widgets import em
 
 Kind = Literal["folder", "file"]
@@ -26,14 +27,34 @@ def has_desktop_dialogs() -> bool:
     return not sys.platform.startswith("linux") or any(map(shutil.which, ("zenity", "kdialog")))
 
 
+@dataclass(frozen=True)
+class Entry:
+    """A line of the dialog inside the window."""
+
+    path: Path
+    kind: Kind | None
+
+    @property
+    def name(self) -> str:
+        return legible(self.path.name)
+
+
 @dataclass
 class Browser:
-    """The dialog inside the window: where it is, and what has been typed."""
+    """The dialog inside the window: where it is, and what has been typed or marked."""
 
     kind: Kind
     folder: Path
+    entries: list[Entry]
+    path: Path
     text: str
-    entries: list[Path]
+
+    @classmethod
+    def at(cls, folder: Path, kind: Kind) -> Browser:
+        return cls(kind, folder, listing(folder, kind), folder, legible(str(folder)))
+
+    def mark(self, path: Path) -> None:
+        self.path, self.text = path, legible(str(path))
 
 
 class Dialogs:
@@ -49,11 +70,11 @@ class Dialogs:
         if self._desktop is not None or self.browser is not None:
             return
         if not has_desktop_dialogs():
-            self.browser = Browser(kind, self._start, str(self._start), listing(self._start, kind))
+            self.browser = Browser.at(self._start, kind)
         elif kind == "folder":
-            self._desktop = desktop.select_folder(TITLES[kind], str(self._start))
+            self._desktop = desktop.select_folder(TITLES[kind], legible(str(self._start)))
         else:
-            self._desktop = desktop.open_file(TITLES[kind], str(self._start))
+            self._desktop = desktop.open_file(TITLES[kind], legible(str(self._start)))
 
     def draw(self) -> None:
         """Once a frame: take the desktop dialog's answer, or draw our own."""
@@ -92,29 +113,43 @@ class Dialogs:
         imgui.set_next_item_width(-1)
         if imgui.is_window_appearing():
             imgui.set_keyboard_focus_here()
-        changed, browser.text = imgui.input_text("##path", browser.text)
-        if changed and Path(browser.text).expanduser().is_dir():
-            self._enter(Path(browser.text).expanduser())
+        changed, text = imgui.input_text("##path", browser.text)
+        if changed:
+            self.type(text)
+
+    def type(self, text: str) -> None:
+        """What stands in the line now; a folder's whole name goes there."""
+        if self.browser is None:
+            return
+        path = self.browser.folder / typed(text)
+        self.browser.path, self.browser.text = path, text
+        if path != self.browser.folder and kind_of(path) == "folder":
+            self._enter(path)
 
     def _enter(self, folder: Path) -> None:
         if self.browser is not None:
-            entries = listing(folder, self.browser.kind)
-            self.browser = Browser(self.browser.kind, folder, str(folder), entries)
+            self.browser = Browser.at(folder, self.browser.kind)
 
     def _draw_entries(self, browser: Browser) -> None:
-        for entry in browser.entries:
-            icon = icons.ICON_FA_FOLDER if entry.is_dir() else icons.ICON_FA_FILE
+        for index, entry in enumerate(browser.entries):
+            icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
             flags = imgui.SelectableFlags_.no_auto_close_popups | imgui.SelectableFlags_.allow_double_click
-            marked, _ = imgui.selectable(f"{icon}  {entry.name}", browser.text == str(entry), flags)
+            label = f"{icon}  {entry.name}##{index}"
+            marked, _ = imgui.selectable(label, browser.path == entry.path, flags)
             if not marked:
                 continue
-            browser.text = str(entry)
+            browser.mark(entry.path)
             if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-                (self._choose if entry.is_file() else self._enter)(entry)
+                self._take(entry)
+
+    def _take(self, entry: Entry) -> None:
+        if entry.kind == "file":
+            self._choose(entry.path)
+        elif entry.kind == "folder":
+            self._enter(entry.path)
 
     def _draw_choice(self, browser: Browser) -> None:
-        path = Path(browser.text).expanduser()
-        fits = path.is_dir() if browser.kind == "folder" else path.is_file()
+        path, fits = browser.path, kind_of(browser.path) == browser.kind
         imgui.begin_disabled(not fits)
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM):
             if imgui.button("Open", ImVec2(em(8), 0)):
@@ -126,11 +161,30 @@ class Dialogs:
             imgui.close_current_popup()
 
 
-def listing(folder: Path, kind: Kind) -> list[Path]:
+def typed(text: str) -> Path:
+    """The path that was typed; `~` stands for a home folder where there is such a one."""
+    try:
+        return Path(text).expanduser()
+    except RuntimeError:
+        return Path(text)
+
+
+def kind_of(path: Path) -> Kind | None:
+    """What is there; None for nothing, and for what the system does not let us look at."""
+    try:
+        if path.is_dir():
+            return "folder"
+        return "file" if path.is_file() else None
+    except OSError:
+        return None
+
+
+def listing(folder: Path, kind: Kind) -> list[Entry]:
     """What can be entered or chosen, folders first; hidden entries and, for folders, files are left out."""
     try:
-        entries = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
+        paths = [path for path in folder.iterdir() if not path.name.startswith(".")]
     except OSError:
         return []
-    kept = [entry for entry in entries if entry.is_dir() or kind == "file"]
-    return sorted(kept, key=lambda entry: (not entry.is_dir(), entry.name.lower()))
+    entries = [Entry(path, kind_of(path)) for path in paths]
+    kept = [entry for entry in entries if entry.kind == "folder" or kind == "file"]
+    return sorted(kept, key=lambda entry: (entry.kind != "folder", entry.name.lower()))

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
-from app.gui.dialogs import Dialogs, has_desktop_dialogs, listing
+from app.gui.dialogs import Dialogs, has_desktop_dialogs, kind_of, listing
 
 
 @pytest.fixture
@@ -39,3 +40,52 @@ def test_on_linux_a_missing_dialog_program_is_not_taken_for_a_cancel(
     assert dialogs.browser.folder == folder
     monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}" if name == "kdialog" else None)
     assert has_desktop_dialogs()
+
+
+@pytest.fixture
+def plain(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Dialogs:
+    """The dialog inside the window, open in `folder`."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    dialogs = Dialogs(lambda path: None, folder)
+    dialogs.ask("file")
+    return dialogs
+
+
+@pytest.mark.parametrize("text", ["~nobody-of-this-name", "x" * 300, "/" + "y" * 5000, "", "a\0b"])
+def test_nothing_that_can_be_typed_breaks_the_dialog(plain: Dialogs, folder: Path, text: str) -> None:
+    plain.type(text)
+    assert plain.browser is not None
+    assert kind_of(plain.browser.path) in (None, "folder")
+    assert plain.browser.folder == folder
+    plain.type("A clip")
+    assert plain.browser.folder == folder / "A clip"
+    assert plain.browser.path == folder / "A clip"
+
+
+def test_entries_that_may_not_be_looked_at_are_listed_and_cannot_be_chosen(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    look = Path.stat
+
+    def stat(path: Path, **how: bool) -> os.stat_result:
+        if path.name == "A clip":
+            raise PermissionError(13, "Permission denied", str(path))
+        return look(path, **how)
+
+    monkeypatch.setattr(Path, "stat", stat)
+    entries = {entry.name: entry.kind for entry in listing(folder, "file")}
+    assert entries == {"b clip": "folder", "1.png": "file", "2.png": "file", "A clip": None}
+    assert "A clip" not in [entry.name for entry in listing(folder, "folder")]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are Unicode")
+def test_a_name_that_is_not_utf_8_is_shown_and_still_opens_its_file(folder: Path, plain: Dialogs) -> None:
+    path = Path(os.fsdecode(os.fsencode(folder) + b"/caf\xe9.png"))
+    path.write_text("")
+    entry = listing(folder, "file")[-1]
+    assert (entry.name, entry.path) == ("caf?.png", path)
+    assert plain.browser is not None
+    plain.browser.mark(entry.path)
+    assert plain.browser.text.encode().endswith(b"caf?.png")
+    assert kind_of(plain.browser.path) == "file"
