@@ -67,9 +67,17 @@ def run(flags: argparse.Namespace) -> None:
     write_bytes(out / "report.json", strict_json(report, indent=2).encode())
     sys.stdout.write(f"{out}: compare.png, strip.png, report.json in {sum(seconds.values()):.0f} s\n")
     if has_display() and not flags.headless:
-        from app.gui.window import run_app
+        _open(runs["enhanced"])
 
-        run_app(runs["enhanced"])
+
+def _open(run: Path) -> None:
+    """What has been made is there, also where no window can be."""
+    from app.gui.window import run_app
+
+    try:
+        run_app(run)
+    except UserError as error:
+        sys.stderr.write(f"{error}\n")
 
 
 def _clear(out: Path, runs: list[Path]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,7 @@ import glfw
 import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
+from app.errors import UserError
 from app.gui import actions, menus, theme
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
@@ -39,12 +41,16 @@ SIZE = (1280, 720)
 
 
 def run_app(path: Path | None = None) -> None:
-    """Open the window, on a clip or a run if given, and return when it is closed."""
+    """Open the window, on a clip or a run if given, and return when it is closed.
+
+    Raises:
+        UserError: there is no screen, or no OpenGL 3.3 on it.
+    """
     places = Places.of_user()
     window = Window(AppState(places, load_settings(places.settings_file)))
     if path is not None:
         actions.open_path(window.state, path)
-    immapp.run(window.runner_params(), window.add_ons())
+    window.run()
 
 
 class Window:
@@ -69,6 +75,17 @@ class Window:
         self._viewport: Viewport | None = None
         self._began = time.monotonic()
 
+    def run(self) -> None:
+        """Return when the window is closed. Raises UserError when it cannot be opened."""
+        try:
+            immapp.run(self.runner_params(), self.add_ons())
+        except (RuntimeError, moderngl.Error) as error:
+            if self._viewport is not None:
+                raise
+            raise UserError(f"expected a display with OpenGL 3.3 for the window, got: {error}") from error
+        finally:
+            self._worker.close()
+
     def runner_params(self) -> hello_imgui.RunnerParams:
         """Everything the runner needs; the test engine takes the same."""
         params = hello_imgui.RunnerParams()
@@ -84,6 +101,7 @@ class Window:
         params.fps_idling.time_active_after_last_event = 1.0
         params.ini_folder_type = hello_imgui.IniFolderType.absolute_path
         params.ini_filename = str(self.state.places.config / "window.ini")
+        params.ini_disable = not _can_hold_files(self.state.places.config)
         gl = params.renderer_backend_options.open_gl_options
         gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
         gl.use_core_profile = gl.use_forward_compat = True
@@ -213,6 +231,15 @@ class Window:
     def _refresh(self) -> None:
         """Called from the worker's thread: an idle window draws at once."""
         hello_imgui.request_refresh()
+
+
+def _can_hold_files(folder: Path) -> bool:
+    """Whether the layout can be kept there; the window opens without it too."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
 
 
 def _attach() -> moderngl.Context:

@@ -1,0 +1,66 @@
+"""What keeps the window from opening is one line; what it can do without, it does without."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from imgui_bundle import immapp
+
+from app.commands import demo
+from app.errors import UserError
+from app.gui.settings import Places
+from app.gui.state import AppState
+from app.gui.window import Window
+
+
+def broken(*arguments: object) -> None:
+    raise RuntimeError("no such display")
+
+
+def test_a_window_that_cannot_open_is_the_user_s_to_know(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(immapp, "run", broken)
+    with pytest.raises(UserError, match=r"OpenGL 3\.3.*no such display"):
+        Window(AppState(places)).run()
+
+
+def test_an_error_of_an_open_window_stays_a_bug(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
+    window = Window(AppState(places))
+    monkeypatch.setattr(window, "_viewport", object())
+    monkeypatch.setattr(immapp, "run", broken)
+    with pytest.raises(RuntimeError, match="no such display"):
+        window.run()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is always a screen")
+def test_a_display_that_is_gone_is_one_line(tmp_path: Path) -> None:
+    gone = {"DISPLAY": ":4095", "VESSELSPLAT_CONFIG_DIR": str(tmp_path)}
+    environment = {name: value for name, value in os.environ.items() if name != "WAYLAND_DISPLAY"} | gone
+    command = [sys.executable, "-m", "app", "gui"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert done.stderr.splitlines()[-1].startswith("vesselsplat: expected a display")
+
+
+def test_the_demo_s_results_are_there_without_a_window(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("VESSELSPLAT_CONFIG_DIR", str(tmp_path / "config"))
+    monkeypatch.setattr(immapp, "run", broken)
+    demo._open(tmp_path / "run")
+    assert "no such display" in capsys.readouterr().err
+
+
+def test_the_layout_is_kept_only_where_it_can_be(places: Places, tmp_path: Path) -> None:
+    params = Window(AppState(places)).runner_params()
+    assert not params.ini_disable
+    assert Path(params.ini_filename).parent == places.config
+    (tmp_path / "file").write_text("in the way")
+    nowhere = Places(tmp_path / "file", places.runs, places.pictures)
+    assert Window(AppState(nowhere)).runner_params().ini_disable
