@@ -9,6 +9,7 @@ from datetime import datetime
 from pathlib import Path
 
 from app.errors import UserError
+from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
@@ -27,18 +28,18 @@ MakeJob = Callable[[TrainRequest], Job]
 
 def say(state: AppState, line: str) -> None:
     """A line for the log panel."""
-    state.log.append(line)
+    state.log.append(legible(line))
 
 
 def fail(state: AppState, sentence: str) -> None:
     """Show what went wrong until it is dismissed."""
-    state.banner = Banner(sentence)
+    state.banner = Banner(legible(sentence))
     say(state, sentence)
 
 
 def announce(state: AppState, sentence: str) -> None:
     """Show what went well for a few seconds."""
-    state.toast = Toast(sentence, state.now + TOAST_SECONDS)
+    state.toast = Toast(legible(sentence), state.now + TOAST_SECONDS)
     say(state, sentence)
 
 

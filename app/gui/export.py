@@ -12,6 +12,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from app.gui.enhancing import Pictures
+from app.gui.legible import legible
 from app.gui.viewing import View, ViewRequest, draw_view
 from app.provenance import provenance, source, write_png
 from renderer.clip import ByteImage
@@ -110,8 +111,9 @@ def sheet(panels: list[Panel]) -> ByteImage:
     page = Image.new("RGB", (width, height), PAPER)
     draw, x = ImageDraw.Draw(page), 0
     for panel in panels:
-        font = _fitting(panel.label, size, panel.image.shape[1] - size)
-        draw.text((x + size // 2, strip // 2), panel.label, INK, font, anchor="lm")
+        label = legible(panel.label)
+        font = _fitting(label, size, panel.image.shape[1] - size)
+        draw.text((x + size // 2, strip // 2), label, INK, font, anchor="lm")
         page.paste(Image.fromarray(panel.image), (x, strip))
         x += panel.image.shape[1] + margin
     small = _fitting(NOTICE, size * 3 // 4, width - size)

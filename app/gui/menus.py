@@ -10,6 +10,7 @@ from imgui_bundle import hello_imgui, imgui, imgui_ctx
 
 from app.gui import actions, theme
 from app.gui.keys import fit_pictures, one_to_one, toggle_help
+from app.gui.legible import legible
 from app.gui.panels.overlays import NOTICE
 from app.gui.panels.welcome import Openers
 from app.gui.state import AppState
@@ -43,8 +44,10 @@ def _draw_file(state: AppState, openers: Openers, screenshot: Act) -> None:
     _item("Open the built-in phantom", "", openers.phantom)
     with imgui_ctx.begin_menu("Open recent", bool(state.settings.recent)) as menu:
         if menu:
-            for text in state.settings.recent:
-                _item(f"{Path(text).name}##{text}", "", partial(actions.open_path, state, Path(text)))
+            for place, text in enumerate(state.settings.recent):
+                _item(
+                    f"{legible(Path(text).name)}##{place}", "", partial(actions.open_path, state, Path(text))
+                )
                 explain(text)
     remember = state.settings.remember_recent
     _item("Remember recent", "", lambda: actions.remember_recent(state, not remember), ticked=remember)
@@ -88,7 +91,7 @@ def _facts(state: AppState) -> list[str]:
     facts = []
     if state.clip is not None:
         width, height = state.clip.size
-        facts.append(f"{state.clip.name}  {width}×{height}")
+        facts.append(f"{legible(state.clip.name)}  {width}×{height}")
     if state.pictures is not None and state.pictures.enhanced is not None:
         facts.append(f"enhanced in {state.pictures.milliseconds:.0f} ms")
     if state.model is not None:

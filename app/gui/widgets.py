@@ -11,6 +11,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from pydantic.fields import FieldInfo
 
 from app.gui import theme
+from app.gui.legible import legible
 from enhance import EnhanceParams
 
 
@@ -59,7 +60,7 @@ def explain(text: str) -> None:
     )
     if text and hovered:
         with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(em(24)):
-            imgui.text_unformatted(text)
+            imgui.text_unformatted(legible(text))
 
 
 def slide(
@@ -127,6 +128,7 @@ def wants_default(name: str) -> bool:
 
 def tag(text: str, position: ImVec2, color: ImVec4) -> None:
     """A label on a picture; `position` is its upper left corner."""
+    text = legible(text)
     pad = ImVec2(em(0.45), em(0.18))
     size = imgui.calc_text_size(text)
     corner = ImVec2(position.x + size.x + 2 * pad.x, position.y + size.y + 2 * pad.y)
@@ -146,6 +148,7 @@ def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2) -> None:
 
 def centered(text: str, color: ImVec4 = theme.MUTED) -> None:
     """A line of text in the middle of the window's width."""
+    text = legible(text)
     space = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(space / 2, 0))
     imgui.text_colored(color, text)

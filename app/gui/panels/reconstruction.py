@@ -10,6 +10,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui import actions, theme
 from app.gui.actions import MakeJob
+from app.gui.legible import legible
 from app.gui.state import AppState, InputKind, Reconstruction
 from app.gui.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from enhance import EnhanceParams
@@ -126,7 +127,7 @@ def _draw_status(run: Reconstruction) -> None:
     explain(f"{run.config.method}, {run.input} frames: {run.run_path}")
     if run.failure:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.DANGER, run.failure)
+            imgui.text_colored(theme.DANGER, legible(run.failure))
     if progress is None:
         return
     imgui.progress_bar(
@@ -177,7 +178,7 @@ def _draw_curves(run: Reconstruction) -> None:
 def _draw_messages(run: Reconstruction) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for warning in run.warnings[-3:]:
-            imgui.text_colored(theme.WARNING, warning)
+            imgui.text_colored(theme.WARNING, legible(warning))
         for omission in run.omitted:
             imgui.text_colored(theme.MUTED, f"left out: {omission.what}")
             explain(f"{omission.why} Saves {omission.saves}.")

@@ -10,6 +10,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, theme
+from app.gui.legible import legible
 from app.gui.state import AppState
 from app.gui.widgets import button, centered, em, explain
 
@@ -50,8 +51,9 @@ def draw_welcome(state: AppState, openers: Openers) -> None:
 def _draw_recent(state: AppState) -> None:
     imgui.spacing()
     centered("Recent")
-    for text in state.settings.recent[:5]:
-        imgui.set_cursor_pos_x((imgui.get_window_width() - imgui.calc_text_size(Path(text).name).x) / 2)
-        if imgui.text_link(f"{Path(text).name}##{text}"):
+    for place, text in enumerate(state.settings.recent[:5]):
+        name = legible(Path(text).name)
+        imgui.set_cursor_pos_x((imgui.get_window_width() - imgui.calc_text_size(name).x) / 2)
+        if imgui.text_link(f"{name}##{place}"):
             actions.open_path(state, Path(text))
         explain(text)

@@ -1,0 +1,90 @@
+"""File names in another encoding than UTF-8: everything that shows a name shows them too."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.gui import actions, menus
+from app.gui.dialogs import Dialogs
+from app.gui.enhancing import PictureMaker, PictureRequest
+from app.gui.export import Panel, sheet
+from app.gui.legible import legible
+from app.gui.opening import OpenRequest
+from app.gui.panels import overlays
+from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.welcome import draw_welcome
+from app.gui.settings import Settings
+from app.gui.state import AppState
+from renderer.clip import Clip
+from tests.app.gui.conftest import FakeJob
+from tests.app.gui.test_panels import NOTHING, Shown, Ui, compare
+
+NAME = os.fsdecode(b"caf\xe9.png")
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are Unicode")
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+def test_what_utf_8_can_say_stays() -> None:
+    assert legible("Gefäße 胃 é") == "Gefäße 胃 é"
+    assert legible(NAME) == "caf?.png"
+
+
+def test_the_welcome_and_the_menu_show_such_names(ui: Ui, state: AppState) -> None:
+    state.clip, state.settings = None, Settings(recent=(f"/clips/{NAME}",))
+    ui.frame(lambda: draw_welcome(state, NOTHING))
+    ui.frame(lambda: menus._draw_file(state, NOTHING, lambda: None))
+    state.opening = OpenRequest(Path(NAME))
+    ui.frame(lambda: draw_welcome(state, NOTHING))
+
+
+def test_the_panels_show_such_names(ui: Ui, state: AppState, clip: Clip) -> None:
+    state.clip = replace(clip, name=NAME, labels=(NAME,) * len(clip))
+    state.pictures = list(PictureMaker().make(PictureRequest(state.clip, 0, None)))[-1]
+    ui.frame(compare(state, Shown()))
+    ui.frame(lambda: menus.draw_status(state))
+    run = state.reconstruction
+    run.status, run.failure, run.warnings = "failed", f"no {NAME}", [NAME]
+    ui.frame(lambda: draw_reconstruction(state, FakeJob))
+
+
+def test_what_is_said_is_legible(ui: Ui, state: AppState) -> None:
+    actions.fail(state, f"cannot read {NAME}")
+    actions.announce(state, f"saved {NAME}")
+    for draw in (overlays.draw_banner, overlays.draw_toast):
+        ui.frame(lambda draw=draw: draw(state))
+    ui.frame(lambda: overlays.draw_log(state, imgui.set_clipboard_text))
+    assert list(state.log) == ["cannot read caf?.png", "saved caf?.png"]
+
+
+def test_the_file_dialog_lists_such_names(ui: Ui, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    folder = tmp_path / NAME
+    folder.mkdir()
+    (folder / NAME).write_text("")
+    dialogs = Dialogs(lambda path: None, folder)
+    dialogs.ask("file")
+    for _ in range(3):
+        ui.frame(dialogs.draw)
+    assert dialogs.browser is not None
+    assert dialogs.browser.folder == folder
+
+
+def test_a_saved_picture_s_captions_too() -> None:
+    small = np.zeros((80, 200, 3), np.uint8)
+    np.testing.assert_array_equal(sheet([Panel(NAME, small)]), sheet([Panel("caf?.png", small)]))
