@@ -46,10 +46,15 @@ def drawer(renderer: Renderer) -> tuple[Draw, str]:
 
 def near_plane(model: DynamicGaussians, camera: Camera) -> float:
     """The near plane that training used, up to rounding: a share of the model's median depth."""
+    return NEAR_SHARE * middle_distance(model, camera)
+
+
+def middle_distance(model: DynamicGaussians, camera: Camera) -> float:
+    """Median depth along the camera's axis of the Gaussians before it; 1 when there is none."""
     pose = camera.camera_from_world
     depth = model.means @ pose[2, :3] + pose[2, 3]
     before = depth[depth > 0]
-    return NEAR_SHARE * float(np.median(before)) if len(before) else NEAR_SHARE
+    return float(np.median(before)) if len(before) else 1.0
 
 
 def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, float]]:

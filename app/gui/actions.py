@@ -8,6 +8,7 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+from app.drawing import middle_distance
 from app.errors import UserError
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
@@ -15,7 +16,7 @@ from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
 from app.gui.settings import save_settings
 from app.gui.state import AppState, Banner, CurvePoint, Job, Reconstruction, Toast
-from app.gui.viewing import ShownModel, middle_distance
+from app.gui.viewing import ShownModel
 from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.clip import Clip

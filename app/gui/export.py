@@ -77,6 +77,7 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
             "iteration": view.request.shown.iteration,
             "time": view.request.time,
             "camera": view.request.camera.to_json(),
+            "near": view.request.near,
             "renderer": "cpu",
         }
     return panels, provenance(**facts)

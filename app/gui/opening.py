@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from app.gui.viewing import ShownModel, middle_distance
+from app.drawing import middle_distance
+from app.gui.viewing import ShownModel
 from app.run_folder import RunFolder, RunRecord
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera

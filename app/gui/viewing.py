@@ -12,6 +12,7 @@ from app.gui.orbit import Orbit
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
+from renderer.train.model import NEAR_SHARE
 
 BACKGROUND = (0.0, 0.0, 0.0)
 
@@ -47,6 +48,11 @@ class ViewRequest:
     reduced: bool = False
     """Drawn with fewer pixels than the screen has, to keep up with the hand."""
 
+    @property
+    def near(self) -> float:
+        """The near plane in scene units, the same share of the scene as in training."""
+        return NEAR_SHARE * self.shown.distance
+
     def scaled(self, scale: float) -> ViewRequest:
         """The same view with fewer pixels."""
         width = max(1, round(self.camera.width * scale))
@@ -64,20 +70,12 @@ class View:
     milliseconds: float
 
 
-def middle_distance(model: DynamicGaussians, camera: Camera) -> float:
-    """Median depth along the camera's axis of the Gaussians before it; 1 when there is none."""
-    pose = camera.camera_from_world
-    depth = model.means @ pose[2, :3].astype(np.float32) + np.float32(pose[2, 3])
-    before = depth[depth > 0]
-    return float(np.median(before)) if len(before) else 1.0
-
-
 def draw_view(request: ViewRequest) -> Iterator[View]:
     """Answers a ViewRequest with the numba rasteriser."""
     # Its kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.rasterize.cpu import render
 
     start = perf_counter()
-    rendered = render(request.shown.model.at(request.time), request.camera, BACKGROUND)
+    rendered = render(request.shown.model.at(request.time), request.camera, BACKGROUND, near=request.near)
     image = np.rint(np.clip(rendered.image, 0, 1) * 255).astype(np.uint8)
     yield View(request, image, 1000 * (perf_counter() - start))

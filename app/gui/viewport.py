@@ -52,7 +52,8 @@ class GraphicsViewport:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._splats = SplatView(ctx)
+        self._splats: SplatView | None = None
+        self._near = 0.0
         self._target: moderngl.Framebuffer | None = None
         self._texture: moderngl.Texture | None = None
         self._uploaded: tuple[ShownModel, float] | None = None
@@ -69,15 +70,23 @@ class GraphicsViewport:
         return OnScreen(imgui.ImTextureRef(self._texture.glo), (0, 1), (1, 0), request)
 
     def _draw(self, request: ViewRequest) -> None:
-        if self._uploaded != (request.shown, request.time):
-            self._splats.upload(request.shown.model.at(request.time))
-            self._uploaded = (request.shown, request.time)
+        splats = self._upload(request)
         size = (request.camera.width, request.camera.height)
         if self._texture is None or self._texture.size != size:
             self._resize(size)
         assert self._target is not None
-        self._splats.draw(request.camera, self._target, background=BACKGROUND)
+        splats.draw(request.camera, self._target, background=BACKGROUND)
         self._drawn = request
+
+    def _upload(self, request: ViewRequest) -> SplatView:
+        """What draws, with the splats of the request's moment."""
+        if self._splats is None or self._near != request.near:
+            self._release_splats()
+            self._splats, self._near = SplatView(self._ctx, near=request.near), request.near
+        if self._uploaded != (request.shown, request.time):
+            self._splats.upload(request.shown.model.at(request.time))
+            self._uploaded = (request.shown, request.time)
+        return self._splats
 
     def _resize(self, size: tuple[int, int]) -> None:
         self._release_target()
@@ -89,9 +98,14 @@ class GraphicsViewport:
             if item is not None:
                 item.release()
 
+    def _release_splats(self) -> None:
+        if self._splats is not None:
+            self._splats.release()
+        self._splats, self._uploaded = None, None
+
     def release(self) -> None:
         self._release_target()
-        self._splats.release()
+        self._release_splats()
 
 
 def make_viewport(ctx: moderngl.Context, textures: Textures) -> Viewport:

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import moderngl
 import numpy as np
 import pytest
 
 from app.gui import actions
+from app.gui.orbit import Orbit
 from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.viewing import draw_view
@@ -47,6 +50,31 @@ def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live:
     assert (drawn.uv0, drawn.uv1) == ((0, 1), (1, 0))
     graphics.release()
     textures.release()
+
+
+@pytest.mark.gl
+def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: AppState) -> None:
+    """In metres, or in no units at all: what counts is the near plane's share of the scene."""
+    assert live.model is not None
+    large = live.model.view(0.0, Orbit(), SIZE)
+    share = 1e-4
+    model = replace(
+        live.model.model,
+        means=live.model.model.means * np.float32(share),
+        log_scales=live.model.model.log_scales + np.float32(np.log(share)),
+    )
+    tiny = replace(live.model, model=model, distance=live.model.distance * share).view(0.0, Orbit(), SIZE)
+    assert large.near / live.model.distance == pytest.approx(tiny.near / tiny.shown.distance)
+    (wanted,), (seen,) = draw_view(large), draw_view(tiny)
+    assert wanted.image.max() > 60
+    assert np.abs(wanted.image.astype(int) - seen.image).max() <= 1
+    graphics = GraphicsViewport(ctx)
+    for request in (large, tiny):  # One after the other: the near plane goes with the model.
+        graphics._draw(request)
+    assert graphics._texture is not None
+    picture = read(ctx, graphics._texture.glo, 4)[::-1].astype(int)
+    assert np.abs(picture - wanted.image).max() <= 3
+    graphics.release()
 
 
 @pytest.mark.gl
