@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -16,6 +17,8 @@ QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command. A mistake of the user is one line on stderr; a bug keeps its traceback."""
     os.environ.update(QUIET_DECODERS)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # As stderr does: a file may have any name.
     try:
         run(sys.argv[1:] if arguments is None else arguments)
         sys.stdout.flush()
@@ -27,6 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(str(interrupt) or "interrupted", 130)
     except UserError as error:
         return _fail(str(error), 2)
+    except MemoryError:
+        return _fail("out of memory: try a smaller picture, clip or size", 2)
     except OSError as error:
         return _fail(f"{error.strerror or error}: {error.filename or 'no file named'}", 2)
     except ValueError as error:

@@ -26,10 +26,12 @@ def replaced(path: Path) -> Iterator[Path]:
     make_folder(path.parent)
     temporary = path.with_name(f".{path.stem}-{os.getpid()}.partial{path.suffix}")
     try:
-        yield temporary
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
+        with _told_as(path, temporary):
+            yield temporary
+            # Windows syncs no file that is open for reading alone.
+            with temporary.open("rb+") as file:
+                os.fsync(file.fileno())
+            os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -42,18 +44,44 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 @contextmanager
 def filled(folder: Path) -> Iterator[Path]:
-    """A temporary folder; its files move into `folder` when the block ends well, else they vanish."""
+    """A temporary folder; its files move into `folder` when the block ends well, else they vanish.
+
+    It lies in `folder` where that exists, else in the nearest folder above, so on the same file system.
+
+    Raises:
+        UserError: `folder` is a file or cannot be written, or a folder is where one of the files belongs.
+    """
     if folder.exists() and not folder.is_dir():
         raise UserError(f"expected a folder to write into, got a file: {folder}")
-    ancestor = next(parent for parent in folder.absolute().parents if parent.is_dir())
-    staging = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", suffix=".partial", dir=ancestor))
+    target = folder.absolute()
+    nearest = next(place for place in (target, *target.parents) if place.is_dir())
     try:
-        yield staging
+        staging = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", suffix=".partial", dir=nearest))
+    except OSError as error:
+        raise UserError(f"cannot write into the folder, {error.strerror}: {folder}") from error
+    try:
+        with _told_as(folder, staging):
+            yield staging
         make_folder(folder)
-        for item in sorted(staging.iterdir()):
-            os.replace(item, folder / item.name)
+        names = sorted(item.name for item in staging.iterdir())
+        for name in names:
+            if (folder / name).is_dir():
+                raise UserError(f"expected the place of a file to write, got a folder: {folder / name}")
+        for name in names:
+            os.replace(staging / name, folder / name)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
+
+
+@contextmanager
+def _told_as(place: Path, temporary: Path) -> Iterator[None]:
+    """Errors that name the temporary path, or a file in it, name what it stands for."""
+    try:
+        yield
+    except OSError as error:
+        if isinstance(error.filename, str) and (named := Path(error.filename)).is_relative_to(temporary):
+            error.filename = str(place / named.relative_to(temporary))
+        raise
 
 
 def make_folder(folder: Path) -> None:

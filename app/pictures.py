@@ -64,11 +64,17 @@ def read_image(path: Path) -> ArrayImage:
 
 
 def _decoded(path: Path) -> ArrayImage | None:
-    """What OpenCV makes of the file, without its own words on stderr: a damaged file is one line of ours."""
+    """What OpenCV makes of the file, without its own words on stderr: a damaged file is one line of ours.
+
+    It gets the bytes: names that are not ASCII or not UTF-8 fail or crash its own reader.
+    """
+    content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        return cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        return None
     finally:
         cv2.utils.logging.setLogLevel(level)
 

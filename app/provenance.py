@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
+import re
 import struct
 import zlib
-from collections.abc import Iterator
 from datetime import UTC, datetime
 from importlib.metadata import version as installed_version
 from pathlib import Path
@@ -18,10 +19,12 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from pydantic_core import to_json
+from pydantic_core import to_jsonable_python
 
 from app.atomic import write_bytes
 from app.errors import UserError
+from renderer.endonerf import FOLDERS, POSES, is_endonerf
+from renderer.pictures import is_picture
 
 NOTICE = "Research use only. Not a medical device."
 KEYWORD = "vesselsplat"
@@ -36,8 +39,13 @@ def version() -> str:
 
 
 def strict_json(value: object, *, indent: int | None = None) -> str:
-    """JSON text of numbers, arrays, dataclasses and containers of them; NaN and infinities become null."""
-    return to_json(value, inf_nan_mode="null", indent=indent, fallback=_plain).decode()
+    """JSON text of numbers, arrays, dataclasses and containers of them.
+
+    NaN and infinities become null; what is not UTF-8 in the name of a file becomes a question mark.
+    """
+    plain = to_jsonable_python(value, inf_nan_mode="null", fallback=_plain)
+    text = json.dumps(plain, allow_nan=False, ensure_ascii=False, indent=indent)
+    return text.encode(errors="replace").decode()
 
 
 def _plain(value: Any) -> Any:
@@ -61,25 +69,37 @@ def source(path: Path) -> dict[str, str]:
 def digest(path: Path) -> str:
     """SHA-256 in hex of a file's bytes, or of the manifest (relative name, SHA-256) of a folder's files.
 
-    Hidden files are left out, and so are run folders kept inside a clip, which change while it is in use.
+    Of a clip the manifest holds what its reader uses, so that a run kept inside it, or what a file manager
+    leaves there, is no change; of another folder, its visible files.
     """
     if path.is_file():
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     manifest = hashlib.sha256()
     for file_path in sorted(_files(path)):
-        manifest.update(f"{file_path.relative_to(path).as_posix()}\0{digest(file_path)}\n".encode())
+        name = os.fsencode(file_path.relative_to(path).as_posix())
+        manifest.update(name + f"\0{digest(file_path)}\n".encode())
     return manifest.hexdigest()
 
 
-def _files(folder: Path) -> Iterator[Path]:
-    for item in folder.iterdir():
-        if item.name.startswith("."):
-            continue
-        if item.is_file():
-            yield item
-        elif not (item / "run.json").exists():
-            yield from _files(item)
+def _files(folder: Path) -> list[Path]:
+    """What a clip is read from; links that lead nowhere are no files."""
+    if is_endonerf(folder):
+        poses = folder / POSES
+        parts = [folder / name for name in FOLDERS if (folder / name).is_dir()]
+        return [path for part in parts for path in _pictures(part)] + [poses] * poses.is_file()
+    images = folder / "images"
+    return _pictures(images if images.is_dir() else folder) or _visible(folder)
+
+
+def _pictures(folder: Path) -> list[Path]:
+    """The numbered ones, else all: beside a numbered picture, readers leave the others out."""
+    pictures = [path for path in _visible(folder) if is_picture(path)]
+    return [path for path in pictures if re.search(r"\d", path.stem)] or pictures
+
+
+def _visible(folder: Path) -> list[Path]:
+    return [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")]
 
 
 def write_png(path: Path, image: Image, facts: dict[str, Any]) -> None:

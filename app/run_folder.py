@@ -149,7 +149,8 @@ class RunFolder:
         """The events logged so far, oldest first; half a line left by a killed run is passed over."""
         if not self.events_path.exists():
             return []
-        return [event for line in self.events_path.read_text().splitlines() if (event := _parsed(line))]
+        text = self.events_path.read_text(encoding="utf-8", errors="replace")
+        return [event for line in text.split("\n") if (event := _parsed(line))]
 
     def train_seconds(self) -> float | None:
         """Training time of the finished run, None when it was not logged."""

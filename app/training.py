@@ -11,6 +11,7 @@ from pathlib import Path
 from app.errors import UserError
 from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
+from app.utf8 import require_utf8
 from enhance import EnhanceParams, enhance, measure
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.endonerf import DEFAULTS, EndoNerfOptions
@@ -43,9 +44,10 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
 
     Raises:
         ClipError: the clip cannot be read.
-        UserError: the run folder holds something else, or another run than the one to resume; or the
-            training does not converge.
+        UserError: the run folder holds something else, or another run than the one to resume; the path of
+            the clip is not UTF-8, so that run.json cannot name it; or the training does not converge.
     """
+    require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
     clip = open_clip(request.clip_path, request.clip_options)
@@ -132,11 +134,12 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
 
 def _check_same(request: TrainRequest, record: RunRecord) -> None:
     """A run goes on as it began, or not at all: anything else would not be repeatable."""
-    began = (
-        {"input": record.input, "clip": record.clip.sha256} | vars(record.clip.options) | vars(record.config)
-    )
-    asked = {"input": request.input, "clip": digest(request.clip_path)}
-    asked |= vars(request.clip_options) | vars(request.config)
+    if digest(request.clip_path) != record.clip.sha256:
+        raise UserError(
+            f"cannot resume: the run began with another clip, or the clip has changed: {request.clip_path}"
+        )
+    began = {"input": record.input} | vars(record.clip.options) | vars(record.config)
+    asked = {"input": request.input} | vars(request.clip_options) | vars(request.config)
     if record.enhancement is not None:
         began |= vars(record.enhancement.params)
         asked |= vars(request.enhance_params)

@@ -18,6 +18,7 @@ from app.atomic import replaced
 from app.color_tag import tag_colors
 from app.errors import UserError
 from app.pictures import ArrayImage
+from app.utf8 import require_utf8
 
 BT709, UNSPECIFIED, BT601 = 1, 2, 6
 """Codes of ITU-T H.273."""
@@ -59,11 +60,18 @@ def write_video(
             PyAV the file is in BT.601 and says so, so that colours look the same.
 
     Raises:
-        UserError: frames of another type or of different sizes, or no encoder on this machine.
+        UserError: frames of another type, of different sizes or smaller than 2x2 pixels, a path that is not
+            UTF-8, or no encoder on this machine.
     """
+    require_utf8(path)
     stored = (_stored(frame, path) for frame in frames)
     with replaced(path) as temporary:
         first = next(stored)
+        if min(first.shape[:2]) < 2:
+            got = f"{first.shape[1]}x{first.shape[0]}"
+            raise UserError(
+                f"a video holds frames of 2x2 pixels or more, got {got}; give a folder for {path}"
+            )
         size = (first.shape[1] // 2 * 2, first.shape[0] // 2 * 2)
         writer = _writer(path, temporary, size, frames_per_second, like)
         try:
@@ -88,9 +96,7 @@ def _stored(frame: ArrayImage, path: Path) -> ArrayImage:
 
 
 def _writer(path: Path, place: Path, size: tuple[int, int], rate: float, like: Path | None) -> Writer:
-    """Raises UserError, naming `path`, when nothing on this machine can write a video of this size."""
-    if min(size) < 2:
-        raise UserError(f"a video holds frames of 2x2 pixels or more; give a folder in place of {path}")
+    """Raises UserError, naming `path`, when nothing on this machine can write a video."""
     if find_spec("av") is not None and "libx264" in import_module("av").codecs_available:
         return _AvWriter(place, size, rate, like)
     writer = cv2.VideoWriter(str(place), cv2.VideoWriter.fourcc(*"mp4v"), rate, size)

@@ -107,14 +107,14 @@ class Camera:
 
     @classmethod
     def from_json(cls, values: dict[str, Any]) -> Camera:
-        """Inverse of `to_json`. Raises ValueError when a field is missing or of the wrong kind."""
+        """Inverse of `to_json`. Raises ValueError when a field is missing, infinite or of the wrong kind."""
         try:
             numbers = {name: float(values[name]) for name in ("fx", "fy", "cx", "cy")}
             matrix = np.array(values["camera_from_world"], dtype=np.float64)
             return cls(
                 **numbers, width=int(values["width"]), height=int(values["height"]), camera_from_world=matrix
             )
-        except (KeyError, TypeError) as error:
+        except (KeyError, TypeError, OverflowError) as error:
             raise ValueError(f"expected fx fy cx cy width height camera_from_world, got {error!r}") from error
 
     def _key(self) -> tuple[Any, ...]:

@@ -100,7 +100,7 @@ def _indices(frames: list[str], count: int) -> list[int]:
 
 def _read_camera(path: Path) -> Camera:
     try:
-        return Camera.from_json(json.loads(path.read_text()))
+        return Camera.from_json(json.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise UserError(f"expected a camera file, {error.strerror}: {path}") from error
     except ValueError as error:

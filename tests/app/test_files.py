@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +30,12 @@ def _fill_half(folder: Path) -> None:
     with filled(folder) as staging:
         (staging / "1").touch()
         raise RuntimeError
+
+
+def _fill(folder: Path, *names: str) -> None:
+    with filled(folder) as staging:
+        for name in names:
+            (staging / name).touch()
 
 
 def test_a_file_is_replaced_only_when_all_went_well(tmp_path: Path) -> None:
@@ -54,6 +63,58 @@ def test_a_folder_is_filled_only_when_all_went_well(tmp_path: Path) -> None:
         (staging / "1").write_text("newer")
     assert sorted(path.name for path in folder.iterdir()) == ["1", "kept"]
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+@pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="needs a second file system")
+def test_a_folder_on_another_file_system_is_filled(tmp_path: Path) -> None:
+    with tempfile.TemporaryDirectory(dir="/dev/shm") as other:
+        link = tmp_path / "link"
+        link.symlink_to(other)
+        with filled(link) as staging:
+            (staging / "1").touch()
+        assert [path.name for path in link.iterdir()] == ["1"]
+
+
+def test_a_folder_that_exists_needs_nothing_of_its_parent(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    with filled(folder) as staging:
+        assert staging.parent == folder
+        (staging / "1").touch()
+    assert [path.name for path in folder.iterdir()] == ["1"]
+    # The root has no parent; who may not write there is told so in a line.
+    with suppress(UserError), filled(Path(tmp_path.anchor)) as staging:
+        assert staging.parent == Path(tmp_path.anchor)
+
+
+def test_a_folder_in_the_place_of_a_file_stops_all(tmp_path: Path) -> None:
+    (tmp_path / "out" / "2").mkdir(parents=True)
+    with pytest.raises(UserError, match=r"out.2$"):
+        _fill(tmp_path / "out", "1", "2")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["2"]
+
+
+def test_errors_name_the_file_that_was_wanted(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="No such") as caught, replaced(tmp_path / "file.txt") as temporary:
+        temporary.read_bytes()
+    assert caught.value.filename == str(tmp_path / "file.txt")
+    with pytest.raises(OSError, match="No such") as caught, filled(tmp_path / "folder") as staging:
+        (staging / "1").read_bytes()
+    assert caught.value.filename == str(tmp_path / "folder" / "1")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_file_is_synced_through_a_handle_that_may_write(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows refuses to sync any other."""
+
+    def sync(handle: int) -> None:
+        os.write(handle, b"")
+
+    monkeypatch.setattr("app.atomic.os.fsync", sync)
+    write_bytes(tmp_path / "file.txt", b"content")
+    assert (tmp_path / "file.txt").read_bytes() == b"content"
 
 
 @pytest.mark.parametrize(

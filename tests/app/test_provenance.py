@@ -6,6 +6,8 @@ import getpass
 import io
 import json
 import math
+import os
+import shutil
 from pathlib import Path
 
 import cv2
@@ -14,7 +16,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from pydantic_core import PydanticSerializationError
 
 from app.errors import UserError
 from app.provenance import (
@@ -27,6 +28,7 @@ from app.provenance import (
     strict_json,
     write_png,
 )
+from renderer.sources import open_clip
 
 TEXTS = st.dictionaries(st.text(max_size=20), st.text(max_size=50) | st.integers() | st.none(), max_size=5)
 
@@ -67,26 +69,64 @@ def test_a_picture_without_provenance_says_so(tmp_path: Path) -> None:
 def test_strict_json_has_no_nan() -> None:
     values = {"a": math.nan, "b": np.float32(math.inf), "c": np.array([1.0, math.nan]), "d": (1, np.int64(2))}
     assert json.loads(strict_json(values)) == {"a": None, "b": None, "c": [1.0, None], "d": [1, 2]}
-    with pytest.raises(PydanticSerializationError, match="no JSON form for object"):
+    with pytest.raises(TypeError, match="no JSON form for object"):
         strict_json({"a": object()})
+
+
+def test_strict_json_replaces_what_is_not_utf8() -> None:
+    name = os.fsdecode(b"caf\xe9")
+    assert json.loads(strict_json({"name": name, "deep": [(name, "é")]})) == {
+        "name": "caf?",
+        "deep": [["caf?", "é"]],
+    }
 
 
 def test_the_digest_of_a_folder_follows_content_and_names_alone(tmp_path: Path) -> None:
     first, second = tmp_path / "first", tmp_path / "second"
     for folder, names in ((first, ("a", "b")), (second, ("b", "a"))):
-        (folder / "sub").mkdir(parents=True)
+        folder.mkdir()
         for name in names:
-            (folder / "sub" / name).write_text(name)
+            (folder / f"{name}.png").write_text(name)
     assert digest(first) == digest(second)
-    (first / ".hidden").write_text("left by a file manager")
-    (first / "run").mkdir()
-    (first / "run" / "run.json").write_text("{}")
-    assert digest(first) == digest(second)
-    (first / "sub" / "a").rename(first / "sub" / "c")
+    (first / "a.png").rename(first / "c.png")
     assert digest(first) != digest(second)
-    (first / "sub" / "c").rename(first / "sub" / "a")
-    (first / "sub" / "a").write_text("changed")
+    (first / "c.png").rename(first / "a.png")
+    (first / "a.png").write_text("changed")
     assert digest(first) != digest(second)
+
+
+def test_the_digest_of_a_clip_is_of_what_is_read(clip_path: Path, tmp_path: Path) -> None:
+    clip = tmp_path / "clip"
+    shutil.copytree(clip_path, clip)
+    before = digest(clip)
+    assert before == digest(clip_path)
+    for name in ("Thumbs.db", "notes.txt", "images/Thumbs.db", "run/run.json", "exports/1.png"):
+        (clip / name).parent.mkdir(exist_ok=True)
+        (clip / name).write_text("not of the clip")
+    (clip / "nowhere.png").symlink_to(clip / "nothing")
+    (clip / "images" / "nowhere.png").symlink_to(clip / "nothing")
+    (clip / "loop").symlink_to(clip / "loop")
+    (clip / "round").symlink_to(clip)
+    assert digest(clip) == before
+    assert len(open_clip(clip)) == len(open_clip(clip_path))
+    for name in ("images/frame-000003.color.png", "masks/frame-000003.mask.png", "poses_bounds.npy"):
+        content = (clip / name).read_bytes()
+        (clip / name).write_bytes(content + b"1")
+        assert digest(clip) != before
+        (clip / name).write_bytes(content)
+    assert digest(clip) == before
+
+
+def test_the_digest_of_a_folder_of_pictures_is_of_those_that_are_frames(tmp_path: Path) -> None:
+    for name in ("1.png", "2.png"):
+        (tmp_path / name).write_text(name)
+    before = digest(tmp_path)
+    (tmp_path / "cover.png").write_text("no frame, it has no number")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "3.png").write_text("below")
+    assert digest(tmp_path) == before
+    (tmp_path / "3.png").write_text("a frame")
+    assert digest(tmp_path) != before
 
 
 def test_a_source_tells_neither_path_nor_user(tmp_path: Path) -> None:

@@ -169,6 +169,21 @@ def test_a_run_goes_on_only_as_it_began(
         list(run_training(request))
 
 
+def test_a_run_goes_on_beside_what_is_not_of_the_clip(clip_path: Path, tmp_path: Path) -> None:
+    clip = tmp_path / "clip"
+    shutil.copytree(clip_path, clip)
+    run = RunFolder(clip / "run")
+    short = replace(CONFIG, iterations=2)
+    list(run_training(request_of(clip, run.path, config=short)))
+    (clip / "Thumbs.db").touch()
+    resumed = request_of(clip, run.path, config=short, resume=True)
+    assert isinstance(next(run_training(resumed)), Finished)
+    frame = sorted((clip / "images").iterdir())[2]
+    cv2.imwrite(str(frame), np.zeros((48, 64, 3), np.uint8))
+    with pytest.raises(UserError, match="the clip has changed: .*clip$"):
+        list(run_training(resumed))
+
+
 def test_half_a_line_of_a_killed_run_is_passed_over(tmp_path: Path) -> None:
     run = RunFolder(tmp_path)
     run.log(Started(0, 5, 3, ()))
@@ -266,9 +281,7 @@ def test_a_frame_without_evaluated_pixels_does_not_count(
         assert report["mean"][name] == measured[name]
 
 
-def test_photos_without_depth_are_refused(
-    clip_path: Path, tmp_path: Path, vesselsplat: Cli
-) -> None:
+def test_photos_without_depth_are_refused(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     photos = tmp_path / "photos"
     photos.mkdir()
     for path in sorted((clip_path / "images").iterdir())[:3]:

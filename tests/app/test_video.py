@@ -69,7 +69,8 @@ def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path) -> None:
     [
         (np.zeros((8, 8, 3), np.uint16), "8-bit"),
         (np.zeros((8, 8), np.float32), "8-bit"),
-        (np.zeros((1, 8, 3), np.uint8), "2x2"),
+        (np.zeros((1, 8, 3), np.uint8), "2x2 pixels or more, got 8x1"),
+        (np.zeros((1, 1, 3), np.uint8), "2x2 pixels or more, got 1x1"),
     ],
 )
 def test_what_no_video_holds_is_refused_and_nothing_written(
