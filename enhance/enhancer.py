@@ -31,6 +31,7 @@ from enhance.statistics import LiveStatistics, Statistics, Tally
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
 
+NO_VALUES: Final = np.empty((0, 0), np.float32)
 NO_MODELS: Final = np.empty((0, 2, 1, 1), np.float32)
 UNMEASURED: Final = Statistics(level=0.0, z=1.0, saturation_mean=0.0, sigmas=(), p=(), scope="image")
 """For a pass that only measures."""
@@ -89,7 +90,7 @@ class _Moments:
 
 @dataclass(frozen=True)
 class _Made:
-    """What the plane of V* in memory was made from."""
+    """What V* is made from."""
 
     windows: Windows
     z: float
@@ -115,7 +116,8 @@ class Enhancer:
         self._moments: _Moments | None = None
         self._reaches: tuple[Windows, tuple[float, ...]] | None = None
         self._made: _Made | None = None
-        self._values = np.empty((0, 0), np.float32)
+        self._values_from: _Made | None = None
+        self._values = NO_VALUES
         self._kept_from: _Made | None = None
         self._kept = np.empty((0, 0, 0), np.float32)
 
@@ -130,7 +132,8 @@ class Enhancer:
         if tissue_mask is not None or picture.alpha is not None:
             keep = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
         self._shown = _Shown(picture, _interleaved(picture), keep)
-        self._survey = self._moments = self._reaches = self._made = self._kept_from = None
+        self._survey = self._moments = self._reaches = None
+        self._made = self._values_from = self._kept_from = None
         self._models.forget()
         self._before = self._last
 
@@ -211,16 +214,15 @@ class Enhancer:
         """The second pass, or as much of it as is needed; the result is (H, W, 3)."""
         now, seen, windows = self._now, self._surveyed(params.subsample), _windows(params)
         made = _Made(windows, used.z, used.p, left_out)
-        known = made == self._made and not measure
+        known = made == self._values_from and not measure
         if known or (all(left_out) and not measure):
             models, exponents = NO_MODELS, np.empty(0, np.float32)
         else:
             models = self._models.of(seen.low, windows)
             exponents = np.where(left_out, -1.0, used.p or 0.0).astype(np.float32)
         stage = NOTHING if measure or known else self._stage(made)
-        rows, columns = now.pixels.shape[:2]
-        if self._values.shape != (rows, columns):
-            self._values = np.empty((rows, columns), np.float32)
+        values = self._values_for(made) if not measure else NO_VALUES
+        rows = now.pixels.shape[0]
         sums = np.empty((rows if measure else 0, len(windows), 2))
         out = np.empty_like(now.pixels)
         render(
@@ -236,7 +238,7 @@ class Enhancer:
             params.keep_black,
             np.float32(seen.mean),
             known,
-            self._values,
+            values,
             stage,
             self._kept,
             sums,
@@ -246,6 +248,18 @@ class Enhancer:
         if measure:
             self._moments = _moments(windows, sums.sum(axis=0), seen)
         return out
+
+    def _values_for(self, made: _Made) -> Float32Image:
+        """Where V* is or goes: it is kept from the second time on that it is made (a moved d-factor)."""
+        if made == self._values_from:
+            return self._values
+        if made != self._made:
+            return NO_VALUES
+        shape = self._now.pixels.shape[:2]
+        if self._values.shape != shape:
+            self._values = np.empty(shape, np.float32)
+        self._values_from = made
+        return self._values
 
     def _stage(self, made: _Made) -> int:
         """What to take from the last pass: E if only z has moved since, a logarithm if P has.
@@ -261,7 +275,7 @@ class Enhancer:
             return NOTHING
         if self._made.p != made.p and 0.5 in made.p:
             return NOTHING
-        shape = (len(made.windows), *self._values.shape)
+        shape = (len(made.windows), *self._now.pixels.shape[:2])
         if self._kept.shape != shape:
             self._kept = np.empty(shape, np.float32)
         self._kept_from = steady if self._made.p == made.p else moving

@@ -197,7 +197,7 @@ def render(
     keep_black: bool,
     pivot: np.float32,  # near the mean of Q
     known: bool,  # `values` is given: only saturation is done
-    values: NDArray[np.float32],  # (H, W), V*: out, or in if known
+    values: NDArray[np.float32],  # (H, W), V*: in if known, else out; empty: not kept
     stage: int,  # what of `kept` to use or to keep
     kept: NDArray[np.float32],  # (n, H, W): the logarithm of Eq 7's ratio (no P is 1/2), or E
     sums: NDArray[np.float64],  # (H, n, 2), out: of Q - pivot and its square over the kept pixels, or empty
@@ -250,8 +250,9 @@ def render(
                             for i in range(CHUNK):
                                 chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
                     _mean(chunk, exponents)
-                    for i in range(count):
-                        values[y, x0 + i] = chunk[TOTAL, i]
+                    if len(values) > 0:
+                        for i in range(count):
+                            values[y, x0 + i] = chunk[TOTAL, i]
                 _recolor(chunk, pull, full)
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)

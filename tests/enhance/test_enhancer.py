@@ -81,7 +81,8 @@ def test_moved_d_factor_computes_no_detail() -> None:
     """What is left in the plane of V* is used: spoil it, and it shows."""
     enhancer = Enhancer()
     enhancer.show(IMAGE)
-    enhancer.enhance()
+    for d_factor in (1.0, 0.9):
+        enhancer.enhance(EnhanceParams(d_factor=d_factor))
     enhancer._values[:] = 0
     assert not enhancer.enhance(EnhanceParams(d_factor=0.5, keep_black=False)).image.any()
     assert enhancer.enhance(EnhanceParams(d_factor=0.5, keep_black=False, z=0.2)).image.any()
