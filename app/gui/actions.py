@@ -13,10 +13,12 @@ from app.errors import UserError
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.orbit import Orbit
+from app.gui.origin import origin_of
 from app.gui.picture_view import PictureView
 from app.gui.settings import save_settings
 from app.gui.state import AppState, Banner, CurvePoint, Job, Reconstruction, Toast
 from app.gui.viewing import ShownModel
+from app.run_folder import RunFolder
 from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.clip import Clip
@@ -258,7 +260,7 @@ def cancel(state: AppState) -> None:
 def show_live_model(state: AppState, model: DynamicGaussians) -> None:
     """The newest copy of the model that is being trained, in the 3D view."""
     job = state.reconstruction
-    if job.clip is None or (state.model is not None and state.model.model is model):
+    if job.clip is None or job.run_path is None or (state.model and state.model.model is model):
         return
     iteration = job.progress.iteration if job.progress else 0
     first = state.model is None or state.model.cameras != job.clip.cameras
@@ -266,16 +268,23 @@ def show_live_model(state: AppState, model: DynamicGaussians) -> None:
     if not first and state.model is not None:
         # A pivot that follows every preview would make the picture wander.
         distance = state.model.distance
-    name = job.run_path.name if job.run_path else job.clip.name
     state.model = ShownModel(
-        model, job.clip.cameras, distance, name, iteration, job.config.iterations, live=True
+        model,
+        job.clip.cameras,
+        distance,
+        job.run_path.name,
+        iteration,
+        job.config.iterations,
+        live=True,
+        origin=origin_of(RunFolder(job.run_path)),
     )
 
 
 def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
     job = state.reconstruction
     if job.clip is not None and job.run_path is not None:
-        state.model = finished_model(model, job.clip.cameras, job.run_path.name, job.config.iterations)
+        folder = RunFolder(job.run_path)
+        state.model = finished_model(folder, model, job.clip.cameras, job.config.iterations)
 
 
 def point_of(progress: Progress) -> CurvePoint:

@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from app.gui.enhancing import Pictures
 from app.gui.legible import legible
-from app.gui.viewing import View, ViewRequest, draw_view
+from app.gui.viewing import BACKGROUND, View, ViewRequest, draw_view
 from app.provenance import provenance, source, write_png
 from renderer.clip import ByteImage
 
@@ -28,8 +28,13 @@ class SaveRequest:
     folder: Path
     pictures: Pictures | None
     view: ViewRequest | None
-    source: Path | None
-    """The clip or run that it comes from."""
+
+    @property
+    def stem(self) -> str:
+        """What the file is called after: the clip of the pictures, or else the run."""
+        if self.pictures is not None:
+            return self.pictures.request.clip.path.stem
+        return self.view.shown.name if self.view is not None else "vesselsplat"
 
 
 @dataclass(frozen=True)
@@ -49,8 +54,7 @@ def save_picture(request: SaveRequest) -> Iterator[Saved]:
     """Write one PNG with all panels side by side. Raises OSError or UserError."""
     panels, facts = _panels(request)
     stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
-    stem = request.source.stem if request.source else "vesselsplat"
-    path = request.folder / f"{stem}-{stamp}.png"
+    path = request.folder / f"{request.stem}-{stamp}.png"
     write_png(path, sheet(panels), facts)
     yield Saved(path)
 
@@ -58,11 +62,10 @@ def save_picture(request: SaveRequest) -> Iterator[Saved]:
 def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
     panels: list[Panel] = []
     facts: dict[str, Any] = {"kind": "screenshot"}
-    if request.source is not None:
-        facts["source"] = source(request.source)
     if (pictures := request.pictures) is not None:
         wanted = pictures.request
         label = wanted.clip.labels[wanted.frame_index]
+        facts["source"] = source(wanted.clip.path)
         panels.append(Panel(f"Original   {label}", pictures.photo))
         facts["frame"] = {"index": wanted.frame_index, "label": label}
         if pictures.enhanced is not None:
@@ -72,15 +75,22 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
     if request.view is not None:
         view = _drawn(request.view)
         panels.append(Panel(f"Reconstruction   {view.request.shown.name}", view.image))
-        facts["view"] = {
-            "run": view.request.shown.name,
-            "iteration": view.request.shown.iteration,
-            "time": view.request.time,
-            "camera": view.request.camera.to_json(),
-            "near": view.request.near,
-            "renderer": "cpu",
-        }
+        facts["view"] = _view_facts(view.request)
     return panels, provenance(**facts)
+
+
+def _view_facts(request: ViewRequest) -> dict[str, Any]:
+    """Its own run and clip, which need not be those of the pictures beside it."""
+    shown = request.shown
+    origin = shown.origin.facts if shown.origin else {"run": {"name": shown.name}}
+    return origin | {
+        "iteration": shown.iteration,
+        "time": request.time,
+        "camera": request.camera.to_json(),
+        "near": request.near,
+        "background": BACKGROUND,
+        "renderer": "numba on the CPU",
+    }
 
 
 def _drawn(request: ViewRequest) -> View:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from app.drawing import middle_distance
+from app.gui.origin import origin_of
 from app.gui.viewing import ShownModel
 from app.run_folder import RunFolder, RunRecord
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
@@ -103,12 +104,14 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
 def shown_model(folder: RunFolder, record: RunRecord) -> ShownModel:
     """The finished model of a run, ready to be looked at through its clip's cameras."""
     cameras = tuple(record.camera(index) for index in range(record.clip.frames))
-    return finished_model(folder.model(), cameras, folder.path.name, record.config.iterations)
+    return finished_model(folder, folder.model(), cameras, record.config.iterations)
 
 
 def finished_model(
-    model: DynamicGaussians, cameras: tuple[Camera, ...], name: str, iterations: int
+    folder: RunFolder, model: DynamicGaussians, cameras: tuple[Camera, ...], iterations: int
 ) -> ShownModel:
-    """A model that is no longer trained."""
-    distance = middle_distance(model, cameras[0])
-    return ShownModel(model, cameras, distance, name, iterations, iterations, live=False)
+    """The model of a run that has ended."""
+    distance, origin = middle_distance(model, cameras[0]), origin_of(folder)
+    return ShownModel(
+        model, cameras, distance, folder.path.name, iterations, iterations, live=False, origin=origin
+    )

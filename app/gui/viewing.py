@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from app.gui.orbit import Orbit
+from app.gui.origin import Origin
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
@@ -31,6 +32,8 @@ class ShownModel:
     iterations: int
     live: bool
     """Still being trained."""
+    origin: Origin | None = None
+    """The run it comes from; None when that left nothing to read."""
 
     def view(self, time: float, orbit: Orbit, size: tuple[int, int]) -> ViewRequest:
         """The view of (width, height) pixels at `time` in [0, 1] through the orbited camera of that time."""

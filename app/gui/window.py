@@ -204,9 +204,8 @@ class Window:
     def save_picture(self) -> None:
         """Ask for a PNG of what is shown, made in the background."""
         state = self.state
-        source = state.clip.path if state.clip else state.reconstruction.run_path
         if state.pictures is not None or state.view_request is not None:
-            request = SaveRequest(state.places.pictures, state.pictures, state.view_request, source)
+            request = SaveRequest(state.places.pictures, state.pictures, state.view_request)
             self._channels.saving.ask(request)
 
     def close(self) -> None:

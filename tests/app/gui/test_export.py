@@ -12,11 +12,13 @@ from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Panel, SaveRequest, describe, save_picture, sheet
 from app.gui.state import AppState
 from app.gui.viewing import ShownModel
-from app.provenance import read_provenance
+from app.provenance import digest, read_provenance
+from assets import phantom_path
 from enhance import EnhanceParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
-from tests.app.gui.conftest import SIZE, photo
+from tests.app.gui.conftest import SIZE, FakeJob, photo
+from tests.app.gui.test_opening import make_run, opened
 
 
 def pair(clip: Clip, params: EnhanceParams | None) -> Pictures:
@@ -26,7 +28,7 @@ def pair(clip: Clip, params: EnhanceParams | None) -> Pictures:
 def test_the_pixels_are_the_data_s_own(tmp_path: Path, clip: Clip) -> None:
     clip.path.mkdir()
     shown = pair(clip, EnhanceParams())
-    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None, clip.path))
+    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None))
     page = cv2.cvtColor(cv2.imread(str(saved.path)), cv2.COLOR_BGR2RGB)
     width, height = SIZE
     top = (page.shape[0] - height) // 2
@@ -37,7 +39,7 @@ def test_the_pixels_are_the_data_s_own(tmp_path: Path, clip: Clip) -> None:
 def test_the_file_says_how_to_make_it_again_and_nothing_private(tmp_path: Path, clip: Clip) -> None:
     clip.path.mkdir()
     shown = pair(clip, EnhanceParams(z=0.25))
-    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None, clip.path))
+    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None))
     facts = read_provenance(saved.path)
     assert facts["frame"] == {"index": 2, "label": "2.png"}
     assert facts["params"]["z"] == 0.25
@@ -52,17 +54,17 @@ def test_the_3d_view_is_drawn_at_the_photo_s_resolution(
 ) -> None:
     shown = ShownModel(model, clip.cameras, 50.0, "run-1", 7, 7, live=False)
     view = shown.view(0.5, state.orbit, (24, 20))
-    (saved,) = save_picture(SaveRequest(tmp_path, None, view, None))
+    (saved,) = save_picture(SaveRequest(tmp_path, None, view))
     facts = read_provenance(saved.path)["view"]
     assert (facts["camera"]["width"], facts["camera"]["height"]) == SIZE
-    assert (facts["run"], facts["time"], facts["iteration"]) == ("run-1", 0.5, 7)
+    assert (facts["run"]["name"], facts["time"], facts["iteration"]) == ("run-1", 0.5, 7)
     assert cv2.imread(str(saved.path)).shape[1] == SIZE[0]
 
 
 def test_two_pictures_never_take_the_same_name(tmp_path: Path, clip: Clip) -> None:
     clip.path.mkdir()
     shown = pair(clip, None)
-    paths = {next(save_picture(SaveRequest(tmp_path, shown, None, clip.path))).path for _ in range(5)}
+    paths = {next(save_picture(SaveRequest(tmp_path, shown, None))).path for _ in range(5)}
     assert len(paths) == 5
 
 
@@ -81,9 +83,48 @@ def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppState, clip: Clip) -> None:
     (tmp_path / "file").write_text("in the way")
-    request = SaveRequest(tmp_path / "file" / "deep", pair(clip, None), None, None)
+    clip.path.mkdir()
+    request = SaveRequest(tmp_path / "file" / "deep", pair(clip, None), None)
     with pytest.raises(Exception, match="file") as caught:
         list(save_picture(request))
     actions.fail(state, str(caught.value))
     assert state.banner is not None
     assert "\n" not in state.banner.message
+
+
+def test_a_run_s_view_names_its_own_clip_whatever_is_open(
+    tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
+) -> None:
+    run = make_run(tmp_path / "run-1", phantom_path(), model)
+    shown = opened(run.path).run
+    assert shown is not None
+    assert shown.model is not None
+    clip.path.mkdir()
+    view = shown.model.view(0.5, state.orbit, (24, 20))
+    (saved,) = save_picture(SaveRequest(tmp_path / "out", pair(clip, None), view))
+    facts = read_provenance(saved.path)
+    assert facts["source"]["name"] == clip.name
+    record = run.record()
+    assert facts["view"]["clip"] == {"name": "phantom", "sha256": record.clip.sha256}
+    assert facts["view"]["run"] == {"name": "run-1", "model_sha256": digest(run.model_path)}
+    assert (facts["view"]["input"], facts["view"]["config"]["method"]) == ("enhanced", "vesselsplat")
+    assert facts["view"]["near"] == view.near > 0
+    assert str(tmp_path) not in json.dumps(facts)
+    assert str(phantom_path()) not in json.dumps(facts)
+
+
+def test_a_model_of_this_session_knows_its_run(
+    tmp_path: Path, state: AppState, model: DynamicGaussians
+) -> None:
+    actions.start_reconstruction(state, FakeJob)
+    path = state.reconstruction.run_path
+    assert path is not None
+    run = make_run(path, phantom_path(), None)
+    actions.show_live_model(state, model)
+    assert state.model is not None
+    assert state.model.origin is not None
+    assert (state.model.origin.run, state.model.origin.model_sha256) == (path.name, None)
+    run.save_model(model)
+    actions.show_finished_model(state, model)
+    assert state.model.origin is not None
+    assert state.model.origin.model_sha256 == digest(run.model_path)
