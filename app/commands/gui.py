@@ -5,19 +5,25 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from app.arguments import add_fields, parameters
 from app.display import has_display
 from app.errors import UserError
+from renderer.endonerf import EndoNerfOptions
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("path", metavar="CLIP|IMAGE|VIDEO|RUN", nargs="?", type=Path, help="what to open")
+    add_fields(
+        parser, EndoNerfOptions, ("mask_polarity", "evaluation_masks", "pose_convention", "bottom_rows")
+    )
 
 
 def run(flags: argparse.Namespace) -> None:
     if flags.path is not None and not flags.path.exists():
         raise UserError(f"expected a clip, image, video or run, got no such file or folder: {flags.path}")
+    options = parameters(EndoNerfOptions, flags)
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
     from app.gui.window import run_app
 
-    run_app(flags.path)
+    run_app(flags.path, options)

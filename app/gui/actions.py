@@ -69,14 +69,14 @@ def _save(state: AppState) -> None:
 
 def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there."""
-    state.opening = OpenRequest(path.absolute())
+    state.opening = OpenRequest(path.absolute(), state.clip_options)
     state.banner = None
 
 
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     """Take over what has been opened: the start of a session with it."""
     state.opening = None
-    state.clip, state.pictures = opened.clip, None
+    state.clip, state.opened_options, state.pictures = opened.clip, opened.options, None
     state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
     state.linked, state.view_time, state.frame_index = True, 0.0, 0
     if not state.reconstruction.is_alive:
@@ -199,6 +199,7 @@ def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
         clip_path=clip.path,
         run_path=_run_path(state),
         config=draft.config,
+        clip_options=state.opened_options,
         input=draft.input,
         enhance_params=replace(state.params, d_factor=draft.d_factor),
     )

@@ -13,6 +13,7 @@ from app.run_folder import RunFolder, RunRecord
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
+from renderer.endonerf import DEFAULTS, EndoNerfOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
 from renderer.train.events import Progress
@@ -23,6 +24,7 @@ class OpenRequest:
     """One wish to open something; a second wish for the same path is another request."""
 
     path: Path
+    options: EndoNerfOptions = DEFAULTS
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +48,8 @@ class Opened:
     clip: Clip | None
     run: OpenedRun | None = None
     notices: tuple[str, ...] = ()
+    options: EndoNerfOptions = DEFAULTS
+    """How the clip was read."""
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
@@ -55,10 +59,10 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     if run.is_run or request.path.suffix == ".safetensors":
         yield _open_run(run)
         return
-    clip = open_clip(request.path)
+    clip = open_clip(request.path, request.options)
     # A folder that lists but does not decode is found out here, not in the middle of a session.
     clip.read_image(0)
-    yield Opened(clip, notices=clip.notices)
+    yield Opened(clip, notices=clip.notices, options=request.options)
 
 
 def _open_run(folder: RunFolder) -> Opened:
@@ -67,9 +71,8 @@ def _open_run(folder: RunFolder) -> Opened:
     model = shown_model(folder, record) if folder.is_finished else None
     if model is None:
         notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
-    return Opened(
-        clip, OpenedRun(folder.path, record, _request(folder, record), model, _logged(folder)), notices
-    )
+    run = OpenedRun(folder.path, record, _request(folder, record), model, _logged(folder))
+    return Opened(clip, run, notices, record.clip.options)
 
 
 def _request(folder: RunFolder, record: RunRecord) -> TrainRequest:

@@ -33,6 +33,7 @@ from app.gui.update import Channels, update
 from app.gui.viewport import ProcessorViewport, Viewport, make_viewport
 from app.job import TrainingJob
 from assets import phantom_path
+from renderer.endonerf import DEFAULTS, EndoNerfOptions
 
 IDLE_FPS = 9.0
 BUSY_FPS = 25.0
@@ -40,14 +41,16 @@ BUSY_FPS = 25.0
 SIZE = (1280, 720)
 
 
-def run_app(path: Path | None = None) -> None:
+def run_app(path: Path | None = None, clip_options: EndoNerfOptions = DEFAULTS) -> None:
     """Open the window, on a clip or a run if given, and return when it is closed.
+
+    `clip_options` are for all clips that are opened in it; a run keeps those it was begun with.
 
     Raises:
         UserError: there is no screen, or no OpenGL 3.3 on it.
     """
     places = Places.of_user()
-    window = Window(AppState(places, load_settings(places.settings_file)))
+    window = Window(AppState(places, load_settings(places.settings_file), clip_options))
     if path is not None:
         actions.open_path(window.state, path)
     window.run()

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import argparse
 import shutil
 from pathlib import Path
 
+import cv2
 import pytest
 
+from app.cli import load
 from app.errors import UserError
 from app.gui import actions
 from app.gui.opening import Opened, OpenRequest, open_path
@@ -15,7 +18,9 @@ from app.run_folder import ClipRecord, RunFolder, RunRecord
 from app.training import TrainRequest
 from assets import phantom_path
 from renderer.clip import ClipError
+from renderer.endonerf import EndoNerfOptions
 from renderer.gaussians import DynamicGaussians
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress
@@ -122,3 +127,47 @@ def test_a_clip_whose_first_picture_is_damaged_is_refused(tmp_path: Path) -> Non
     first.write_bytes(first.read_bytes()[:200])
     with pytest.raises(ClipError, match=first.name):
         opened(copy)
+
+
+@pytest.fixture
+def inverted(tmp_path: Path) -> Path:
+    """A clip whose masks have 255 on the tissue."""
+    folder = tmp_path / "inverted"
+    params = PhantomParams(n_frames=3, width=64, height=48, tools=True)
+    write_phantom(folder, params, "endonerf")
+    for path in (folder / "masks").iterdir():
+        cv2.imwrite(str(path), 255 - cv2.imread(str(path), cv2.IMREAD_UNCHANGED))
+    return folder
+
+
+def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
+    places: Places, inverted: Path
+) -> None:
+    with pytest.raises(ClipError, match="--mask-polarity tissue"):
+        opened(inverted)
+    state = AppState(places, Settings(acknowledged=True), EndoNerfOptions(mask_polarity="tissue"))
+    actions.open_path(state, inverted)
+    assert state.opening is not None
+    (answer,) = open_path(state.opening)
+    actions.show_opened(state, inverted, answer)
+    assert state.clip is not None
+    assert state.clip.read_frame(0).tissue_mask.mean() > 0.5
+    jobs: list[FakeJob] = []
+    actions.start_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
+    request = jobs[0].request
+    assert isinstance(request, TrainRequest)
+    assert request.clip_options.mask_polarity == "tissue"
+
+
+def test_the_flags_of_the_app_are_those_of_the_refusals(
+    inverted: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started: list[tuple[Path | None, EndoNerfOptions]] = []
+    monkeypatch.setattr("app.gui.window.run_app", lambda path, options: started.append((path, options)))
+    monkeypatch.setattr("app.commands.gui.has_display", lambda: True)
+    command, parser = load("gui"), argparse.ArgumentParser()
+    command.add_flags(parser)
+    command.run(parser.parse_args([str(inverted), "--mask-polarity", "tissue", "--bottom-rows", "4"]))
+    assert started == [(inverted, EndoNerfOptions(mask_polarity="tissue", bottom_rows=4))]
+    with pytest.raises(UserError, match="--mask-polarity"):
+        command.run(parser.parse_args([str(inverted), "--mask-polarity", "tisue"]))
