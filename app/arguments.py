@@ -99,7 +99,7 @@ def _alternatives(hint: Any) -> list[Any]:
 
 def _help(field: FieldInfo) -> str:
     parts = [" ".join((field.description or "").split())]
-    for mark in dict.fromkeys([*field.metadata, *_marks(field.annotation)]):
+    for mark in dict.fromkeys([*field.metadata, *marks(field.annotation)]):
         if isinstance(mark, Interval):
             parts.append(f"[{mark.ge} to {mark.le}]")
         elif isinstance(mark, Unit):
@@ -109,6 +109,7 @@ def _help(field: FieldInfo) -> str:
     return " ".join(part for part in parts if part).replace("%", "%%")
 
 
-def _marks(hint: Any) -> list[Any]:
-    inner = [mark for part in get_args(hint) for mark in _marks(part)]
+def marks(hint: Any) -> list[Any]:
+    """What is annotated anywhere within a type: its ranges and units."""
+    inner = [mark for part in get_args(hint) for mark in marks(part)]
     return [*getattr(hint, "__metadata__", ()), *inner]

@@ -14,10 +14,9 @@ from PIL import Image, ImageDraw, ImageFont
 from app.gui.enhancing import Pictures
 from app.gui.legible import legible
 from app.gui.viewing import BACKGROUND, View, ViewRequest, draw_view
-from app.provenance import provenance, source, write_png
+from app.provenance import NOTICE, provenance, source, write_png
 from renderer.clip import ByteImage
 
-NOTICE = "Research use only. Not a medical device."
 INK, PAPER = (235, 235, 235), (28, 28, 28)
 
 

@@ -11,7 +11,7 @@ from imgui_bundle import hello_imgui, imgui, imgui_ctx
 from app.gui import actions, theme
 from app.gui.keys import fit_pictures, one_to_one, toggle_help
 from app.gui.legible import legible
-from app.gui.panels.overlays import NOTICE
+from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.panels.welcome import Openers
 from app.gui.state import AppState
 from app.gui.widgets import em, explain
@@ -79,10 +79,10 @@ def quit_app() -> None:
 
 def draw_status(state: AppState) -> None:
     """The notice on the left, always; what is open and how fast things are on the right."""
-    imgui.text_colored(theme.WARNING, NOTICE)
+    imgui.text_colored(theme.WARNING, LONG_NOTICE)
     text = "   ·   ".join(_facts(state))
     x = imgui.get_window_width() - imgui.calc_text_size(text).x - em(1)
-    if x > imgui.calc_text_size(NOTICE).x + em(3):
+    if x > imgui.calc_text_size(LONG_NOTICE).x + em(3):
         imgui.same_line(x)
         imgui.text_colored(theme.MUTED, text)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, get_args
+from typing import Any
 
 from annotated_types import Interval
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from pydantic.fields import FieldInfo
 
+from app.arguments import marks
 from app.gui import theme
 from app.gui.legible import legible
 from enhance import EnhanceParams
@@ -33,16 +34,11 @@ class Declared:
 def declared(kind: type[Any], name: str) -> Declared:
     """Range, explanation and default of a pydantic dataclass's field, from its own declaration."""
     field: FieldInfo = kind.__pydantic_fields__[name]
-    marks = [*field.metadata, *_marks(field.annotation)]
-    interval = next((mark for mark in marks if isinstance(mark, Interval)), Interval(ge=0, le=1))
+    declarations = [*field.metadata, *marks(field.annotation)]
+    interval = next((mark for mark in declarations if isinstance(mark, Interval)), Interval(ge=0, le=1))
     text = " ".join((field.description or "").split())
     lo, hi = (float(str(bound)) for bound in (interval.ge, interval.le))
     return Declared(lo, hi, text, field.default)
-
-
-def _marks(hint: Any) -> list[Any]:
-    inner = [mark for part in get_args(hint) for mark in _marks(part)]
-    return [*getattr(hint, "__metadata__", ()), *inner]
 
 
 def row(label: str, tooltip: str) -> None:

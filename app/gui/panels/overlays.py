@@ -10,8 +10,9 @@ from app.gui import actions, theme
 from app.gui.keys import MOUSE, PEEK_TEXT, Shortcut
 from app.gui.state import AppState
 from app.gui.widgets import button, em
+from app.provenance import NOTICE
 
-NOTICE = "Research use only. Not a medical device. Not for diagnosis or treatment."
+LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
     "VesselSplat makes vessels easier to see in a picture. It does not find, measure or judge them, "
     "and enhanced pictures may show structures that are not there. "
@@ -41,7 +42,7 @@ def draw_notice(state: AppState) -> None:
             return
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.spacing()
-            imgui.text_unformatted(NOTICE)
+            imgui.text_unformatted(LONG_NOTICE)
             imgui.spacing()
             imgui.text_colored(theme.MUTED, DETAILS)
         imgui.spacing()
@@ -112,7 +113,7 @@ def draw_help(state: AppState, table: tuple[Shortcut, ...]) -> None:
                 imgui.table_next_column()
                 imgui.text_wrapped(text)
         imgui.spacing()
-        imgui.text_colored(theme.MUTED, NOTICE)
+        imgui.text_colored(theme.MUTED, LONG_NOTICE)
 
 
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
