@@ -99,6 +99,8 @@ def _reference(splats: Splats, camera: Camera, near: float) -> Drawn:
 
 
 def _gl() -> tuple[Draw, str]:
+    from moderngl import Error
+
     from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
     from renderer.draw.offscreen import render_depth_offscreen, render_offscreen
 
@@ -108,7 +110,11 @@ def _gl() -> tuple[Draw, str]:
         raise UserError(f"{error} Or draw with --with cpu.") from error
 
     def draw(splats: Splats, camera: Camera, near: float) -> Drawn:
-        image = render_offscreen(context, splats, camera, near=near)
-        return Drawn(image, render_depth_offscreen(context, splats, camera, near=near))
+        try:
+            image = render_offscreen(context, splats, camera, near=near)
+            return Drawn(image, render_depth_offscreen(context, splats, camera, near=near))
+        except Error as error:
+            size = f"{camera.width}x{camera.height}"
+            raise UserError(f"OpenGL cannot draw {size} here ({error}): choose a smaller --size") from error
 
     return draw, f"OpenGL, {renderer_name(context)}"

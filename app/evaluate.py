@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import Any, Literal
 
 from app.drawing import Drawn, draw_on_cpu, near_plane
 from app.errors import UserError
+from app.mean import mean_of_finite
 from app.provenance import digest
 from app.run_folder import RunFolder, RunRecord
 from app.training import input_clip
@@ -29,7 +27,8 @@ DEFINITIONS = {
     "over the evaluated pixels, so that what is under tools or never seen does not count",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
     "lpips": "not measured: its weights are not part of this program",
-    "mean": "mean over the test frames, (index - 1) % 8 == 0; means leave out what was not measured",
+    "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
+    "mean": "mean over the frames; means leave out what was not measured, is infinite or undefined",
 }
 
 
@@ -73,8 +72,13 @@ class Evaluation:
 
     @property
     def indices(self) -> tuple[int, ...]:
-        """The held-out frames; of a clip too short to hold one out, its only frame."""
-        return self.clip.test_indices or self.clip.train_indices
+        """The frames to measure: see `frames_are`."""
+        return self.record.test_indices or self.clip.train_indices
+
+    @property
+    def frames_are(self) -> Literal["test", "training"]:
+        """Held out; or, of a clip too short to hold one out, those that the run was trained on."""
+        return "test" if self.record.test_indices else "training"
 
     def frames(self) -> Iterator[FrameMeasures]:
         """Measure the frames one after the other."""
@@ -98,7 +102,9 @@ class Evaluation:
             "clip": {"name": self.record.clip.name, "sha256": self.record.clip.sha256},
             "method": self.record.config.method,
             "input": self.record.input,
-            "mean": {name: _mean(getattr(frame, name) for frame in frames) for name in AVERAGED} | constant,
+            "frames_are": self.frames_are,
+            "mean": {name: mean_of_finite(getattr(frame, name) for frame in frames) for name in AVERAGED}
+            | constant,
             "whole_picture": _mean_photo(frame.whole_picture for frame in frames),
             "original_photo": _mean_photo(frame.original_photo for frame in frames),
             "input_photo": _mean_photo(frame.input_photo for frame in frames),
@@ -157,12 +163,6 @@ def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> dict[str, float]:
     return {"dv": measured.dv, "bv": measured.bv, "dv_bv": measured.ratio}
 
 
-def _mean(values: Iterator[float | None]) -> float | None:
-    """None when nothing was measured; frames where a measure is undefined are left out."""
-    measured = [value for value in values if value is not None and math.isfinite(value)]
-    return float(np.mean(measured)) if measured else None
-
-
 def _mean_photo(photos: Iterator[dict[str, float]]) -> dict[str, float | None]:
     listed = list(photos)
-    return {name: _mean(photo[name] for photo in listed) for name in ("dv", "bv", "dv_bv")}
+    return {name: mean_of_finite(photo[name] for photo in listed) for name in ("dv", "bv", "dv_bv")}

@@ -109,7 +109,8 @@ class TrainingJob:
                 self._inbox.put(self._with_model(received) if isinstance(received, Ended) else received)
         self._process.join()
         if not isinstance(last, Ended | Cancelled | Failed):
-            self._inbox.put(Failed(_death(self._process.exitcode)))
+            kept = RunFolder(self.request.run_path).has_checkpoint
+            self._inbox.put(Failed(_death(self._process.exitcode, kept=kept)))
 
     def _with_model(self, ended: Ended) -> Finished | Failed:
         path = RunFolder(self.request.run_path).model_path
@@ -134,11 +135,11 @@ def _state_after(event: JobEvent, state: State) -> State:
     return state
 
 
-def _death(exit_code: int | None) -> str:
-    """How the process ended that did not say so itself."""
-    kept = "the last checkpoint is kept"
+def _death(exit_code: int | None, *, kept: bool) -> str:
+    """How the process ended that did not say so itself, and whether it left a checkpoint."""
+    left = "the last checkpoint is kept" if kept else "it left no checkpoint"
     if exit_code is not None and exit_code < 0:
         name = signal.Signals(-exit_code).name
         cause = " (often: out of memory)" if name == "SIGKILL" else ""
-        return f"the training process was killed by {name}{cause}; {kept}"
-    return f"the training process ended with exit code {exit_code} before it was finished; {kept}"
+        return f"the training process was killed by {name}{cause}; {left}"
+    return f"the training process ended with exit code {exit_code} before it was finished; {left}"

@@ -13,7 +13,7 @@ from PIL import Image
 
 from app.atomic import write_bytes
 from app.errors import UserError
-from app.provenance import encode_png
+from app.provenance import encode_png, write_sidecar
 from renderer.pictures import SUFFIXES, is_picture, natural_key
 
 ArrayImage = NDArray[Any]
@@ -100,12 +100,14 @@ def _read_array(path: Path) -> ArrayImage:
 
 
 def write_image(path: Path, image: ArrayImage, facts: dict[str, Any]) -> None:
-    """Write atomically in the format of the suffix; PNG carries `facts`.
+    """Write atomically in the format of the suffix; PNG carries `facts`, other files have them beside them.
 
     Raises:
         UserError: a suffix that is unknown or cannot hold this type of image.
     """
     write_bytes(path, _encoded(path, image, facts))
+    if path.suffix.lower() != ".png":
+        write_sidecar(path, facts)
 
 
 def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any]) -> bytes:

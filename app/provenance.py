@@ -107,6 +107,11 @@ def write_png(path: Path, image: Image, facts: dict[str, Any]) -> None:
     write_bytes(path, encode_png(image, facts))
 
 
+def write_sidecar(path: Path, facts: dict[str, Any]) -> None:
+    """Write the provenance of a file whose format carries none beside it, as NAME.json."""
+    write_bytes(path.with_name(f"{path.name}.json"), strict_json(facts, indent=2).encode())
+
+
 def encode_png(image: Image, facts: dict[str, Any]) -> bytes:
     """The bytes of a PNG that carries `facts`; 8 or 16 bits a channel as the image has."""
     order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}

@@ -24,7 +24,7 @@ from renderer.camera import Camera
 from renderer.endonerf import DEFAULTS, EndoNerfOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
-from renderer.train.events import TrainEvent
+from renderer.train.events import Omission, TrainEvent
 
 Input = Literal["original", "enhanced"]
 PARTIAL = re.compile(r"^\..*\.partial(\..*)?$")
@@ -75,6 +75,11 @@ class RunRecord:
         cameras = self.clip.cameras
         return Camera.from_json(cameras[index if len(cameras) > 1 else 0])
 
+    @property
+    def test_indices(self) -> tuple[int, ...]:
+        """The frames held out of training, as `Clip.test_indices`, without the clip."""
+        return tuple(range(1, self.clip.frames, 8))
+
     def time(self, index: int) -> float:
         """The time of frame `index`, in [0, 1)."""
         return index / self.clip.frames
@@ -116,6 +121,10 @@ class RunFolder:
             return True
         return self.path.is_dir() and all(PARTIAL.match(item.name) for item in self.path.iterdir())
 
+    @property
+    def has_checkpoint(self) -> bool:
+        return any(self.path.glob("checkpoint-*.safetensors"))
+
     def create(self, record: RunRecord) -> None:
         """Start a run here. Raises UserError when the folder holds anything."""
         if not self.is_vacant:
@@ -151,6 +160,11 @@ class RunFolder:
             return []
         text = self.events_path.read_text(encoding="utf-8", errors="replace")
         return [event for line in text.split("\n") if (event := _parsed(line))]
+
+    def omitted(self) -> tuple[Omission, ...]:
+        """What the run left out, as it said when it started."""
+        started = [event["omitted"] for event in self.events() if event["event"] == "Started"]
+        return tuple(Omission(**omission) for omission in started[-1]) if started else ()
 
     def train_seconds(self) -> float | None:
         """Training time of the finished run, None when it was not logged."""

@@ -27,11 +27,11 @@ class EnhanceParams:
     """
 
     z: Annotated[float, Interval(ge=0.0, le=1.0)] | None = None
-    """Brightness factor of Eq 1: 0 lifts dark areas most, 1 leaves brightness alone. None: from the
+    """Brightness factor of Eq 1: 0 lifts dark areas most, 1 leaves brightness alone. Auto: from the
     image, by Eq 2."""
     p: Exponent | tuple[Exponent, ...] | None = None
     """Strength of local detail, the exponent P of Eq 7: 0 is off. One number, or one for each scale.
-    None: from the image, by Eq 9."""
+    Auto: from the image, by Eq 9."""
     p_form: PForm = "literal"
     """Eq 9 as printed, or the middle branch continued until it meets the outer two (no jumps)."""
     radii: Annotated[tuple[Radius, ...], Len(1, 6)] = (4, 16, 64)

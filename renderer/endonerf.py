@@ -50,7 +50,7 @@ class EndoNerfOptions:
     """Which masks the metrics count. The published figures multiply by masks, which also leave out
     the pixels without stereo depth; gt_masks count everything but the tools."""
     bottom_rows: Annotated[int, Interval(ge=0, le=256), Unit("px")] | None = None
-    """Burned-in rows at the bottom, not supervised; detected when none."""
+    """Burned-in rows at the bottom, not supervised; auto: detected."""
 
 
 DEFAULTS = EndoNerfOptions()
@@ -247,11 +247,13 @@ def _judge_masks(path: Path, samples: list[Sample], options: EndoNerfOptions) ->
     percent = f"{100 * share:.0f} % of the picture"
     if options.mask_polarity == "auto" and share > 0.999:
         raise ClipError(
-            f'masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity to "tissue": {path}'
+            f"masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "
+            f"(--mask-polarity tissue): {path}"
         )
     if options.mask_polarity == "auto" and marks_tissue(samples):
         expected = f"expected masks/ with 255 = tool, got what looks like 255 = tissue ({percent})"
-        raise ClipError(f'{expected}; set mask_polarity to "tissue", or to "tool" if they are right: {path}')
+        hint = "set mask_polarity (--mask-polarity tissue, or tool if they are right)"
+        raise ClipError(f"{expected}; {hint}: {path}")
     if options.mask_polarity != "tissue" and share > 0.5:
         return [f"masks/ marks {percent} as tool"]
     return []

@@ -13,12 +13,12 @@ from typing import Any, TypeVar, cast
 
 from app.ahead import ahead
 from app.arguments import add_fields, parameters
-from app.atomic import filled, write_bytes
+from app.atomic import filled
 from app.errors import UserError
 from app.methods import METHODS, PAPER, VESSEL, Enhanced, Params, apply
 from app.pictures import ArrayImage, is_image, write_image
 from app.progress import progress
-from app.provenance import provenance, source, strict_json
+from app.provenance import provenance, source, strict_json, write_sidecar
 from app.series import Series, open_series
 from app.video import write_video
 from enhance import EnhanceParams, ImageError, Statistics, measure
@@ -29,6 +29,10 @@ FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black")
 VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "d_factor"}}
 VIDEO = ".mp4"
+VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
+PICTURES = frozenset({".avif", ".dcm", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
+NOT_WRITTEN = VIDEOS | PICTURES
+"""Formats that are not written; any other name, such as 2024.05.01, is that of a folder."""
 
 T = TypeVar("T")
 
@@ -96,7 +100,7 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
         raise UserError(f"expected another OUTPUT than INPUT, which is never overwritten: {output}")
     if is_image(output) and len(series) > 1:
         raise UserError(f"expected a folder or {VIDEO} for {len(series)} pictures, got {output}")
-    if output.suffix and not (is_image(output) or output.suffix.lower() == VIDEO or output.is_dir()):
+    if output.suffix.lower() in NOT_WRITTEN and not output.is_dir():
         raise UserError(f"expected a picture, a folder or {VIDEO} to write, got {output}")
 
 
@@ -217,6 +221,5 @@ def _write_video(
     written = write_video(output, frames(), series.frames_per_second, like=like)
     notices.extend(written.notices)
     record = provenance(encoding=written.encoding, notices=notices, pictures=facts)
-    sidecar = output.with_name(f"{output.name}.json")
-    write_bytes(sidecar, strict_json(record, indent=2).encode())
+    write_sidecar(output, record)
     return facts

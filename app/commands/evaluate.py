@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from app.evaluate import AVERAGED, Evaluation, FrameMeasures, open_evaluation
 from app.progress import progress
 from app.provenance import provenance, strict_json
+from app.terminal import table_terminal
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -46,9 +46,11 @@ def _print(report: dict[str, Any]) -> None:
     mean = report["mean"]
     table.add_section()
     table.add_row("mean", *(_text(mean[name]) for name in AVERAGED))
-    console = Console(width=max(Console().width, 140))
+    console = table_terminal()
     console.print(table)
     console.print(f"{mean['n_gaussians']} Gaussians, trained in {_text(mean['train_seconds'])} s")
+    if report["frames_are"] == "training":
+        console.print("measured on training frames: the clip is too short to hold one out")
     console.print("dv, bv, dv_bv: inferred definition")
 
 

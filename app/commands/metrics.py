@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from app.errors import UserError
+from app.mean import mean_of_finite
 from app.pictures import ArrayImage, read_image
 from app.provenance import provenance, source, strict_json
+from app.terminal import table_terminal
 from enhance import ImageError
 from enhance.image import BoolImage
 from enhance.metrics import (
@@ -42,6 +43,7 @@ DEFINITIONS = {
     "vessel_cnr": "the same difference over the standard deviation of the ring",
     "noise_gain": "high-frequency noise over that of the original, where the original is flat",
     "blackened_share": "share of the vessel mask that is near-black and was not in the original",
+    "null": "infinite, as the PSNR of equal pictures, or undefined, as DV/BV of a blank one; not in means",
 }
 
 
@@ -67,7 +69,7 @@ def run(flags: argparse.Namespace) -> None:
     triples = zip_longest(paths, originals, masks)
     measured = [measure_picture(path, original, mask) for path, original, mask in triples]
     names = ALONE + (CONTRAST if originals or masks else ()) + (AGAINST if originals else ())
-    mean = {name: float(np.mean([picture[name] for picture in measured])) for name in names}
+    mean = {name: mean_of_finite(picture[name] for picture in measured) for name in names}
     if flags.json:
         sys.stdout.write(strict_json(provenance(mean=mean, images=measured, definitions=DEFINITIONS)) + "\n")
     else:
@@ -150,12 +152,12 @@ def _unit(image: ArrayImage) -> NDArray[np.float64]:
     return unit
 
 
-def _print(measured: list[dict[str, Any]], mean: dict[str, float], names: tuple[str, ...]) -> None:
+def _print(measured: list[dict[str, Any]], mean: dict[str, float | None], names: tuple[str, ...]) -> None:
     table = Table("image", *names)
     for picture in measured:
         table.add_row(picture["image"]["name"], *(f"{picture[name]:.4g}" for name in names))
     table.add_section()
-    table.add_row("mean", *(f"{mean[name]:.4g}" for name in names))
-    console = Console(width=max(Console().width, 140))
+    table.add_row("mean", *("none" if (value := mean[name]) is None else f"{value:.4g}" for name in names))
+    console = table_terminal()
     console.print(table)
     console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")

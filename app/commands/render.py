@@ -5,21 +5,22 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from app.atomic import filled
 from app.drawing import Drawn, colored_depth, drawer, near_plane
 from app.errors import UserError
+from app.pictures import write_image
 from app.progress import progress
 from app.provenance import digest, provenance, write_png
 from app.run_folder import RunFolder, RunRecord
 from renderer.camera import Camera
 
+MOST_PIXELS = 16384
+"""Each way: the largest framebuffer of common graphics cards."""
 SPLAT_FILES = frozenset({".ply", ".splat", ".spz", ".sog"})
 
 
@@ -82,16 +83,19 @@ def _moments(flags: argparse.Namespace, record: RunRecord) -> Iterator[_Moment]:
         camera = _resized(fixed or record.camera(nearest), flags.size)
         yield _Moment(f"time-{flags.time:.4f}", None, flags.time, camera)
         return
-    for index in _indices(flags.frames or ["all"], record.clip.frames):
+    for index in _indices(flags.frames or ["all"], record):
         camera = _resized(fixed or record.camera(index), flags.size)
         yield _Moment(f"frame-{index:06d}", index, record.time(index), camera)
 
 
-def _indices(frames: list[str], count: int) -> list[int]:
+def _indices(frames: list[str], record: RunRecord) -> Sequence[int]:
+    count = record.clip.frames
     if frames == ["all"]:
-        return list(range(count))
+        return range(count)
     if frames == ["test"]:
-        return [index for index in range(count) if (index - 1) % 8 == 0]
+        if not record.test_indices:
+            raise UserError(f"--frames test: a clip of {count} frame holds none out, use --frames all")
+        return record.test_indices
     for text in frames:
         if not text.isdecimal() or int(text) >= count:
             raise UserError(f"--frames: expected all, test or numbers from 0 to {count - 1}, got {text!r}")
@@ -108,11 +112,11 @@ def _read_camera(path: Path) -> Camera:
 
 
 def _resized(camera: Camera, size: list[int] | None) -> Camera:
-    if size is None:
-        return camera
-    if min(size) < 1:
-        raise UserError(f"--size: expected at least 1 1 pixels, got {size[0]} {size[1]}")
-    return camera.resized(*size)
+    """Raises UserError for a size, of the flag or the camera file, that no renderer draws."""
+    width, height = size or (camera.width, camera.height)
+    if min(width, height) < 1 or max(width, height) > MOST_PIXELS:
+        raise UserError(f"--size: expected 1 to {MOST_PIXELS} pixels each way, got {width} {height}")
+    return camera.resized(width, height) if size else camera
 
 
 def _write(folder: Path, moment: _Moment, drawn: Drawn, facts: dict[str, Any], *, depth: bool) -> None:
@@ -120,5 +124,6 @@ def _write(folder: Path, moment: _Moment, drawn: Drawn, facts: dict[str, Any], *
     if depth:
         picture, (nearest, farthest) = colored_depth(drawn.depth)
         shown = facts | {"shows": "expected depth", "nearest": nearest, "farthest": farthest}
-        np.save(folder / f"{moment.name}-depth.npy", drawn.depth)
+        depth_facts = provenance(**facts, holds="expected depth in scene units, 0 where nothing is")
+        write_image(folder / f"{moment.name}-depth.npy", drawn.depth, depth_facts)
         write_png(folder / f"{moment.name}-depth.png", picture, provenance(**shown))

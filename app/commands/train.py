@@ -11,6 +11,7 @@ from app.arguments import add_fields, parameters
 from app.errors import UserError
 from app.progress import progress
 from app.provenance import provenance, strict_json
+from app.run_folder import RunFolder
 from app.training import TrainRequest, run_training
 from renderer.endonerf import EndoNerfOptions
 from renderer.train.config import TrainConfig
@@ -42,6 +43,7 @@ def run(flags: argparse.Namespace) -> None:
     config = parameters(TrainConfig, flags)
     if flags.device == "cuda":
         raise UserError("--device cuda: training on CUDA is not available in this version; use cpu or auto")
+    run_folder = RunFolder(flags.run)
     request = TrainRequest(
         clip_path=flags.clip,
         run_path=flags.run,
@@ -51,16 +53,15 @@ def run(flags: argparse.Namespace) -> None:
         resume=flags.resume,
     )
     try:
-        started, finished = follow(request)
+        finished = follow(request)
     except KeyboardInterrupt as interrupt:
-        kept = f"interrupted; the checkpoints in {flags.run} are kept, --resume goes on"
-        raise KeyboardInterrupt(kept) from interrupt
+        raise KeyboardInterrupt(f"interrupted; {_kept(run_folder)}") from interrupt
     summary: dict[str, Any] = {
         "run": flags.run.absolute().name,
         "iterations": finished.iteration,
         "train_seconds": finished.seconds,
         "n_gaussians": len(finished.model),
-        "omitted": started.omitted if started else (),
+        "omitted": run_folder.omitted(),
     }
     if flags.json:
         sys.stdout.write(strict_json(provenance(config=config, input=flags.input, **summary)) + "\n")
@@ -71,15 +72,21 @@ def run(flags: argparse.Namespace) -> None:
             sys.stdout.write(f"left out: {omission.what} ({omission.why}), saves {omission.saves}\n")
 
 
-def follow(request: TrainRequest) -> tuple[Started | None, Finished]:
-    """Train with progress on stderr; Started is None when the run had finished before."""
-    started: Started | None = None
+def _kept(folder: RunFolder) -> str:
+    """What an interruption leaves, and what to do with it."""
+    if folder.has_checkpoint:
+        return f"the last checkpoint in {folder.path} is kept, --resume goes on"
+    return f"there is no checkpoint in {folder.path} yet, --resume starts again"
+
+
+def follow(request: TrainRequest) -> Finished:
+    """Train with progress on stderr."""
     finished: Finished | None = None
     with progress(f"train {request.input}", request.config.iterations) as report:
         for event in run_training(request):
             match event:
                 case Started():
-                    started = event
+                    report(event.iteration, "")
                 case Progress():
                     report(event.iteration, f"loss {event.loss:.4f} PSNR {event.psnr:.2f} dB")
                 case Evaluated():
@@ -89,4 +96,4 @@ def follow(request: TrainRequest) -> tuple[Started | None, Finished]:
                 case Finished():
                     finished = event
     assert finished is not None
-    return started, finished
+    return finished

@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 import pytest
 
+from app.__main__ import main
 from app.cli import COMMANDS, chosen, load
 from app.errors import UserError
 from tests.app.conftest import Call
@@ -79,7 +80,8 @@ MISTAKES = [
     (["enhance", "{bad}/mixed", "{bad}/mixed"], "never overwritten"),
     (["enhance", "{bad}/whole.png", "{bad}/whole.png"], "never overwritten"),
     (["enhance", "{bad}/whole.png", "{bad}"], "never overwritten"),
-    (["enhance", "{bad}/whole.png", "{out}.xyz"], "xyz"),
+    (["enhance", "{bad}/whole.png", "{out}.avi"], "out.avi"),
+    (["enhance", "{bad}/whole.png", "{out}.gif"], "out.gif"),
     (["enhance", "{bad}/mixed", "{out}.png"], "2 pictures"),
     (["enhance", "{bad}/small.npy", "{out}.png"], ".png cannot hold float32"),
     (["enhance", "{bad}/small.npy", "{out}.mp4"], "8-bit"),
@@ -184,10 +186,28 @@ def test_info_is_one_json_object_without_paths(vesselsplat: Cli) -> None:
     assert str(ROOT) not in call.out
 
 
+def test_help_says_auto_for_what_is_automatic(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("enhance", "train"):
+        with pytest.raises(SystemExit):
+            main([name, "--help"])
+        said = capsys.readouterr().out
+        assert "auto" in said.lower()
+        assert "none" not in said.lower()
+
+
 def test_a_bug_keeps_its_traceback(monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli) -> None:
     monkeypatch.setattr("app.commands.info.collect", lambda: [][0])
     with pytest.raises(IndexError):
         vesselsplat("info")
+
+
+def test_too_little_memory_is_one_line(monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli) -> None:
+    def starved() -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("app.commands.info.collect", starved)
+    call = vesselsplat("info")
+    assert (call.code, call.error.count("\n"), "out of memory" in call.error) == (2, 1, True)
 
 
 def test_an_interruption_is_one_line_and_130(monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli) -> None:
@@ -199,8 +219,10 @@ def test_an_interruption_is_one_line_and_130(monkeypatch: pytest.MonkeyPatch, ve
     assert (call.code, call.error) == (130, "vesselsplat: interrupted\n")
 
 
-def test_a_reader_that_leaves_is_no_error() -> None:
-    shell = f"'{sys.executable}' -m app --help | true; exit ${{PIPESTATUS[0]}}"
+@pytest.mark.parametrize("arguments", ["--help", "metrics {picture}", "metrics {picture} --json"])
+def test_a_reader_that_leaves_is_no_error(tmp_path: Path, arguments: str) -> None:
+    given = arguments.format(picture=picture(tmp_path / "whole.png"))
+    shell = f"'{sys.executable}' -m app {given} | true; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=ROOT)
     assert (done.returncode, done.stderr) == (0, "")
 

@@ -13,7 +13,7 @@ import pytest
 
 from app.__main__ import main
 from app.pictures import read_image
-from app.provenance import digest, read_provenance
+from app.provenance import NOTICE, digest, read_provenance
 from app.series import Series
 from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import BASELINES
@@ -53,6 +53,32 @@ def test_a_picture_is_what_the_library_makes_of_it(folder: Path, tmp_path: Path,
     assert str(tmp_path) not in json.dumps(facts)
     summary = json.loads(call.out)
     assert summary["pictures"][0]["statistics"] == facts["statistics"]
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".tiff", ".webp", ".npy"])
+def test_what_carries_no_provenance_has_it_beside_it(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, suffix: str
+) -> None:
+    out = tmp_path / f"out{suffix}"
+    assert vesselsplat("enhance", folder / "1.png", out, "--z", "0.3").code == 0
+    facts = json.loads((tmp_path / f"out{suffix}.json").read_text())
+    assert facts["source"] == {"name": "1.png", "sha256": digest(folder / "1.png")}
+    assert (facts["params"]["z"], facts["notice"]) == (0.3, NOTICE)
+
+
+def test_floats_of_a_folder_have_their_provenance_beside_them(tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "in").mkdir()
+    np.save(tmp_path / "in" / "1.npy", tissue(1) / np.float32(255))
+    assert vesselsplat("enhance", tmp_path / "in", tmp_path / "out").code == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"1.tiff", "1.tiff.json"}
+
+
+@pytest.mark.parametrize("name", ["out.v1", "2024.05.01"])
+def test_a_new_folder_may_have_a_dot_in_its_name(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, name: str
+) -> None:
+    assert vesselsplat("enhance", folder / "1.png", tmp_path / name).code == 0
+    assert [path.name for path in (tmp_path / name).iterdir()] == ["1.png"]
 
 
 def test_sixteen_bits_and_alpha_are_kept(tmp_path: Path, vesselsplat: Cli) -> None:
@@ -120,6 +146,29 @@ def test_metrics_against_itself_is_perfect(folder: Path, vesselsplat: Cli) -> No
     assert report["mean"]["ssim"] == pytest.approx(1.0)
     assert report["mean"]["psnr"] is None  # infinite: strict JSON has no word for it
     assert report["images"][0]["dv"] == report["images"][0]["original"]["dv"]
+
+
+def test_one_undefined_measure_leaves_the_mean_of_the_others(
+    folder: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    blank = tmp_path / "blank.png"
+    cv2.imwrite(str(blank), np.full((40, 60, 3), 90, np.uint8))
+    report = json.loads(vesselsplat("metrics", folder / "1.png", blank, "--json").out)
+    first, second = report["images"]
+    assert second["dv_bv"] is None
+    assert report["mean"]["dv_bv"] == first["dv_bv"]
+    assert "null" in report["definitions"]
+    equal = ("metrics", folder / "1.png", folder / "2.png", "--against", folder / "1.png", folder / "1.png")
+    report = json.loads(vesselsplat(*equal, "--json").out)
+    assert report["images"][0]["psnr"] is None
+    assert report["mean"]["psnr"] == report["images"][1]["psnr"]
+    assert vesselsplat(*equal).code == 0
+
+
+def test_names_are_printed_as_they_are(folder: Path, vesselsplat: Cli) -> None:
+    name = "img[a] [red]:smile:.png"
+    (folder / "1.png").rename(folder / name)
+    assert name in vesselsplat("metrics", folder / name).out
 
 
 @pytest.mark.parametrize("method", ["vessel", *BASELINES])

@@ -136,6 +136,7 @@ def test_a_run_that_dies_says_why_once(tmp_path: Path, steps: Steps, reason: str
         failures = [event for event in events_until(job, is_a(Failed)) if isinstance(event, Failed)]
         assert job.state == "failed"
         assert reason in failures[0].reason
+        assert "is kept" not in failures[0].reason  # There is no checkpoint.
         assert ("Traceback" in failures[0].details) == has_details
         time.sleep(0.1)
         assert job.poll() == []

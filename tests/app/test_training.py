@@ -25,7 +25,9 @@ from app.run_folder import RunFolder
 from app.training import TrainRequest, input_clip, run_training
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu
+from renderer.camera import Camera
 from renderer.metrics import psnr
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Started, Warned
@@ -180,7 +182,7 @@ def test_a_run_goes_on_beside_what_is_not_of_the_clip(clip_path: Path, tmp_path:
     assert isinstance(next(run_training(resumed)), Finished)
     frame = sorted((clip / "images").iterdir())[2]
     cv2.imwrite(str(frame), np.zeros((48, 64, 3), np.uint8))
-    with pytest.raises(UserError, match="the clip has changed: .*clip$"):
+    with pytest.raises(UserError, match=r"the clip has changed: .*clip$"):
         list(run_training(resumed))
 
 
@@ -240,6 +242,7 @@ def test_evaluation_compares_with_the_photos_the_run_was_trained_on(
     original = clip.read_image(9)[frame.evaluation_mask][:, None]
     assert row["original_photo"]["dv"] == pytest.approx(dvbv_otsu(original).dv)
     mean = report["mean"]
+    assert report["frames_are"] == "test"
     names = "psnr psnr_masked ssim lpips depth_rmse_mm dv bv dv_bv n_gaussians train_seconds ms_per_frame"
     assert set(mean) == set(names.split())
     assert mean["lpips"] is None
@@ -305,12 +308,15 @@ def test_a_clip_that_changed_is_not_evaluated(
     assert "changed" in call.error
 
 
+ENDS = ("-depth.npy", "-depth.npy.json", "-depth.png", ".png")
+
+
 def test_render_writes_pictures_that_know_where_they_come_from(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
     out = tmp_path / "out"
     assert vesselsplat("render", runs["original"], "--out", out, "--frames", "test", "--depth").code == 0
-    names = [f"frame-00000{index}{end}" for index in (1, 9) for end in ("-depth.npy", "-depth.png", ".png")]
+    names = [f"frame-00000{index}{end}" for index in (1, 9) for end in ENDS]
     assert sorted(path.name for path in out.iterdir()) == names
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
@@ -357,6 +363,9 @@ def test_render_takes_another_camera_and_size(
         (("--time", "1.5"), "--time"),
         (("--time", "0.5", "--frames", "1"), "--time"),
         (("--size", "0", "5"), "--size"),
+        (("--size", "100000", "100000"), "1 to 16384"),
+        (("--camera", "{tmp}/huge.json"), "1 to 16384"),
+        (("--camera", "{tmp}/infinite.json"), "infinite.json"),
         (("--camera", "{tmp}/none.json"), "none.json"),
         (("--camera", "{tmp}/text.json"), "text.json"),
     ],
@@ -364,12 +373,19 @@ def test_render_takes_another_camera_and_size(
 def test_render_refuses_what_a_run_does_not_have(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], word: str
 ) -> None:
-    (tmp_path / "text.json").write_text('{"fx": 3}')
+    camera = Camera.from_fov(60, 32, 24).to_json()
+    texts = {
+        "text": '{"fx": 3}',
+        "huge": json.dumps(camera | {"width": 100_000}),
+        "infinite": json.dumps(camera | {"width": float("inf")}),
+    }
+    for name, text in texts.items():
+        (tmp_path / f"{name}.json").write_text(text)
     filled = [flag.format(tmp=tmp_path) for flag in flags]
     call = vesselsplat("render", runs["original"], "--out", tmp_path / "out", *filled)
     assert (call.code, call.error.count("\n")) == (2, 1)
     assert word in call.error
-    assert [path.name for path in tmp_path.iterdir()] == ["text.json"]
+    assert {path.stem for path in tmp_path.iterdir()} == set(texts)
 
 
 def test_train_prints_one_json_object(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
@@ -380,6 +396,31 @@ def test_train_prints_one_json_object(clip_path: Path, tmp_path: Path, vesselspl
     assert (call.code, summary["iterations"], summary["config"]["seed"]) == (0, 3, 2)
     assert summary["omitted"][0]["what"]
     assert str(tmp_path) not in call.out
+    again = vesselsplat(
+        "train", clip_path, "--run", tmp_path / "run", "--iterations", 3, "--seed", 2, "--json", "--resume"
+    )
+    assert json.loads(again.out)["omitted"] == summary["omitted"]
+
+
+def test_the_only_frame_of_a_clip_is_said_to_be_its_training_frame(tmp_path: Path, vesselsplat: Cli) -> None:
+    clip, run = tmp_path / "clip", tmp_path / "run"
+    write_phantom(clip, PhantomParams(n_frames=1, width=64, height=48), "endonerf")
+    assert vesselsplat("train", clip, "--run", run, "--iterations", 3).code == 0
+    report = json.loads(vesselsplat("evaluate", run, "--json").out)
+    assert (report["frames_are"], [frame["index"] for frame in report["frames"]]) == ("training", [0])
+    assert "training frames" in vesselsplat("evaluate", run).out
+    call = vesselsplat("render", run, "--out", tmp_path / "out", "--frames", "test")
+    assert (call.code, call.error.count("\n"), "--frames all" in call.error) == (2, 1, True)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("count", [1, 2, 9, 10, 63])
+def test_a_record_holds_out_the_frames_of_its_clip(
+    runs: dict[str, Path], clip_path: Path, count: int
+) -> None:
+    record, clip = RunFolder(runs["original"]).record(), open_clip(clip_path)
+    short = replace(record, clip=replace(record.clip, frames=count))
+    assert short.test_indices == replace(clip, cameras=clip.cameras[:1] * count).test_indices
 
 
 def test_interrupted_training_says_what_is_kept(
@@ -391,7 +432,12 @@ def test_interrupted_training_says_what_is_kept(
     monkeypatch.setattr("app.commands.train.run_training", interrupted)
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
     assert (call.code, call.error.count("\n")) == (130, 1)
-    assert "--resume goes on" in call.error
+    assert "no checkpoint" in call.error
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "checkpoint-0000010.safetensors").touch()
+    call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
+    assert (call.code, call.error.count("\n")) == (130, 1)
+    assert "is kept, --resume goes on" in call.error
 
 
 def test_the_demo_leaves_sheets_and_a_report_and_can_be_repeated(
