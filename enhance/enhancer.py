@@ -10,23 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, needs, saturation
+from enhance.chunk import BINS, BLOCK
 from enhance.guided_filter import WindowModels, Windows, shrunk_radius
 from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
 from enhance.kernels import (
-    BINS,
-    BLOCK,
     FROM_LOGARITHM,
     FROM_POWER,
     KEEP_LOGARITHM,
     KEEP_POWER,
     NOTHING,
     render,
-    survey,
 )
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.powers import LOG2_ZERO
 from enhance.result import EnhanceResult
 from enhance.statistics import LiveStatistics, Statistics, Tally
+from enhance.survey import survey
 
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""

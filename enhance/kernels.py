@@ -1,9 +1,6 @@
-"""The two passes over an image, fused: first what the statistics need, then Eqs 1 and 6-12 in one go.
+"""The second pass over an image: Eqs 1 and 6-12 in one go, from the chunk that is read to the one written.
 
-Rows are worked through in chunks of a constant number of pixels, held in one local block whose planes cannot
-overlap: that, float32 alone, and selects instead of branches let LLVM turn each loop into straight vector
-code. Sums are never reordered and the blocks of rows do not depend on the number of threads, so results
-repeat bit for bit. Lanes past the end of a row hold black pixels that nobody counts or reads.
+Sums are never reordered, so results repeat bit for bit.
 """
 
 from __future__ import annotations
@@ -14,173 +11,37 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.interleave import put_together, take_apart
+from enhance.chunk import (
+    BINS,
+    BLOCK,
+    CHUNK,
+    HALF,
+    INVERSE,
+    KEEP,
+    LEAST,
+    LEAST_COLOR,
+    LEVELS,
+    LOG,
+    MOST,
+    OFFSET,
+    ONE,
+    PLANES,
+    SLOPE,
+    TOTAL,
+    VALUE,
+    ZERO,
+    load,
+    load_keep,
+)
+from enhance.interleave import put_together
 from enhance.powers import exp2, log2, rounded
 
-CHUNK = 128
-"""Pixels worked on at once: 8 planes of them stay in the first-level cache. A multiple of 8 and of 16."""
-BLOCK = 16
-"""Low-resolution rows of one task."""
-BINS = 256
-
-ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
-LEVELS = np.float32(255.0)
 FLOOR = np.float32(1 / 255)
 BLACK = np.float32(24 / 255)
-LEAST = np.float32(1e-30)
 TWO, THREE = np.float32(2.0), np.float32(3.0)
 
 # What the second pass keeps for the next, or takes from the last.
 NOTHING, KEEP_LOGARITHM, FROM_LOGARITHM, KEEP_POWER, FROM_POWER = range(5)
-
-# Planes of a chunk.
-RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)
-
-
-@njit(inline="always")
-def _load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
-    """Colours, their largest and smallest, as they come; taken apart in their own, narrow type."""
-    take_apart(pixels, apart)
-    for i in range(CHUNK):
-        red, green, blue = apart[0, i], apart[1, i], apart[2, i]
-        most = red if red > green else green
-        least = red if red < green else green
-        apart[3, i] = most if most > blue else blue
-        apart[4, i] = least if least < blue else blue
-    for plane in range(5):
-        for i in range(CHUNK):
-            chunk[plane, i] = np.float32(apart[plane, i])
-
-
-@njit(inline="always")
-def _load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArray[np.float32]) -> None:
-    """1 where a pixel counts, 0 elsewhere; an empty `keep` keeps all."""
-    if keep.shape[0] == 0:
-        for i in range(CHUNK):
-            chunk[KEEP, i] = ONE if i < count else ZERO
-    else:
-        for i in range(CHUNK):
-            chunk[KEEP, i] = ZERO
-        for i in range(count):
-            chunk[KEEP, i] = np.float32(keep[y, x0 + i])
-
-
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
-def survey(
-    image: NDArray[Any],  # (H, W, 3)
-    keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
-    full: np.float32,  # the image's value of 1.0
-    subsample: int,
-    low: NDArray[np.float32],  # (h, w), out: block means of V
-    histograms: NDArray[np.int64],  # (blocks, BINS), out: of V in grey levels, over the kept pixels
-    chroma: NDArray[np.float64],  # (blocks,), out: sum of S over the kept pixels
-) -> None:
-    """First pass: V at low resolution, its histogram and the sum of S."""
-    rows, columns = image.shape[0], image.shape[1]
-    width = low.shape[1] * subsample
-    unit = ONE / full
-    for block in prange(len(chroma)):
-        chunk = np.empty((PLANES, CHUNK), np.float32)
-        apart = np.zeros((5, CHUNK), image.dtype)
-        line = np.empty(width + CHUNK, np.float32)
-        levels = np.empty(CHUNK, np.uint8)
-        counts = np.zeros((4, BINS), np.int32)
-        total = 0.0
-        for low_row in range(block * BLOCK, min((block + 1) * BLOCK, low.shape[0])):
-            line[:] = ZERO
-            chunk[TOTAL] = ZERO
-            for y in range(low_row * subsample, (low_row + 1) * subsample):
-                inside = y < rows
-                for step in range((columns + CHUNK - 1) // CHUNK):
-                    x0 = step * CHUNK
-                    count = min(CHUNK, columns - x0)
-                    _load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
-                    for i in range(CHUNK):
-                        chunk[VALUE, i] = chunk[MOST, i] * unit
-                    for i in range(CHUNK):
-                        line[x0 + i] += chunk[VALUE, i]
-                    if inside:
-                        _load_keep(keep, y, x0, count, chunk)
-                        _tally(chunk, levels, counts, count)
-            for x in range(columns, width):
-                line[x] = line[columns - 1]
-            _shrink(line, subsample, low[low_row])
-            for i in range(CHUNK):
-                total += np.float64(chunk[TOTAL, i])
-        chroma[block] = total
-        for level in range(BINS):
-            histograms[block, level] = (
-                counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
-            )
-
-
-@njit(inline="always")
-def _tally(
-    chunk: NDArray[np.float32], levels: NDArray[np.uint8], counts: NDArray[np.int32], count: int
-) -> None:
-    """Add the chunk's S and V to the sums; four histograms in turn, as equal neighbours would wait."""
-    for i in range(CHUNK):
-        most = chunk[MOST, i]
-        chroma = (most - chunk[LEAST_COLOR, i]) / (most if most > LEAST else LEAST)
-        chunk[TOTAL, i] += chunk[KEEP, i] * chroma
-        levels[i] = np.uint8(np.int32(rounded(chunk[VALUE, i] * LEVELS)))  # type: ignore[call-arg]
-    for i in range(count):
-        counts[i & 3, levels[i]] += np.int32(chunk[KEEP, i])
-
-
-@njit(inline="always")
-def _shrink(line: NDArray[np.float32], subsample: int, out: NDArray[np.float32]) -> None:
-    """Block means of a row, which is the sum of the block's rows."""
-    if subsample == 1:
-        for x in range(len(out)):
-            out[x] = line[x]
-    elif subsample == 2:
-        _shrink_by(line, 2, out)
-    elif subsample == 4:
-        _shrink_by(line, 4, out)
-    elif subsample == 8:
-        _shrink_by(line, 8, out)
-    else:
-        _shrink_by(line, subsample, out)
-
-
-@njit(inline="always")
-def _shrink_by(line: NDArray[np.float32], subsample: int, out: NDArray[np.float32]) -> None:
-    mean = ONE / np.float32(subsample * subsample)
-    for x in range(len(out)):
-        total = ZERO
-        for k in range(subsample):
-            total += line[x * subsample + k]
-        out[x] = total * mean
-
-
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
-def extremes(
-    image: NDArray[Any],  # (H, W, 3)
-    full: np.float32,  # the image's value of 1.0
-    subsample: int,
-    darkest: NDArray[np.float32],  # (h, w), out: smallest V of each block
-    brightest: NDArray[np.float32],  # (h, w), out: largest V of each block
-) -> None:
-    """The range of V within each block of the low resolution."""
-    rows, columns = image.shape[0], image.shape[1]
-    for low_row in prange(darkest.shape[0]):
-        chunk = np.empty((PLANES, CHUNK), np.float32)
-        apart = np.zeros((5, CHUNK), image.dtype)
-        least, most = np.full(columns + CHUNK, full), np.zeros(columns + CHUNK, np.float32)
-        for y in range(low_row * subsample, min((low_row + 1) * subsample, rows)):
-            for step in range((columns + CHUNK - 1) // CHUNK):
-                x0 = step * CHUNK
-                count = min(CHUNK, columns - x0)
-                _load(image[y, x0 : x0 + count], apart, chunk)
-                for i in range(CHUNK):
-                    least[x0 + i] = min(least[x0 + i], chunk[MOST, i])
-                    most[x0 + i] = max(most[x0 + i], chunk[MOST, i])
-        for x in range(darkest.shape[1]):
-            low, high = full, ZERO
-            for column in range(x * subsample, min((x + 1) * subsample, columns)):
-                low, high = min(low, least[column]), max(high, most[column])
-            darkest[low_row, x], brightest[low_row, x] = low / full, high / full
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -224,14 +85,14 @@ def render(
             for step in range((columns + width - 1) // width):
                 x0 = step * width
                 count = min(width, columns - x0)
-                _load(image[y, x0 : x0 + count], apart, chunk)
+                load(image[y, x0 : x0 + count], apart, chunk)
                 for i in range(CHUNK):
                     chunk[VALUE, i] = chunk[MOST, i] / full
                 if known:
                     for i in range(count):
                         chunk[TOTAL, i] = values[y, x0 + i]
                 else:
-                    _load_keep(keep, y, x0, count, chunk)
+                    load_keep(keep, y, x0, count, chunk)
                     _brighten(chunk, apart, curve, z)
                     for i in range(CHUNK):
                         chunk[TOTAL, i] = ZERO
@@ -298,7 +159,13 @@ def _widen(line: NDArray[np.float32], subsample: int, chunk: NDArray[np.float32]
             chunk[plane, i] = line[i + 1]
     elif subsample == 2:
         _widen_by(line, 2, chunk, plane)
-    elif subsample == 4:
+    else:
+        _widen_far(line, subsample, chunk, plane)
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _widen_far(line: NDArray[np.float32], subsample: int, chunk: NDArray[np.float32], plane: int) -> None:
+    if subsample == 4:
         _widen_by(line, 4, chunk, plane)
     elif subsample == 8:
         _widen_by(line, 8, chunk, plane)
@@ -332,12 +199,17 @@ def _brighten(
         for i in range(CHUNK):
             chunk[LOG, i] = log2(chunk[VALUE, i])
     else:
-        for i in range(CHUNK):
-            value = chunk[VALUE, i]
-            log = log2(value)
-            root = exp2((np.float32(0.75) * z + np.float32(0.25)) * log)
-            power = exp2((TWO - z) * log)
-            chunk[LOG, i] = log2(HALF * (root + np.float32(0.4) * (ONE - z) * (ONE - value) + power))
+        _brighten_directly(chunk, z)
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
+    for i in range(CHUNK):
+        value = chunk[VALUE, i]
+        log = log2(value)
+        root = exp2((np.float32(0.75) * z + np.float32(0.25)) * log)
+        power = exp2((TWO - z) * log)
+        chunk[LOG, i] = log2(HALF * (root + np.float32(0.4) * (ONE - z) * (ONE - value) + power))
 
 
 @njit(inline="always")
@@ -427,7 +299,7 @@ def _is_dark(chunk: NDArray[np.float32]) -> bool:
     return bool(darkest < 24)
 
 
-@njit(inline="always")
+@njit(fastmath={"contract"}, error_model="numpy")
 def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
     """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
     for i in range(CHUNK):

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from enhance.detail import FLOOR
 from enhance.image import Float32Image
-from enhance.kernels import extremes
 from enhance.params import EnhanceParams
 from enhance.result import Omission
 from enhance.statistics import Statistics
+from enhance.survey import extremes
 
 SAMPLES = 40
 """Rows and columns of the sparse grid that tells when no scale can be left out."""

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from enhance import guided_filter
-from enhance.kernels import BLOCK, survey
+from enhance.chunk import BLOCK
 from enhance.reference import bilinear, window_mean
+from enhance.survey import survey
 from tests.enhance.pictures import KINDS, picture, vessels
 
 Float64 = NDArray[np.float64]

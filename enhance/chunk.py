@@ -1,0 +1,58 @@
+"""A chunk: a run of pixels of one row that the kernels work on at once.
+
+Its constant number of pixels, held in one local block whose planes cannot overlap, float32 alone, and selects
+instead of branches let LLVM turn each loop into straight vector code. Lanes past the end of a row hold what
+came before; nobody counts or reads them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from enhance.interleave import take_apart
+
+CHUNK = 128
+"""Pixels; the planes of so many stay in the first-level cache. A multiple of 8 and of 16."""
+BLOCK = 16
+"""Low-resolution rows of one task: a fixed number, so that no result depends on the number of threads."""
+BINS = 256
+
+ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
+LEVELS = np.float32(255.0)
+LEAST = np.float32(1e-30)
+"""In place of a divisor of 0."""
+
+# Planes of a chunk.
+RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)
+
+
+@njit(inline="always")
+def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
+    """Colours, their largest and smallest, as they come; taken apart in their own, narrow type."""
+    take_apart(pixels, apart)
+    for i in range(CHUNK):
+        red, green, blue = apart[0, i], apart[1, i], apart[2, i]
+        most = red if red > green else green
+        least = red if red < green else green
+        apart[3, i] = most if most > blue else blue
+        apart[4, i] = least if least < blue else blue
+    for plane in range(5):
+        for i in range(CHUNK):
+            chunk[plane, i] = np.float32(apart[plane, i])
+
+
+@njit(inline="always")
+def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArray[np.float32]) -> None:
+    """1 where a pixel counts, 0 elsewhere; an empty `keep` keeps all."""
+    if keep.shape[0] == 0:
+        for i in range(CHUNK):
+            chunk[KEEP, i] = ONE if i < count else ZERO
+    else:
+        for i in range(CHUNK):
+            chunk[KEEP, i] = ZERO
+        for i in range(count):
+            chunk[KEEP, i] = np.float32(keep[y, x0 + i])
