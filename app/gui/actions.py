@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
+from typing import TypeVar
 
 from app.drawing import middle_distance
 from app.errors import UserError
+from app.gui.enhancing import Look
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.orbit import Orbit
@@ -27,6 +29,7 @@ from renderer.train.events import Progress
 
 TOAST_SECONDS = 6.0
 MakeJob = Callable[[TrainRequest], Job]
+L = TypeVar("L", bound=Look)
 
 
 def say(state: AppState, line: str) -> None:
@@ -149,9 +152,21 @@ def toggle_link(state: AppState) -> None:
 # ---- enhancement
 
 
-def set_params(state: AppState, params: EnhanceParams) -> None:
+def set_params(state: AppState, params: Look) -> None:
     """Live, while a slider moves; `settle_params` makes it a step of undo."""
     state.params = params
+
+
+def latest(state: AppState, method: type[L]) -> L:
+    """The parameters of a method, as they were when it was last chosen."""
+    settled = (params for params in (state.params, *reversed(state.past)) if isinstance(params, method))
+    return next(settled, method())
+
+
+def choose_method(state: AppState, method: type[Look]) -> None:
+    """Enhance by this method, with the parameters that it had."""
+    settle_params(state)
+    state.params = latest(state, method)
 
 
 def settle_params(state: AppState) -> None:
@@ -175,7 +190,7 @@ def redo(state: AppState) -> None:
 
 
 def reset_params(state: AppState) -> None:
-    state.params = EnhanceParams()
+    state.params = type(state.params)()
 
 
 def toggle_enhancement(state: AppState) -> None:
@@ -201,7 +216,7 @@ def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
         config=draft.config,
         clip_options=state.opened_options,
         input=draft.input,
-        enhance_params=replace(state.params, d_factor=draft.d_factor),
+        enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
     )
     _start(state, make_job, clip, request, [])
 

@@ -12,9 +12,12 @@ import numpy as np
 
 from app.gui.surround import inside
 from enhance import EnhanceParams, Enhancer, Statistics, measure
+from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import BoolImage, ByteImage, Clip
 
 Scope = Literal["image", "clip"]
+Look = EnhanceParams | VesselParams
+"""Of the paper's method, or of the own preset; the type says which."""
 POOLED_FRAMES = 16
 """Frames, evenly spread, whose statistics stand for the whole clip."""
 
@@ -25,7 +28,7 @@ class PictureRequest:
 
     clip: Clip
     frame_index: int
-    params: EnhanceParams | None
+    params: Look | None
     """None: white light only."""
     scope: Scope = "image"
     """Statistics of this frame, or pooled over the clip so that playing does not flicker."""
@@ -52,35 +55,39 @@ class PictureMaker:
 
     def __init__(self) -> None:
         self._enhancer = Enhancer()
-        self._shown: tuple[PictureRequest, ByteImage] | None = None
+        self._shown: tuple[PictureRequest, ByteImage, BoolImage | None] | None = None
         self._pooled: tuple[PictureRequest, Statistics] | None = None
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
         """First the photo alone, then both. Raises ClipError or ImageError."""
-        photo = self._show(request)
+        photo, mask = self._show(request)
         yield Pictures(request, photo)
         if request.params is None:
             return
         statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
         start = perf_counter()
-        result = self._enhancer.enhance(request.params, statistics=statistics)
+        if isinstance(request.params, VesselParams):
+            result = enhance_vessels(photo, request.params, tissue_mask=mask, statistics=statistics)
+        else:
+            result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
         yield Pictures(request, photo, enhanced, result.statistics, milliseconds)
 
-    def _show(self, request: PictureRequest) -> ByteImage:
-        """The photo, read once for as long as only parameters move."""
+    def _show(self, request: PictureRequest) -> tuple[ByteImage, BoolImage | None]:
+        """The photo and the pixels that count, read once for as long as only parameters move."""
         key = replace(request, params=None, scope="image")
         if self._shown is None or self._shown[0] != key:
             self._shown = None
             photo, mask = _read(request, request.frame_index)
             self._enhancer.show(photo, mask)
-            self._shown = key, photo
-        return self._shown[1]
+            self._shown = key, photo, mask
+        return self._shown[1:]
 
-    def _of_clip(self, request: PictureRequest, params: EnhanceParams) -> Statistics:
+    def _of_clip(self, request: PictureRequest, params: Look) -> Statistics:
         """What is measured depends on the windows alone; z and P are resolved again by `enhance`."""
-        windows = EnhanceParams(radii=params.radii, eps=params.eps, subsample=params.subsample)
+        paper = params if isinstance(params, EnhanceParams) else EnhanceParams()
+        windows = EnhanceParams(radii=paper.radii, eps=paper.eps, subsample=paper.subsample)
         key = replace(request, frame_index=0, params=windows)
         if self._pooled is None or self._pooled[0] != key:
             count = min(len(request.clip), POOLED_FRAMES)

@@ -14,10 +14,12 @@ from PIL import Image, ImageDraw, ImageFont
 from app.gui.enhancing import Pictures
 from app.gui.legible import legible
 from app.gui.viewing import BACKGROUND, View, ViewRequest, draw_view
+from app.methods import PAPER, VESSEL
 from app.provenance import NOTICE, provenance, source, write_png
+from enhance.vessel import VesselParams
 from renderer.clip import ByteImage
 
-INK, PAPER = (235, 235, 235), (28, 28, 28)
+INK, GROUND = (235, 235, 235), (28, 28, 28)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +71,7 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
         facts["frame"] = {"index": wanted.frame_index, "label": label}
         if pictures.enhanced is not None:
             panels.append(Panel("Enhanced   " + describe(pictures), pictures.enhanced))
+            facts["method"] = VESSEL if isinstance(wanted.params, VesselParams) else PAPER
             facts |= {"params": wanted.params, "statistics": pictures.statistics}
             facts["tissue_only"] = wanted.tissue_only
     if request.view is not None:
@@ -101,10 +104,12 @@ def _drawn(request: ViewRequest) -> View:
 
 
 def describe(pictures: Pictures) -> str:
-    """What the enhancement used, in the words of the paper."""
+    """What the enhancement used, in the words of its method."""
     used, params = pictures.statistics, pictures.request.params
     if used is None or params is None:
         return ""
+    if isinstance(params, VesselParams):
+        return f"{VESSEL} · strength {params.strength:.2f} · lift {params.lift:.2f} · d {params.d_factor:.2f}"
     z = f"z {'auto ' if params.z is None else ''}{used.z:.2f}"
     exponents = "/".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
     p = f"P {'auto ' if params.p is None else ''}{exponents}"
@@ -118,7 +123,7 @@ def sheet(panels: list[Panel]) -> ByteImage:
     strip = 2 * size
     width = sum(panel.image.shape[1] + margin for panel in panels) - margin
     height = max(panel.image.shape[0] for panel in panels) + 2 * strip
-    page = Image.new("RGB", (width, height), PAPER)
+    page = Image.new("RGB", (width, height), GROUND)
     draw, x = ImageDraw.Draw(page), 0
     for panel in panels:
         label = legible(panel.label)

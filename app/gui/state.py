@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, Protocol
 
-from app.gui.enhancing import PictureRequest, Pictures, Scope
+from app.gui.enhancing import Look, PictureRequest, Pictures, Scope
 from app.gui.opening import OpenRequest
 from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
@@ -121,7 +121,8 @@ class AppState:
     playhead: float = 0.0
     """Position in frames while playing; frame_index is its whole part."""
 
-    params: EnhanceParams = field(default_factory=EnhanceParams)
+    params: Look = field(default_factory=EnhanceParams)
+    """Of the method that is chosen."""
     scope: Scope = "image"
     tissue_only: bool = False
     """Statistics without tools and black surround."""
@@ -129,9 +130,9 @@ class AppState:
     """False: plain white light on both sides."""
     peeking: bool = False
     """The original is shown in the enhanced pane while a key is held."""
-    past: list[EnhanceParams] = field(default_factory=lambda: [EnhanceParams()])
+    past: list[Look] = field(default_factory=lambda: [EnhanceParams()])
     """Settled parameters; the last is the present one. Undo goes back in it."""
-    future: list[EnhanceParams] = field(default_factory=list)
+    future: list[Look] = field(default_factory=list)
 
     pictures: Pictures | None = None
     asked_at: float = 0.0

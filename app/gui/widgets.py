@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from annotated_types import Interval
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
@@ -12,8 +12,11 @@ from pydantic.fields import FieldInfo
 
 from app.arguments import marks
 from app.gui import theme
+from app.gui.enhancing import Look
 from app.gui.legible import legible
 from enhance import EnhanceParams
+
+L = TypeVar("L", bound=Look)
 
 
 def em(lines: float = 1.0) -> float:
@@ -59,11 +62,9 @@ def explain(text: str) -> None:
             imgui.text_unformatted(legible(text))
 
 
-def slide(
-    params: EnhanceParams, name: str, label: str, form: str = "%.2f", *, log: bool = False
-) -> EnhanceParams:
+def slide(params: L, name: str, label: str, form: str = "%.2f", *, log: bool = False) -> L:
     """A slider for a number; a double click on it or its reset entry gives the default."""
-    about, value = declared(EnhanceParams, name), getattr(params, name)
+    about, value = declared(type(params), name), getattr(params, name)
     row(label, about.text)
     imgui.set_next_item_width(-em(0.1))
     flags = imgui.SliderFlags_.always_clamp | (imgui.SliderFlags_.logarithmic if log else 0)
@@ -74,8 +75,9 @@ def slide(
     return _with(params, name, new) if changed else params
 
 
-def _with(params: EnhanceParams, name: str, value: Any) -> EnhanceParams:
-    return replace(params, **{name: value})
+def _with(params: L, name: str, value: Any) -> L:
+    changed: L = replace(params, **{name: value})
+    return changed
 
 
 def slider(label: str, value: Any, about: Declared, form: str, flags: int) -> tuple[bool, Any]:
@@ -90,7 +92,7 @@ def slide_auto(
     params: EnhanceParams, name: str, label: str, used: float | None, start: float
 ) -> EnhanceParams:
     """A slider with an Auto switch; on automatic it shows the value in use, or else `start`."""
-    about, value = declared(EnhanceParams, name), getattr(params, name)
+    about, value = declared(type(params), name), getattr(params, name)
     automatic = value is None
     row(label, about.text)
     shown = used if used is not None and automatic else (start if automatic else float(value))

@@ -8,11 +8,25 @@ from typing import get_args
 from imgui_bundle import imgui, imgui_ctx
 
 from app.gui import actions, theme
-from app.gui.enhancing import Scope
+from app.gui.enhancing import Look, Scope
 from app.gui.state import AppState
 from app.gui.widgets import button, declared, em, explain, row, slide, slide_auto, slider, wants_default
+from app.methods import PAPER, VESSEL
 from enhance import EnhanceParams, Statistics
+from enhance.vessel import VesselParams
 
+METHODS: tuple[type[Look], ...] = (EnhanceParams, VesselParams)
+METHOD_LABELS = [PAPER, VESSEL]
+VESSEL_SLIDERS = {
+    "strength": "Strength",
+    "radius": "Radius",
+    "shading": "Shading",
+    "coring": "Coring",
+    "lift": "Lift",
+    "gamma": "Gamma",
+    "d_factor": "Colour d",
+    "most_color": "Most colour",
+}
 SUBSAMPLES = (1, 2, 4, 8)
 SCOPES: tuple[Scope, ...] = get_args(Scope)
 SCOPE_LABELS = ["of each frame", "of the whole clip"]
@@ -20,11 +34,10 @@ PIXEL_LABELS = ["all", "tissue only"]
 
 
 def draw_enhancement(state: AppState) -> None:
-    """Sliders in the order of the paper's stages, then what was measured."""
+    """The method, its sliders in the order of its stages, then what was measured."""
+    _draw_method(state)
     used = state.pictures.statistics if state.pictures else None
-    params = _draw_strengths(state.params, used)
-    imgui.spacing()
-    params = _draw_windows(params)
+    params = _draw_params(state.params, used)
     if params != state.params:
         actions.set_params(state, params)
     _draw_scope(state)
@@ -32,6 +45,30 @@ def draw_enhancement(state: AppState) -> None:
     _draw_edits(state)
     imgui.spacing()
     _draw_measured(state, used)
+
+
+def _draw_method(state: AppState) -> None:
+    text = "The paper's, or the own preset, which darkens and reddens narrow dark structures as blood would."
+    now = METHODS.index(type(state.params))
+    chosen = _choose("Method", now, METHOD_LABELS, text)
+    if chosen != now:
+        actions.choose_method(state, METHODS[chosen])
+
+
+def _draw_params(params: Look, used: Statistics | None) -> Look:
+    return _draw_paper(params, used) if isinstance(params, EnhanceParams) else _draw_vessel(params)
+
+
+def _draw_paper(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
+    params = _draw_strengths(params, used)
+    imgui.spacing()
+    return _draw_windows(params)
+
+
+def _draw_vessel(params: VesselParams) -> VesselParams:
+    for name, label in VESSEL_SLIDERS.items():
+        params = slide(params, name, label, "%d px" if name == "radius" else "%.2f")
+    return params
 
 
 def _draw_strengths(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
@@ -100,7 +137,7 @@ def _draw_edits(state: AppState) -> None:
     button("Redo", lambda: actions.redo(state), enabled=bool(state.future), width=width)
     explain("Ctrl+Y")
     imgui.same_line(0, em(0.5))
-    changed = state.params != EnhanceParams()
+    changed = state.params != type(state.params)()
     button("Reset all", lambda: actions.reset_params(state), enabled=changed, width=width)
     explain("R. One value alone: double click on its slider, or right click.")
 

@@ -55,7 +55,7 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
     text = declared(TrainConfig, "method").text
     method = _choose("Method", "method", METHODS.index(config.method), list(METHODS), text)
-    frames = "Reconstruct the photos as they are, or enhanced with the parameters above."
+    frames = "Reconstruct the photos as they are, or enhanced by the paper's method as set above."
     run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), list(INPUTS), frames)]
     if run.input == "enhanced":
         about = declared(EnhanceParams, "d_factor")

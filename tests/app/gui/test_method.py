@@ -1,0 +1,94 @@
+"""The two methods of enhancement in the window: what is chosen is what is seen, said and saved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.gui import actions
+from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
+from app.gui.export import SaveRequest, save_picture
+from app.gui.panels.compare import enhanced_tags
+from app.gui.panels.enhancement import VESSEL_SLIDERS, draw_enhancement
+from app.gui.state import AppState
+from app.provenance import read_provenance
+from app.training import TrainRequest
+from enhance import EnhanceParams, measure
+from enhance.vessel import VesselParams, enhance_vessels
+from renderer.clip import Clip
+from tests.app.gui.conftest import FakeJob, photo
+from tests.app.gui.test_panels import Ui
+
+STRONG = VesselParams(strength=3.0)
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+def made(request: PictureRequest) -> Pictures:
+    return list(PictureMaker().make(request))[-1]
+
+
+def test_the_preset_s_picture_is_the_library_s(clip: Clip) -> None:
+    shown = made(PictureRequest(clip, 2, STRONG))
+    np.testing.assert_array_equal(shown.enhanced, enhance_vessels(photo(2), STRONG).image)
+    pooled = made(PictureRequest(clip, 2, STRONG, "clip"))
+    statistics = measure(map(photo, range(len(clip))))
+    wanted = enhance_vessels(photo(2), STRONG, statistics=statistics)
+    np.testing.assert_array_equal(pooled.enhanced, wanted.image)
+
+
+def test_each_method_keeps_its_parameters_and_undo_goes_between_them(state: AppState) -> None:
+    actions.set_params(state, EnhanceParams(z=0.3))
+    actions.choose_method(state, VesselParams)
+    assert state.params == VesselParams()
+    actions.settle_params(state)
+    actions.set_params(state, STRONG)
+    actions.choose_method(state, EnhanceParams)
+    assert state.params == EnhanceParams(z=0.3)
+    actions.choose_method(state, VesselParams)
+    assert state.params == STRONG
+    for wanted in (EnhanceParams(z=0.3), STRONG, VesselParams(), EnhanceParams(z=0.3), EnhanceParams()):
+        actions.undo(state)
+        assert state.params == wanted
+    actions.set_params(state, STRONG)
+    actions.reset_params(state)
+    assert state.params == VesselParams()
+
+
+def test_a_reconstruction_takes_the_paper_s_method(state: AppState) -> None:
+    actions.set_params(state, EnhanceParams(z=0.3))
+    actions.choose_method(state, VesselParams)
+    actions.start_reconstruction(state, FakeJob)
+    request = state.reconstruction.request
+    assert isinstance(request, TrainRequest)
+    assert request.enhance_params == EnhanceParams(z=0.3, d_factor=state.reconstruction.d_factor)
+
+
+def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -> None:
+    assert list(VESSEL_SLIDERS) == [field.name for field in fields(VesselParams)]
+    actions.choose_method(state, VesselParams)
+    for _ in range(2):
+        ui.frame(lambda: draw_enhancement(state))
+    assert state.params == VesselParams()
+
+
+def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppState, clip: Clip) -> None:
+    clip.path.mkdir()
+    for params, method in ((STRONG, "vessel"), (replace(EnhanceParams(), z=0.3), "paper")):
+        state.params = params
+        shown = made(PictureRequest(clip, 2, params))
+        words = " ".join(text for text, _ in enhanced_tags(state, shown))
+        assert words.startswith("ENHANCED vessel ") == (method == "vessel")
+        (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None))
+        facts = read_provenance(saved.path)
+        assert facts["method"] == method
+        assert type(params)(**facts["params"]) == params
