@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from app.atomic import filled
-from app.drawing import Drawn, colored_depth, drawer, near_plane
+from app.drawers import drawer
+from app.drawing import Drawn, colored_depth, near_plane
 from app.errors import UserError
 from app.pictures import write_image
 from app.progress import progress

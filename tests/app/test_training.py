@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 import pytest
 
+from app.drawers import drawer
 from app.drawing import draw_on_cpu, near_plane
 from app.errors import UserError
 from app.job import TrainingJob
@@ -32,6 +33,7 @@ from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Started, Warned
 from tests.app.conftest import Call
+from tests.app.fake_steps import model_of
 from tests.app.test_job import events_until, is_a
 
 Cli = Callable[..., Call]
@@ -340,6 +342,13 @@ def test_the_renderers_agree(runs: dict[str, Path], tmp_path: Path, vesselsplat:
         assert read_provenance(out / "time-0.3500.png")["renderer"]
     for renderer in ("cpu", "gl"):
         assert np.percentile(np.abs(pictures[renderer] - pictures["reference"]), 99.9) <= 1
+
+
+@pytest.mark.gl
+def test_what_opengl_cannot_hold_is_refused_in_a_line() -> None:
+    draw, _ = drawer("gl")
+    with pytest.raises(UserError, match="40000x2"):
+        draw(model_of(3).at(0.0), Camera.from_fov(60.0, 40_000, 2), 0.01)
 
 
 def test_render_takes_another_camera_and_size(

@@ -1,0 +1,66 @@
+"""The renderer of choice. Apart from `app.drawing`, since the window never loads torch, and this may."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from app.drawing import Drawn, draw_on_cpu
+from app.errors import UserError
+from renderer.camera import Camera
+from renderer.splats import Splats
+
+Renderer = Literal["gl", "cpu", "reference"]
+Draw = Callable[[Splats, Camera, float], Drawn]
+"""Splats, camera and near plane (in scene units) to a picture over black."""
+
+
+def drawer(renderer: Renderer) -> tuple[Draw, str]:
+    """What draws, and its name for provenance. Raises UserError when it cannot work here."""
+    if renderer == "gl":
+        return _gl()
+    if renderer == "reference":
+        return _reference, "float64 reference"
+    return draw_on_cpu, "numba on the CPU"
+
+
+def _reference(splats: Splats, camera: Camera, near: float) -> Drawn:
+    import torch
+
+    from renderer.rasterize.reference import rasterize_reference
+
+    with torch.no_grad():
+        rendered = rasterize_reference(
+            torch.from_numpy(splats.means),
+            torch.from_numpy(splats.quats),
+            torch.from_numpy(splats.scales),
+            torch.from_numpy(splats.opacities),
+            torch.from_numpy(splats.colors),
+            camera,
+            near=near,
+        )
+    return Drawn(rendered.image.numpy().astype(np.float32), rendered.depth.numpy().astype(np.float32))
+
+
+def _gl() -> tuple[Draw, str]:
+    from moderngl import Error
+
+    from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
+    from renderer.draw.offscreen import render_depth_offscreen, render_offscreen
+
+    try:
+        context = standalone_context()
+    except OpenGLUnavailable as error:
+        raise UserError(f"{error} Or draw with --with cpu.") from error
+
+    def draw(splats: Splats, camera: Camera, near: float) -> Drawn:
+        try:
+            image = render_offscreen(context, splats, camera, near=near)
+            return Drawn(image, render_depth_offscreen(context, splats, camera, near=near))
+        except Error as error:
+            size = f"{camera.width}x{camera.height}"
+            raise UserError(f"OpenGL cannot draw {size} here ({error}): choose a smaller --size") from error
+
+    return draw, f"OpenGL, {renderer_name(context)}"
