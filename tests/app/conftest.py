@@ -5,15 +5,22 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 
 from app.__main__ import main
+from app.training import TrainRequest, run_training
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.train.config import TrainConfig
 
 ROOT = Path(__file__).resolve().parents[2]
+CONFIG = TrainConfig(iterations=40, n_gaussians=600, checkpoint_every=10)
+
+
+def request_of(clip_path: Path, run_path: Path, **changes: object) -> TrainRequest:
+    return replace(TrainRequest(clip_path=clip_path, run_path=run_path, config=CONFIG), **changes)
 
 
 @dataclass(frozen=True)
@@ -51,3 +58,13 @@ def clip_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("clips") / "small"
     write_phantom(path, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
     return path
+
+
+@pytest.fixture(scope="session")
+def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """One finished run on the original photos and one on the enhanced."""
+    folder = tmp_path_factory.mktemp("runs")
+    paths = {name: folder / name for name in ("original", "enhanced")}
+    list(run_training(request_of(clip_path, paths["original"])))
+    list(run_training(request_of(clip_path, paths["enhanced"], input="enhanced")))
+    return paths

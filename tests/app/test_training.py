@@ -17,7 +17,6 @@ import cv2
 import numpy as np
 import pytest
 
-from app.drawers import drawer
 from app.drawing import draw_on_cpu, near_plane
 from app.errors import UserError
 from app.job import TrainingJob
@@ -26,34 +25,17 @@ from app.run_folder import RunFolder
 from app.training import TrainRequest, input_clip, run_training
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu
-from renderer.camera import Camera
 from renderer.metrics import psnr
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Started, Warned
-from tests.app.conftest import Call
-from tests.app.fake_steps import model_of
+from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.test_job import events_until, is_a
 
 Cli = Callable[..., Call]
 ROOT = Path(__file__).resolve().parents[2]
 PULLING = ROOT / "../shared/data/endonerf/pulling_soft_tissues"
-CONFIG = TrainConfig(iterations=40, n_gaussians=600, checkpoint_every=10)
-
-
-def request_of(clip_path: Path, run_path: Path, **changes: object) -> TrainRequest:
-    return replace(TrainRequest(clip_path=clip_path, run_path=run_path, config=CONFIG), **changes)
-
-
-@pytest.fixture(scope="module")
-def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """One finished run on the original photos and one on the enhanced."""
-    folder = tmp_path_factory.mktemp("runs")
-    paths = {name: folder / name for name in ("original", "enhanced")}
-    list(run_training(request_of(clip_path, paths["original"])))
-    list(run_training(request_of(clip_path, paths["enhanced"], input="enhanced")))
-    return paths
 
 
 def test_a_run_folder_holds_what_was_asked_and_what_happened(runs: dict[str, Path], clip_path: Path) -> None:
@@ -308,93 +290,6 @@ def test_a_clip_that_changed_is_not_evaluated(
     call = vesselsplat("evaluate", copy.path)
     assert (call.code, call.error.count("\n")) == (2, 1)
     assert "changed" in call.error
-
-
-ENDS = ("-depth.npy", "-depth.npy.json", "-depth.png", ".png")
-
-
-def test_render_writes_pictures_that_know_where_they_come_from(
-    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
-) -> None:
-    out = tmp_path / "out"
-    assert vesselsplat("render", runs["original"], "--out", out, "--frames", "test", "--depth").code == 0
-    names = [f"frame-00000{index}{end}" for index in (1, 9) for end in ENDS]
-    assert sorted(path.name for path in out.iterdir()) == names
-    run = RunFolder(runs["original"])
-    record, model = run.record(), run.model()
-    drawn = draw_on_cpu(model.at(record.time(9)), record.camera(9), near_plane(model, record.camera(9)))
-    assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], drawn.bytes)
-    assert np.array_equal(np.load(out / "frame-000009-depth.npy"), drawn.depth)
-    facts = read_provenance(out / "frame-000009.png")
-    assert (facts["frame"], facts["time"]) == (9, record.time(9))
-    assert facts["camera"] == record.camera(9).to_json()
-    assert str(runs["original"].parent) not in json.dumps(facts)
-
-
-@pytest.mark.gl
-def test_the_renderers_agree(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
-    pictures = {}
-    for renderer in ("cpu", "gl", "reference"):
-        out = tmp_path / renderer
-        call = vesselsplat("render", runs["original"], "--out", out, "--time", "0.35", "--with", renderer)
-        assert (call.code, call.error) == (0, "")
-        pictures[renderer] = cv2.imread(str(out / "time-0.3500.png")).astype(int)
-        assert read_provenance(out / "time-0.3500.png")["renderer"]
-    for renderer in ("cpu", "gl"):
-        assert np.percentile(np.abs(pictures[renderer] - pictures["reference"]), 99.9) <= 1
-
-
-@pytest.mark.gl
-def test_what_opengl_cannot_hold_is_refused_in_a_line() -> None:
-    draw, _ = drawer("gl")
-    with pytest.raises(UserError, match="40000x2"):
-        draw(model_of(3).at(0.0), Camera.from_fov(60.0, 40_000, 2), 0.01)
-
-
-def test_render_takes_another_camera_and_size(
-    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
-) -> None:
-    camera = RunFolder(runs["original"]).record().camera(0)
-    file = tmp_path / "camera.json"
-    file.write_text(json.dumps(camera.to_json()))
-    flags = ("--frames", 3, "--camera", file, "--size", 32, 24)
-    assert vesselsplat("render", runs["original"], "--out", tmp_path / "out", *flags).code == 0
-    path = tmp_path / "out" / "frame-000003.png"
-    assert cv2.imread(str(path)).shape == (24, 32, 3)
-    assert read_provenance(path)["camera"] == camera.resized(32, 24).to_json()
-
-
-@pytest.mark.parametrize(
-    ("flags", "word"),
-    [
-        (("--frames", "10"), "from 0 to 9"),
-        (("--frames", "some"), "--frames"),
-        (("--time", "1.5"), "--time"),
-        (("--time", "0.5", "--frames", "1"), "--time"),
-        (("--size", "0", "5"), "--size"),
-        (("--size", "100000", "100000"), "1 to 16384"),
-        (("--camera", "{tmp}/huge.json"), "1 to 16384"),
-        (("--camera", "{tmp}/infinite.json"), "infinite.json"),
-        (("--camera", "{tmp}/none.json"), "none.json"),
-        (("--camera", "{tmp}/text.json"), "text.json"),
-    ],
-)
-def test_render_refuses_what_a_run_does_not_have(
-    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], word: str
-) -> None:
-    camera = Camera.from_fov(60, 32, 24).to_json()
-    texts = {
-        "text": '{"fx": 3}',
-        "huge": json.dumps(camera | {"width": 100_000}),
-        "infinite": json.dumps(camera | {"width": float("inf")}),
-    }
-    for name, text in texts.items():
-        (tmp_path / f"{name}.json").write_text(text)
-    filled = [flag.format(tmp=tmp_path) for flag in flags]
-    call = vesselsplat("render", runs["original"], "--out", tmp_path / "out", *filled)
-    assert (call.code, call.error.count("\n")) == (2, 1)
-    assert word in call.error
-    assert {path.stem for path in tmp_path.iterdir()} == set(texts)
 
 
 def test_train_prints_one_json_object(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
