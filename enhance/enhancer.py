@@ -292,7 +292,8 @@ class Enhancer:
             return loose
         models = self._models.of(seen.low, windows)
         sampled = needs.sampled_reaches(seen.low, models)
-        if not any(needs.left_out(used.p, sampled, params.omit_below)):
+        likely = needs.left_out(used.p, sampled, params.omit_below)
+        if not any(out and p > 0 for out, p in zip(likely, used.p, strict=True)):
             return loose
         reaches = needs.local_reaches(now.pixels, now.full, params.subsample, models)
         self._reaches = windows, reaches
