@@ -21,6 +21,7 @@ from app.errors import UserError
 from app.provenance import strict_json
 from enhance import EnhanceParams, Statistics
 from renderer.camera import Camera
+from renderer.clip import held_out_frames
 from renderer.endonerf import DEFAULTS, EndoNerfOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
@@ -78,7 +79,7 @@ class RunRecord:
     @property
     def test_indices(self) -> tuple[int, ...]:
         """The frames held out of training, as `Clip.test_indices`, without the clip."""
-        return tuple(range(1, self.clip.frames, 8))
+        return held_out_frames(self.clip.frames)
 
     def time(self, index: int) -> float:
         """The time of frame `index`, in [0, 1)."""

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.pictures import ArrayImage, images_in, is_image, read_image
-from app.utf8 import require_utf8
 from renderer.sources import open_clip
 
 
@@ -56,7 +55,6 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
 
 
 def _of_video(path: Path) -> Series:
-    require_utf8(path)
     clip = open_clip(path)
     names = tuple(f"frame-{index:06d}" for index in range(len(clip)))
     speed = clip.frames_per_second or FRAMES_PER_SECOND

@@ -19,6 +19,11 @@ class ClipError(ValueError):
     """A clip cannot be read: the text says what was expected, what came, and where."""
 
 
+def held_out_frames(count: int) -> tuple[int, ...]:
+    """Frames of a clip of `count` that are held out: (i - 1) % 8 == 0, the split of the field."""
+    return tuple(range(1, count, 8))
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """One moment of a clip."""
@@ -81,12 +86,12 @@ class Clip:
 
     @property
     def test_indices(self) -> tuple[int, ...]:
-        """Frames held out for evaluation: (i - 1) % 8 == 0, the split of the field."""
-        return tuple(index for index in range(len(self)) if (index - 1) % 8 == 0)
+        """Frames held out for evaluation."""
+        return held_out_frames(len(self))
 
     @property
     def train_indices(self) -> tuple[int, ...]:
-        return tuple(index for index in range(len(self)) if (index - 1) % 8 != 0)
+        return tuple(sorted(set(range(len(self))) - set(self.test_indices)))
 
     @property
     def camera_is_fixed(self) -> bool:

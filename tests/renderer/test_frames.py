@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -222,3 +223,11 @@ def test_real_clips():
     sinus = open_images(DATA / "sinus_moving_camera")
     assert len(sinus) == 35
     assert "undistorted_mask.jpg" in sinus.notices[0]
+
+
+def test_a_video_path_that_is_not_utf8_is_refused(tmp_path):
+    """OpenCV's decoder ends the process on such a name."""
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9.mp4"))
+    path.write_bytes(b"anything")
+    with pytest.raises(ClipError, match="UTF-8"):
+        open_video(path)
