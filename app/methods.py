@@ -9,7 +9,7 @@ import numpy as np
 
 from app.errors import UserError
 from app.pictures import ArrayImage
-from enhance import EnhanceParams, Statistics, enhance
+from enhance import EnhanceParams, Enhancer, Statistics
 from enhance.baselines import BASELINES
 from enhance.result import Omission
 from enhance.vessel import VesselParams, enhance_vessels
@@ -31,15 +31,18 @@ class Enhanced:
     omitted: tuple[Omission, ...]
 
 
-def apply(method: str, params: Params, image: ArrayImage, statistics: Statistics | None) -> Enhanced:
-    """Enhance one picture.
+def apply(
+    method: str, params: Params, image: ArrayImage, statistics: Statistics | None, enhancer: Enhancer
+) -> Enhanced:
+    """Enhance one picture; `enhancer` keeps its memory from one to the next.
 
     Raises:
         ImageError: a picture that the paper's method or `vessel` cannot use.
         UserError: anything but 8-bit RGB for one of the other methods.
     """
     if isinstance(params, EnhanceParams):
-        result = enhance(image, params, statistics=statistics)
+        enhancer.show(image)
+        result = enhancer.enhance(params, statistics=statistics)
         return Enhanced(result.image, result.statistics, result.omitted)
     if isinstance(params, VesselParams):
         result = enhance_vessels(image, params, statistics=statistics)

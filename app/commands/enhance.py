@@ -21,7 +21,7 @@ from app.progress import progress
 from app.provenance import provenance, source, strict_json, write_sidecar
 from app.series import Series, open_series
 from app.video import write_video
-from enhance import EnhanceParams, ImageError, Statistics, measure
+from enhance import EnhanceParams, Enhancer, ImageError, Statistics, measure
 from enhance.vessel import VesselParams
 from renderer.clip import ClipError
 
@@ -155,11 +155,11 @@ def _pooled(series: Series, params: Params, notices: list[str]) -> Statistics:
 def _enhanced(
     series: Series, images: Generator[ArrayImage, None, None], job: _Job
 ) -> Generator[_Picture, None, None]:
-    origins = _origins(series)
+    origins, enhancer = _origins(series), Enhancer()
     try:
         for index, image in enumerate(images):
             try:
-                result = apply(job.method, job.params, image, job.statistics)
+                result = apply(job.method, job.params, image, job.statistics, enhancer)
             except (ImageError, UserError) as error:
                 raise UserError(f"{error}: {series.sources[index]}") from error
             yield _Picture(series.names[index], next(origins), job, result)
