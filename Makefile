@@ -24,8 +24,10 @@ format: $(VENV)/.installed-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# Compiled kernels lie in __pycache__; numba does not see that a function inlined from another file has changed.
 clean:
 	rm -rf $(VENV) out
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
