@@ -196,7 +196,7 @@ def _open_capture(path: Path) -> cv2.VideoCapture:
     except UnicodeEncodeError as error:
         # The decoder would end the process.
         shown = str(path).encode(errors="backslashreplace").decode()
-        raise ClipError(f"expected a video with a path in UTF-8, rename or move it: {shown}") from error
+        raise ClipError(f"expected a path in UTF-8, rename or move it: {shown}") from error
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     if not capture.isOpened():
         raise ClipError(f"expected a picture or a video, got a file that is neither, or damaged: {path}")

@@ -15,7 +15,7 @@ from app.run_folder import RunFolder
 from app.training import TrainRequest, run_training
 from renderer.endonerf import EndoNerfOptions
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
+from renderer.train.events import Evaluated, Finished, Progress, Warned
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -85,8 +85,6 @@ def follow(request: TrainRequest) -> Finished:
     with progress(f"train {request.input}", request.config.iterations) as report:
         for event in run_training(request):
             match event:
-                case Started():
-                    report(event.iteration, "")
                 case Progress():
                     report(event.iteration, f"loss {event.loss:.4f} PSNR {event.psnr:.2f} dB")
                 case Evaluated():
