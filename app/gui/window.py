@@ -145,7 +145,7 @@ class Window:
         layout = hello_imgui.DockingParams()
         layout.docking_splits = [
             split("MainDockSpace", "Side", imgui.Dir.right, 0.26),
-            split("Side", "SideBelow", imgui.Dir.down, 0.41),
+            split("Side", "SideBelow", imgui.Dir.down, 0.37),
             split("MainDockSpace", "Below", imgui.Dir.down, 0.44),
         ]
         panels: list[tuple[str, str, Callable[[], None]]] = [
