@@ -9,7 +9,16 @@ from numba import get_num_threads
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
-from renderer.projection import NEAR, RECORD_SIZE, SUM_SIZE, camera_vector, project, project_backward
+from renderer.projection import (
+    NEAR,
+    RECORD_SIZE,
+    SUM_BLUE,
+    SUM_RED,
+    SUM_SIZE,
+    camera_vector,
+    project,
+    project_backward,
+)
 from renderer.rasterize.binning import TILE, balanced_order, count_entries, depth_order, fill_entries
 from renderer.rasterize.tiles import (
     ADJOINT_PLANES,
@@ -137,7 +146,7 @@ class Rasterizer:
             splats.means, splats.quats, splats.scales, splats.opacities,
             self._view, self.visible, self.sums, means, quats, scales, opacities,
         )  # fmt: skip
-        return Gradients(means, quats, scales, opacities, self.sums[:, 6:9].copy())
+        return Gradients(means, quats, scales, opacities, self.sums[:, SUM_RED : SUM_BLUE + 1].copy())
 
     def rendered(self, width: int, height: int, background: Background) -> Rendered:
         """The blended planes as a picture over the background."""

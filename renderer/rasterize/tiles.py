@@ -62,6 +62,15 @@ _CHECK = 8
 
 
 @njit(inline="always")
+def _rows(record: NDArray[np.float32], top: int) -> tuple[np.float32, int, int]:
+    """A splat's centre in rows of the tile that begins at pixel row `top`; first and last row reached."""
+    center = record[CENTER_Y] - np.float32(top) - HALF
+    first = max(0, math.ceil(center - record[HALF_HEIGHT]))
+    last = min(TILE - 1, math.floor(center + record[HALF_HEIGHT]))
+    return center, first, last
+
+
+@njit(inline="always")
 def _alpha(exponent: np.float32, light: np.float32) -> np.float32:
     """2**exponent, capped, and 0 below the cut or where a pixel has stopped."""
     alpha = exp2(max(exponent, LOWEST))
@@ -99,9 +108,7 @@ def blend(
             a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
             red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
             start = np.float32(left) - record[CENTER_X]
-            center_row = record[CENTER_Y] - np.float32(top) - HALF
-            first = max(0, math.ceil(center_row - record[HALF_HEIGHT]))
-            last = min(TILE - 1, math.floor(center_row + record[HALF_HEIGHT]))
+            center_row, first, last = _rows(record, top)
             for y in range(first, last + 1):
                 dy = np.float32(y) - center_row
                 row_slope, row_level = b * dy, log2_opacity + c * dy * dy
@@ -181,9 +188,7 @@ def blend_backward(
             a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
             red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
             start = np.float32(left) - record[CENTER_X]
-            center_row = record[CENTER_Y] - np.float32(top) - HALF
-            first = max(0, math.ceil(center_row - record[HALF_HEIGHT]))
-            last = min(TILE - 1, math.floor(center_row + record[HALF_HEIGHT]))
+            center_row, first, last = _rows(record, top)
             for row in range(7):
                 for x in range(TILE):
                     lanes[row, x] = ZERO
