@@ -22,7 +22,7 @@ from app.provenance import strict_json
 from enhance import EnhanceParams, Statistics
 from renderer.camera import Camera
 from renderer.clip import held_out_frames
-from renderer.endonerf import DEFAULTS, EndoNerfOptions
+from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, TrainEvent
@@ -38,7 +38,7 @@ class ClipRecord:
     path: str
     """Absolute."""
     name: str
-    options: EndoNerfOptions = DEFAULTS
+    options: ClipOptions = DEFAULTS
     """How it is read."""
     sha256: str
     """Of the manifest, see `app.provenance.digest`."""

@@ -14,7 +14,7 @@ from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
 from app.utf8 import require_utf8
 from enhance import EnhanceParams, enhance, measure
 from renderer.clip import ByteImage, Clip, Frame
-from renderer.endonerf import DEFAULTS, EndoNerfOptions
+from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
@@ -31,7 +31,7 @@ class TrainRequest:
     clip_path: Path
     run_path: Path
     config: TrainConfig
-    clip_options: EndoNerfOptions = DEFAULTS
+    clip_options: ClipOptions = DEFAULTS
     input: Input = "original"
     enhance_params: EnhanceParams = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""

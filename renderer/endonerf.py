@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass as plain_dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import numpy as np
-from annotated_types import Interval, Unit
 from numpy.typing import NDArray
 from PIL import Image
-from pydantic import ConfigDict
-from pydantic.dataclasses import dataclass
 
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
 
@@ -34,35 +32,13 @@ _LISTED = 5
 Matrix = NDArray[np.float64]
 
 
-@dataclass(
-    frozen=True,
-    kw_only=True,
-    config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
-)
-class EndoNerfOptions:
-    """How to read what the folder itself does not say."""
-
-    pose_convention: Literal["opencv", "opengl", "llff"] = "opencv"
-    """Axes of the camera-to-world matrices; all agree for the identity poses of a fixed endoscope."""
-    mask_polarity: Literal["auto", "tool", "tissue"] = "auto"
-    """What the non-zero pixels of the masks mark; auto takes tool and refuses what looks inverted."""
-    evaluation_masks: Literal["masks", "gt_masks"] = "masks"
-    """Which masks the metrics count. The published figures multiply by masks, which also leave out
-    the pixels without stereo depth; gt_masks count everything but the tools."""
-    bottom_rows: Annotated[int, Interval(ge=0, le=256), Unit("px")] | None = None
-    """Burned-in rows at the bottom, not supervised; auto: detected."""
-
-
-DEFAULTS = EndoNerfOptions()
-
-
 def is_endonerf(path: Path) -> bool:
     """Whether the folder holds images/ and a sign that it is more than a folder of pictures."""
     signs = (POSES, "depth", "masks")
     return (path / "images").is_dir() and any((path / sign).exists() for sign in signs)
 
 
-def open_endonerf(path: Path, options: EndoNerfOptions = DEFAULTS) -> Clip:
+def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     """Opens a folder in EndoNeRF layout; frames are decoded when they are asked for.
 
     Files are paired by the last number in their names. depth/ holds millimetres along z in 8-bit,
@@ -105,7 +81,7 @@ def open_endonerf(path: Path, options: EndoNerfOptions = DEFAULTS) -> Clip:
     )
 
 
-@plain_dataclass(frozen=True)
+@dataclass(frozen=True)
 class _Files:
     """One path a frame, in the order of frame numbers; empty where the clip has none."""
 
@@ -119,7 +95,7 @@ class _Files:
         return self.images, self.depth, self.masks, self.evaluation
 
 
-@plain_dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class _Reader:
     files: _Files
     cameras: tuple[Camera, ...]
@@ -168,7 +144,7 @@ def _plausible(depth: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.where((depth < OUTLIER * median) & (depth * OUTLIER > median), depth, np.float32(0))
 
 
-def _pair(path: Path, options: EndoNerfOptions) -> tuple[_Files, list[str]]:
+def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:
     """The files of every frame in the order of frame numbers, and what is worth saying about them."""
     notices = _stray_notices(path)
     images = _numbered(path / "images")
@@ -241,7 +217,7 @@ def _listed(names: list[str]) -> str:
     return ", ".join(names[:_LISTED]) + more
 
 
-def _judge_masks(path: Path, samples: list[Sample], options: EndoNerfOptions) -> list[str]:
+def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:
     """Refuses masks whose polarity cannot be meant; returns what is worth saying."""
     share = marked_share(samples)
     percent = f"{100 * share:.0f} % of the picture"

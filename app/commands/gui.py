@@ -8,20 +8,18 @@ from pathlib import Path
 from app.arguments import add_fields, parameters
 from app.display import has_display
 from app.errors import UserError
-from renderer.endonerf import EndoNerfOptions
+from renderer.clip_options import EVERY_OPTION, ClipOptions
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("path", metavar="CLIP|IMAGE|VIDEO|RUN", nargs="?", type=Path, help="what to open")
-    add_fields(
-        parser, EndoNerfOptions, ("mask_polarity", "evaluation_masks", "pose_convention", "bottom_rows")
-    )
+    add_fields(parser, ClipOptions, EVERY_OPTION)
 
 
 def run(flags: argparse.Namespace) -> None:
     if flags.path is not None and not flags.path.exists():
         raise UserError(f"expected a clip, image, video or run, got no such file or folder: {flags.path}")
-    options = parameters(EndoNerfOptions, flags)
+    options = parameters(ClipOptions, flags)
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
     from app.gui.window import run_app

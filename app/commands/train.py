@@ -13,7 +13,7 @@ from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.run_folder import RunFolder
 from app.training import TrainRequest, run_training
-from renderer.endonerf import EndoNerfOptions
+from renderer.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Warned
 
@@ -29,9 +29,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="reconstruct the photos as they are, or enhanced (default original)",
     )
     add_fields(parser, TrainConfig, ("iterations", "seed"))
-    add_fields(
-        parser, EndoNerfOptions, ("mask_polarity", "evaluation_masks", "pose_convention", "bottom_rows")
-    )
+    add_fields(parser, ClipOptions, EVERY_OPTION)
     parser.add_argument(
         "--device", choices=("auto", "cpu", "cuda"), default="auto", help="what computes (default auto)"
     )
@@ -48,7 +46,7 @@ def run(flags: argparse.Namespace) -> None:
         clip_path=flags.clip,
         run_path=flags.run,
         config=config,
-        clip_options=parameters(EndoNerfOptions, flags),
+        clip_options=parameters(ClipOptions, flags),
         input=flags.input,
         resume=flags.resume,
     )

@@ -13,7 +13,7 @@ from app.run_folder import RunFolder, RunRecord
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
-from renderer.endonerf import DEFAULTS, EndoNerfOptions
+from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
 from renderer.train.events import Progress
@@ -24,7 +24,7 @@ class OpenRequest:
     """One wish to open something; a second wish for the same path is another request."""
 
     path: Path
-    options: EndoNerfOptions = DEFAULTS
+    options: ClipOptions = DEFAULTS
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class Opened:
     clip: Clip | None
     run: OpenedRun | None = None
     notices: tuple[str, ...] = ()
-    options: EndoNerfOptions = DEFAULTS
+    options: ClipOptions = DEFAULTS
     """How the clip was read."""
 
 

@@ -17,7 +17,7 @@ from app.gui.viewing import ShownModel, View, ViewRequest
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from enhance import EnhanceParams
 from renderer.clip import Clip
-from renderer.endonerf import DEFAULTS, EndoNerfOptions
+from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Omission, Progress, Started
@@ -107,12 +107,12 @@ class AppState:
 
     places: Places
     settings: Settings = field(default_factory=Settings)
-    clip_options: EndoNerfOptions = DEFAULTS
+    clip_options: ClipOptions = DEFAULTS
     """How clips are read, as said at the start."""
 
     opening: OpenRequest | None = None
     clip: Clip | None = None
-    opened_options: EndoNerfOptions = DEFAULTS
+    opened_options: ClipOptions = DEFAULTS
     """How `clip` was read."""
     frame_index: int = 0
     frozen_index: int | None = None

@@ -33,7 +33,7 @@ from app.gui.update import Channels, update
 from app.gui.viewport import ProcessorViewport, Viewport, make_viewport
 from app.job import TrainingJob
 from assets import phantom_path
-from renderer.endonerf import DEFAULTS, EndoNerfOptions
+from renderer.clip_options import DEFAULTS, ClipOptions
 
 IDLE_FPS = 9.0
 BUSY_FPS = 25.0
@@ -41,7 +41,7 @@ BUSY_FPS = 25.0
 SIZE = (1280, 720)
 
 
-def run_app(path: Path | None = None, clip_options: EndoNerfOptions = DEFAULTS) -> None:
+def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> None:
     """Open the window, on a clip or a run if given, and return when it is closed.
 
     `clip_options` are for all clips that are opened in it; a run keeps those it was begun with.

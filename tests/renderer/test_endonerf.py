@@ -12,7 +12,8 @@ from PIL import Image
 
 from renderer.camera import Camera
 from renderer.clip import ClipError, Frame
-from renderer.endonerf import EndoNerfOptions, open_endonerf, write_endonerf
+from renderer.clip_options import ClipOptions
+from renderer.endonerf import open_endonerf, write_endonerf
 
 WIDTH, HEIGHT, COUNT = 40, 32, 10
 
@@ -48,16 +49,16 @@ def folder(tmp_path: Path) -> Path:
     return path
 
 
-def read_all(path: Path, options: EndoNerfOptions) -> None:
+def read_all(path: Path, options: ClipOptions) -> None:
     clip = open_endonerf(path, options)
     for index in range(len(clip)):
         clip.read_frame(index)
 
 
-def refusal(path: Path, options: EndoNerfOptions | None = None) -> str:
+def refusal(path: Path, options: ClipOptions | None = None) -> str:
     """The one line with which the folder is refused."""
     with pytest.raises(ClipError) as caught:
-        read_all(path, options or EndoNerfOptions())
+        read_all(path, options or ClipOptions())
     line = str(caught.value)
     assert "\n" not in line
     assert path.name in line
@@ -219,9 +220,9 @@ def test_a_picture_of_another_size_is_named(folder):
 def test_inverted_masks_are_refused_unless_meant(folder):
     rewrite_masks(folder, lambda mask: 255 - mask)
     assert "255 = tool" in refusal(folder)
-    meant = open_endonerf(folder, EndoNerfOptions(mask_polarity="tissue"))
+    meant = open_endonerf(folder, ClipOptions(mask_polarity="tissue"))
     np.testing.assert_array_equal(meant.read_frame(2).tissue_mask, make_frames()[2].tissue_mask)
-    forced = open_endonerf(folder, EndoNerfOptions(mask_polarity="tool"))
+    forced = open_endonerf(folder, ClipOptions(mask_polarity="tool"))
     np.testing.assert_array_equal(forced.read_frame(2).tissue_mask, ~make_frames()[2].tissue_mask)
 
 
@@ -276,7 +277,7 @@ def test_evaluation_follows_the_masks_asked_for(folder):
     for path in (folder / "gt_masks").iterdir():
         Image.new("L", (WIDTH, HEIGHT)).save(path)
     assert not open_endonerf(folder).read_frame(0).evaluation_mask.all()
-    options = EndoNerfOptions(evaluation_masks="gt_masks")
+    options = ClipOptions(evaluation_masks="gt_masks")
     frame = open_endonerf(folder, options).read_frame(0)
     assert frame.evaluation_mask.all()
     assert not frame.tissue_mask.all()
@@ -298,9 +299,9 @@ def test_burned_in_rows_leave_the_supervision_only(tmp_path):
     assert frame.tissue_mask[-4].all()
     assert frame.evaluation_mask[-3:].all()
     assert any("last 3 rows" in notice for notice in clip.notices)
-    kept = open_endonerf(tmp_path / "clip", EndoNerfOptions(bottom_rows=0)).read_frame(0)
+    kept = open_endonerf(tmp_path / "clip", ClipOptions(bottom_rows=0)).read_frame(0)
     assert kept.tissue_mask[-3:].all()
-    assert "32 rows" in refusal(tmp_path / "clip", EndoNerfOptions(bottom_rows=32))
+    assert "32 rows" in refusal(tmp_path / "clip", ClipOptions(bottom_rows=32))
 
 
 def test_a_black_border_is_burned_in_also_without_depth(tmp_path):
@@ -328,7 +329,7 @@ def test_pose_conventions_agree_on_the_same_camera(tmp_path, convention, columns
         return np.hstack([poses.reshape(-1, 15), rows[:, 15:]])
 
     edit_poses(tmp_path / "clip", rewrite)
-    clip = open_endonerf(tmp_path / "clip", EndoNerfOptions(pose_convention=convention))
+    clip = open_endonerf(tmp_path / "clip", ClipOptions(pose_convention=convention))
     for camera, frame in zip(clip.cameras, frames, strict=True):
         np.testing.assert_allclose(camera.camera_from_world, frame.camera.camera_from_world, atol=1e-12)
 

@@ -10,7 +10,8 @@ import pytest
 from PIL import Image
 
 from renderer.clip import ClipError
-from renderer.endonerf import EndoNerfOptions, open_endonerf
+from renderer.clip_options import ClipOptions
+from renderer.endonerf import open_endonerf
 
 PULLING = Path(__file__).resolve().parents[2] / "../shared/data/endonerf/pulling_soft_tissues"
 pytestmark = [
@@ -32,7 +33,7 @@ def test_the_pulling_clip():
     assert frame.tissue_mask[-13].any()
     assert not frame.depth[~frame.tissue_mask].any()
     assert 0 < (frame.tissue_mask & (frame.depth == 0)).sum() < 100
-    tools_only = open_endonerf(PULLING, EndoNerfOptions(evaluation_masks="gt_masks")).read_frame(48)
+    tools_only = open_endonerf(PULLING, ClipOptions(evaluation_masks="gt_masks")).read_frame(48)
     assert (tools_only.evaluation_mask & ~frame.evaluation_mask).any()
 
 

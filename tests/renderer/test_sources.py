@@ -11,7 +11,7 @@ from PIL import Image
 
 from assets import phantom_path
 from renderer.clip import ClipError
-from renderer.endonerf import EndoNerfOptions
+from renderer.clip_options import ClipOptions
 from renderer.sources import open_clip
 
 
@@ -62,7 +62,7 @@ def test_a_folder_that_only_holds_images_is_a_folder_of_pictures(pictures):
 
 
 def test_options_reach_the_reader():
-    clip = open_clip(phantom_path(), EndoNerfOptions(bottom_rows=5))
+    clip = open_clip(phantom_path(), ClipOptions(bottom_rows=5))
     assert not clip.read_frame(0).tissue_mask[-5:].any()
 
 

@@ -18,7 +18,7 @@ from app.run_folder import ClipRecord, RunFolder, RunRecord
 from app.training import TrainRequest
 from assets import phantom_path
 from renderer.clip import ClipError
-from renderer.endonerf import EndoNerfOptions
+from renderer.clip_options import ClipOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
@@ -145,7 +145,7 @@ def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
 ) -> None:
     with pytest.raises(ClipError, match="--mask-polarity tissue"):
         opened(inverted)
-    state = AppState(places, Settings(acknowledged=True), EndoNerfOptions(mask_polarity="tissue"))
+    state = AppState(places, Settings(acknowledged=True), ClipOptions(mask_polarity="tissue"))
     actions.open_path(state, inverted)
     assert state.opening is not None
     (answer,) = open_path(state.opening)
@@ -162,12 +162,12 @@ def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
 def test_the_flags_of_the_app_are_those_of_the_refusals(
     inverted: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    started: list[tuple[Path | None, EndoNerfOptions]] = []
+    started: list[tuple[Path | None, ClipOptions]] = []
     monkeypatch.setattr("app.gui.window.run_app", lambda path, options: started.append((path, options)))
     monkeypatch.setattr("app.commands.gui.has_display", lambda: True)
     command, parser = load("gui"), argparse.ArgumentParser()
     command.add_flags(parser)
     command.run(parser.parse_args([str(inverted), "--mask-polarity", "tissue", "--bottom-rows", "4"]))
-    assert started == [(inverted, EndoNerfOptions(mask_polarity="tissue", bottom_rows=4))]
+    assert started == [(inverted, ClipOptions(mask_polarity="tissue", bottom_rows=4))]
     with pytest.raises(UserError, match="--mask-polarity"):
         command.run(parser.parse_args([str(inverted), "--mask-polarity", "tisue"]))
