@@ -8,7 +8,7 @@ from annotated_types import Interval, Unit
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-DepthSource = Literal["auto", "measured", "stereo", "brightness", "none"]
+DepthSource = Literal["auto", "measured", "stereo", "brightness", "off"]
 
 
 @dataclass(
