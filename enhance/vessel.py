@@ -6,34 +6,30 @@ reddens narrow dark structures as more blood would, whether or not they are vess
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Final
+from dataclasses import dataclass as plain_dataclass
+from typing import Annotated, Any, Final
 
 import cv2
 import numpy as np
 from annotated_types import Interval, Unit
+from numpy.typing import NDArray
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from enhance.brightness import level, value_histogram, z_from_level
-from enhance.image import AnyImage, Float32Image, read_mask, read_picture
+from enhance import vessel_kernels
+from enhance.brightness import level, z_from_level
+from enhance.enhancer import Enhancer
+from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
+from enhance.opening import opened
 from enhance.params import EnhanceParams
-from enhance.pipeline import enhance
 from enhance.result import EnhanceResult
-from enhance.saturation import Saturation, stretch
+from enhance.saturation import pull
 from enhance.statistics import Statistics
 
 ABSORPTION: Final = np.array([0.15, 1.0, 0.8], dtype=np.float32)
 """Of haemoglobin in the red, green and blue of a camera, relative to green (coarse: sensors differ)."""
-GREY: Final = np.array([1.0], dtype=np.float32)
+GREY: Final = np.ones(3, dtype=np.float32)
 """Of grey pictures."""
-LUMA: Final = np.array([0.299, 0.587, 0.114], dtype=np.float32)
-FLOOR: Final = np.float32(8 / 255)
-"""Added before a logarithm, so that noise in the dark is no structure."""
-MOST: Final = np.float32(0.5)
-"""Bound on the density that is found, a natural logarithm: at strength 1, green falls to 61 % at most."""
-DIM: Final = (0.15, 0.4)
-"""V between which `gamma` and the layer fade in: dark vessels do not become black."""
 
 
 @dataclass(
@@ -67,8 +63,6 @@ class VesselParams:
 
 
 VESSEL: Final = VesselParams()
-Planes = Sequence[Float32Image]
-"""R, G and B, or a single grey, each (H, W) in [0, 1]: numpy works faster on planes than on pixels."""
 
 
 def enhance_vessels(
@@ -83,8 +77,12 @@ def enhance_vessels(
     1. Noise of colour, not of brightness, is smoothed away. V never rises by that.
     2. V: Eqs 1 and 7-10 of the paper with part of its brightening, then `gamma`.
     3. S: Eqs 11 and 12 with the gain kept between 1 and `most_color`.
-    4. What is narrow and absorbs green more than red is a density of blood (`blood_density`); R, G and B
-       are attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates.
+    4. What is narrow and absorbs green more than red is a density of blood: the top-hat (the image less its
+       morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, and of
+       steps between tissues little is left. R, G and B are attenuated by it as haemoglobin does. Nothing gets
+       brighter, so nothing saturates.
+
+    For many images, or many parameters of one, a `VesselEnhancer` is faster.
 
     Args:
         image: (H, W), (H, W, 3) RGB in this order, or (H, W, 4) RGBA; types as of `enhance`. Of grey
@@ -95,95 +93,162 @@ def enhance_vessels(
     Raises:
         ImageError: as `enhance`.
     """
-    picture = read_picture(image)
-    keep = read_mask(tissue_mask, picture)
-    planes = _split(picture.colors)
-    calm = _calm(planes)
-    bright = _largest(calm)
-    dark = level(value_histogram(bright, keep)) if statistics is None else statistics.level
-    paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
-    toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics)
-    colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
-    density = np.float32(params.strength) * _fade(bright) * blood_density(planes, params)
-    shares = ABSORPTION if len(planes) == 3 else GREY
-    result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
-    return EnhanceResult(picture.with_colors(result), toned.statistics, ())
+    enhancer = VesselEnhancer()
+    enhancer.show(image, tissue_mask)
+    return enhancer.enhance(params, statistics=statistics)
 
 
-def blood_density(planes: Planes, params: VesselParams) -> Float32Image:
-    """Optical density of narrow dark structures in green, (H, W) in [0, 0.5].
+@plain_dataclass(frozen=True, eq=False)
+class _Planes:
+    """Memory for what follows from an image of one size alone."""
 
-    The top-hat (image less its morphological opening, of radius `radius`) of `shading` log R - log G: narrow
-    structures remain, while slow shading falls out, and of steps between tissues little is left.
+    sharp: NDArray[np.float32]
+    """(3, H, W): R, G and B in [0, 1]."""
+    smooth: NDArray[np.float32]
+    """(3, H, W), blurred; then red and green blurred more."""
+    calm: NDArray[np.float32]
+    """(H, W, 3) without noise of colour."""
+    fade: Float32Image
+    absorbed: Float32Image
 
-    Args:
-        planes: R, G and B, or a single grey, (H, W) in [0, 1].
+    @classmethod
+    def of(cls, shape: tuple[int, ...]) -> _Planes:
+        apart, single = (3, *shape[:2]), shape[:2]
+        return cls(
+            sharp=np.empty(apart, np.float32),
+            smooth=np.empty(apart, np.float32),
+            calm=np.empty((*single, 3), np.float32),
+            fade=np.empty(single, np.float32),
+            absorbed=np.empty(single, np.float32),
+        )
+
+
+@plain_dataclass(frozen=True, eq=False)
+class _Shown:
+    """The image at hand."""
+
+    picture: Picture
+    pixels: NDArray[Any]
+    """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
+    level: int
+    """L of Eq 2."""
+
+
+@plain_dataclass(frozen=True, eq=False)
+class _Found:
+    """Structures that absorb green, by what they were looked for with."""
+
+    asked: tuple[int, float]
+    """Radius and shading."""
+    opened: Float32Image
+    """(H, W), the background of `_Planes.absorbed`."""
+    middle: float
+    """Median of the density."""
+
+
+class VesselEnhancer:
+    """Show it an image, then enhance that as often as the parameters change; see `enhance_vessels`.
+
+    A moved strength, coring, gamma, d-factor or bound of colour neither filters nor looks for structures
+    again. The memory for all that stays from image to image. Not to be used from two threads at once.
     """
-    logs = [np.log(cv2.GaussianBlur(plane, (0, 0), 1.0) + FLOOR) for plane in planes[:2]]
-    absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
-    found = np.maximum(absorbed - _opened(absorbed, params.radius), 0)
-    noise = np.float32(params.coring) * np.median(found[::3, ::3])
-    square = found * found
-    cored = found * square / (square + noise * noise + np.float32(1e-12))
-    return np.asarray(MOST * np.tanh(cored / MOST), dtype=np.float32)
+
+    def __init__(self) -> None:
+        self._paper = Enhancer()
+        self._planes = _Planes.of((0, 0))
+        self._shown: _Shown | None = None
+        self._found: _Found | None = None
+        self._toned: tuple[EnhanceParams, Statistics | None, EnhanceResult] | None = None
+
+    def show(self, image: AnyImage, tissue_mask: AnyImage | None = None) -> None:
+        """Take the next image; see `enhance_vessels` for both. It must not change while it is in use.
+
+        Raises:
+            ImageError: an image or mask that cannot be used; the image before it stays.
+        """
+        picture = read_picture(image)
+        keep = None
+        if tissue_mask is not None or picture.alpha is not None:
+            keep = np.ascontiguousarray(read_mask(tissue_mask, picture))
+        pixels = np.ascontiguousarray(picture.pixels if picture.dtype == np.uint8 else picture.colors)
+        if pixels.ndim == 2:
+            pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
+        if self._planes.calm.shape != pixels.shape:
+            self._planes = _Planes.of(pixels.shape)
+        histogram = self._calm(pixels, keep)
+        self._paper.show(self._planes.calm, keep)
+        self._found = self._toned = None
+        self._shown = _Shown(picture, pixels, level(histogram))
+
+    def _calm(self, pixels: NDArray[Any], keep: NDArray[np.bool_] | None) -> NDArray[np.int64]:
+        """Fill all planes but `absorbed`; the histogram of V."""
+        planes = self._planes
+        vessel_kernels.split(pixels, np.float32(full_scale(pixels.dtype)), planes.sharp)
+        for sharp, smooth in zip(planes.sharp, planes.smooth, strict=True):
+            cv2.GaussianBlur(sharp, (0, 0), 0.8, dst=smooth)
+        histograms = np.empty((-(-len(pixels) // vessel_kernels.BLOCK), vessel_kernels.BINS), np.int64)
+        kept = np.empty((0, 0), np.uint8) if keep is None else keep.view(np.uint8)
+        vessel_kernels.calm(planes.sharp, planes.smooth, kept, planes.calm, planes.fade, histograms)
+        for sharp, smooth in zip(planes.sharp[:2], planes.smooth[:2], strict=True):
+            cv2.GaussianBlur(sharp, (0, 0), 1.0, dst=smooth)
+        return np.asarray(histograms.sum(axis=0))
+
+    def enhance(
+        self, params: VesselParams = VESSEL, *, statistics: Statistics | None = None
+    ) -> EnhanceResult:
+        """The image that is shown, enhanced.
+
+        Raises:
+            ImageError: statistics that cannot be used, no pixel to measure, or no image shown.
+        """
+        now = self._shown
+        if now is None:
+            raise ImageError("expected an image to be shown before it is enhanced")
+        toned, found = (
+            self._tone(now, params, statistics),
+            self._find(params, grey=now.picture.pixels.ndim == 2),
+        )
+        out, full = np.empty_like(now.pixels), np.float32(full_scale(now.pixels.dtype))
+        vessel_kernels.finish(
+            np.asarray(toned.image),
+            self._planes.fade,
+            self._planes.absorbed,
+            found.opened,
+            np.float32(params.gamma),
+            np.float32(pull(toned.statistics.saturation_mean, params.d_factor)),
+            np.float32(params.most_color),
+            np.float32(params.strength),
+            np.float32(params.coring * found.middle),
+            GREY if now.picture.pixels.ndim == 2 else ABSORPTION,
+            full,
+            out,
+        )
+        return EnhanceResult(_finished(now.picture, out), toned.statistics, ())
+
+    def _tone(self, now: _Shown, params: VesselParams, statistics: Statistics | None) -> EnhanceResult:
+        """V of the paper with part of its brightening, hue and S as they are."""
+        dark = now.level if statistics is None else statistics.level
+        paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
+        if self._toned is None or self._toned[:2] != (paper, statistics):
+            self._toned = paper, statistics, self._paper.enhance(paper, statistics=statistics)
+        return self._toned[2]
+
+    def _find(self, params: VesselParams, *, grey: bool) -> _Found:
+        """What is narrow and absorbs green more than red; of grey pictures, what is narrow and dark."""
+        asked = params.radius, 0.0 if grey else params.shading
+        if self._found is None or self._found.asked != asked:
+            red, green = self._planes.smooth[:2]
+            absorbed = self._planes.absorbed
+            vessel_kernels.absorb(red, green, np.float32(asked[1]), absorbed)
+            background = opened(absorbed, params.radius)
+            sparse = np.maximum(absorbed[::3, ::3] - background[::3, ::3], 0)
+            self._found = _Found(asked, background, float(np.median(sparse)))
+        return self._found
 
 
-def _opened(plane: Float32Image, radius: int) -> Float32Image:
-    """Morphological opening, at a size that leaves the radius at 8 to 16 pixels, smoothed."""
-    step = max(1, radius // 8)
-    height, width = plane.shape
-    small_size = (-(-width // step), -(-height // step))
-    small = cv2.resize(plane, small_size, interpolation=cv2.INTER_AREA)
-    reach = max(1, radius // step)
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
-    opened = cv2.morphologyEx(small, cv2.MORPH_OPEN, disc, borderType=cv2.BORDER_REPLICATE)
-    calm = cv2.GaussianBlur(opened, (0, 0), 0.6)
-    return np.asarray(cv2.resize(calm, (width, height), interpolation=cv2.INTER_LINEAR), dtype=np.float32)
-
-
-def _calm(planes: Planes) -> Planes:
-    """Differences of R, G and B to luma, smoothed; at no pixel is any channel brighter than V was."""
-    if len(planes) == 1:
-        return planes
-    smooth = [cv2.GaussianBlur(plane, (0, 0), 0.8) for plane in planes]
-    fine = sum(share * (plane - blurred) for share, plane, blurred in zip(LUMA, planes, smooth, strict=True))
-    most = _largest(planes)
-    return [np.clip(blurred + fine, 0, most) for blurred in smooth]
-
-
-def _colored(planes: Planes, saturation_mean: float, params: VesselParams) -> Planes:
-    """`gamma` on V, and S by Eqs 11 and 12 within its bounds; the hue stays (see `saturation.recolor`)."""
-    bright = _largest(planes)
-    deepened = bright + _fade(bright) * (bright ** np.float32(params.gamma) - bright)
-    if len(planes) == 1:
-        return [deepened]
-    floor = np.maximum(bright, np.float32(1e-6))
-    white = np.asarray(-_largest([-plane for plane in planes]) / floor, dtype=np.float32)
-    chroma = np.maximum(1 - white, np.float32(1e-6))
-    stretched = stretch(Saturation(chroma=chroma, white=white), saturation_mean, params.d_factor)
-    most = np.minimum(np.float32(params.most_color), 1 / chroma)
-    slope = deepened / floor * np.clip(stretched / chroma, 1, most)
-    return [deepened - slope * (bright - plane) for plane in planes]
-
-
-def _largest(planes: Planes) -> Float32Image:
-    largest = planes[0]
-    for plane in planes[1:]:
-        largest = np.maximum(largest, plane)
-    return largest
-
-
-def _split(colors: AnyImage) -> Planes:
-    return [np.asarray(plane, dtype=np.float32) for plane in cv2.split(colors)]
-
-
-def _merged(planes: Planes) -> Float32Image:
-    merged = planes[0] if len(planes) == 1 else cv2.merge(list(planes))
-    return np.asarray(merged, dtype=np.float32)
-
-
-def _fade(bright: Float32Image) -> Float32Image:
-    """Smoothstep between the two V of DIM."""
-    low, high = DIM
-    t = np.clip((bright - np.float32(low)) / np.float32(high - low), 0, 1)
-    return np.asarray(t * t * (3 - 2 * t), dtype=np.float32)
+def _finished(picture: Picture, out: NDArray[Any]) -> AnyImage:
+    """The input's shape and type again, alpha untouched."""
+    colors = out if picture.pixels.ndim == 3 else np.ascontiguousarray(out[..., 0])
+    if picture.dtype == np.uint8 and picture.alpha is None:
+        return colors
+    return picture.with_colors(colors.astype(np.float32) / np.float32(full_scale(out.dtype)))

@@ -1,0 +1,113 @@
+"""The preset `vessel` one numpy step after the other, as plain as it reads: the oracle of its kernels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from enhance.brightness import level, value_histogram, z_from_level
+from enhance.image import AnyImage, Float32Image, read_mask, read_picture
+from enhance.opening import opened
+from enhance.params import EnhanceParams
+from enhance.pipeline import enhance
+from enhance.result import EnhanceResult
+from enhance.saturation import Saturation, stretch
+from enhance.statistics import Statistics
+from enhance.vessel import VESSEL, VesselParams
+
+ABSORPTION = np.array([0.15, 1.0, 0.8], dtype=np.float32)
+LUMA = np.array([0.299, 0.587, 0.114], dtype=np.float32)
+FLOOR, MOST, DIM = np.float32(8 / 255), np.float32(0.5), (0.15, 0.4)
+Planes = Sequence[Float32Image]
+"""R, G and B, or a single grey, each (H, W) in [0, 1]."""
+
+
+def vessels_of(
+    image: AnyImage,
+    params: VesselParams = VESSEL,
+    *,
+    tissue_mask: AnyImage | None = None,
+    statistics: Statistics | None = None,
+) -> EnhanceResult:
+    """As `enhance.vessel.enhance_vessels`."""
+    picture = read_picture(image)
+    keep = read_mask(tissue_mask, picture)
+    planes = _split(picture.colors)
+    calm = _calm(planes)
+    bright = _largest(calm)
+    dark = level(value_histogram(bright, keep)) if statistics is None else statistics.level
+    paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
+    toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics)
+    colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
+    density = np.float32(params.strength) * _fade(bright) * blood_density(planes, params)
+    shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
+    result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
+    return EnhanceResult(picture.with_colors(result), toned.statistics, ())
+
+
+def blood_density(planes: Planes, params: VesselParams) -> Float32Image:
+    """Optical density of narrow dark structures in green, (H, W) in [0, 0.5].
+
+    The top-hat (image less its morphological opening, of radius `radius`) of `shading` log R - log G: narrow
+    structures remain, while slow shading falls out, and of steps between tissues little is left.
+
+    Args:
+        planes: R, G and B, or a single grey, (H, W) in [0, 1].
+    """
+    logs = [np.log(cv2.GaussianBlur(plane, (0, 0), 1.0) + FLOOR) for plane in planes[:2]]
+    absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
+    found = np.maximum(absorbed - opened(absorbed, params.radius), 0)
+    noise = np.float32(params.coring) * np.median(found[::3, ::3])
+    square = found * found
+    cored = found * square / (square + noise * noise + np.float32(1e-12))
+    return np.asarray(MOST * np.tanh(cored / MOST), dtype=np.float32)
+
+
+def _calm(planes: Planes) -> Planes:
+    """Differences of R, G and B to luma, smoothed; at no pixel is any channel brighter than V was."""
+    if len(planes) == 1:
+        return planes
+    smooth = [cv2.GaussianBlur(plane, (0, 0), 0.8) for plane in planes]
+    fine = sum(share * (plane - blurred) for share, plane, blurred in zip(LUMA, planes, smooth, strict=True))
+    most = _largest(planes)
+    return [np.clip(blurred + fine, 0, most) for blurred in smooth]
+
+
+def _colored(planes: Planes, saturation_mean: float, params: VesselParams) -> Planes:
+    """`gamma` on V, and S by Eqs 11 and 12 within its bounds; the hue stays (see `saturation.recolor`)."""
+    bright = _largest(planes)
+    deepened = bright + _fade(bright) * (bright ** np.float32(params.gamma) - bright)
+    if len(planes) == 1:
+        return [deepened]
+    floor = np.maximum(bright, np.float32(1e-6))
+    white = np.asarray(-_largest([-plane for plane in planes]) / floor, dtype=np.float32)
+    chroma = np.maximum(1 - white, np.float32(1e-6))
+    stretched = stretch(Saturation(chroma=chroma, white=white), saturation_mean, params.d_factor)
+    most = np.minimum(np.float32(params.most_color), 1 / chroma)
+    slope = deepened / floor * np.clip(stretched / chroma, 1, most)
+    return [deepened - slope * (bright - plane) for plane in planes]
+
+
+def _largest(planes: Planes) -> Float32Image:
+    largest = planes[0]
+    for plane in planes[1:]:
+        largest = np.maximum(largest, plane)
+    return largest
+
+
+def _split(colors: AnyImage) -> Planes:
+    return [np.asarray(plane, dtype=np.float32) for plane in cv2.split(colors)]
+
+
+def _merged(planes: Planes) -> Float32Image:
+    merged = planes[0] if len(planes) == 1 else cv2.merge(list(planes))
+    return np.asarray(merged, dtype=np.float32)
+
+
+def _fade(bright: Float32Image) -> Float32Image:
+    """Smoothstep between the two V of DIM."""
+    low, high = DIM
+    t = np.clip((bright - np.float32(low)) / np.float32(high - low), 0, 1)
+    return np.asarray(t * t * (3 - 2 * t), dtype=np.float32)
