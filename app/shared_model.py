@@ -79,7 +79,7 @@ class SlotReader:
         """The last model written; the same object as long as there is no newer one."""
         content = self._take()
         if content is not None:
-            self._newest = DynamicGaussians(**load(content))
+            self._newest = DynamicGaussians.from_arrays(load(content))
         return self._newest
 
     def _take(self) -> bytes | None:

@@ -44,7 +44,7 @@ def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     Both pictures times the mask, 11x11 Gaussian window of sigma 1.5, zeros beyond the border,
     mean over all pixels and channels; NaN for an empty mask. Arguments and errors as for `psnr`.
     """
-    x, y = _masked(image, reference, mask)
+    x, y = masked(image, reference, mask)
     mean_x, mean_y = _window(x), _window(y)
     variance_x = _window(x * x) - mean_x**2
     variance_y = _window(y * y) - mean_y**2
@@ -62,24 +62,33 @@ def depth_rmse(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     Raises:
         ValueError: shapes that do not agree.
     """
-    _check(depth, reference, mask)
-    both = mask & (depth > 0) & (reference > 0)
-    if not both.any():
-        return float("nan")
-    difference = depth[both].astype(np.float64) - reference[both]
-    return float(np.sqrt(np.mean(difference**2)))
+    drawn, true = _depths(depth, reference, mask)
+    return float(np.sqrt(np.mean((drawn - true) ** 2))) if len(true) else float("nan")
 
 
-def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:
-    if image.shape != reference.shape or image.shape[:2] != mask.shape or mask.dtype != np.bool_:
-        shapes = f"{image.shape}, {reference.shape} and {mask.dtype} {mask.shape}"
-        raise ValueError(f"expected two pictures of one shape and a bool mask of their size, got {shapes}")
+def depth_abs_rel(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """Mean of |depth - reference| / reference, without unit (Eigen et al., NeurIPS 2014). Otherwise as
+    `depth_rmse`."""
+    drawn, true = _depths(depth, reference, mask)
+    return float(np.mean(np.abs(drawn - true) / true)) if len(true) else float("nan")
 
 
-def _masked(
+def depth_coverage(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """Share of the measured reference pixels of the mask, 0 to 1, where there is a depth to compare: the
+    others are in no depth error. NaN when none is measured."""
+    drawn, _ = _depths(depth, reference, mask)
+    measured = np.count_nonzero(mask & (reference > 0))
+    return len(drawn) / measured if measured else float("nan")
+
+
+def masked(
     image: AnyFloat, reference: AnyFloat, mask: BoolImage
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Both pictures as (H, W, channels) float64, zero outside the mask whatever they hold there."""
+    """Both pictures as (H, W, channels) float64, zero outside the mask whatever they hold there.
+
+    Raises:
+        ValueError: shapes that do not agree.
+    """
     _check(image, reference, mask)
     keep = mask[:, :, None]
     x, y = (
@@ -89,8 +98,23 @@ def _masked(
     return x, y
 
 
+def _depths(
+    depth: AnyFloat, reference: AnyFloat, mask: BoolImage
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Both depths of the pixels of the mask where both are measured."""
+    _check(depth, reference, mask)
+    both = mask & (depth > 0) & (reference > 0)
+    return depth[both].astype(np.float64), reference[both].astype(np.float64)
+
+
+def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:
+    if image.shape != reference.shape or image.shape[:2] != mask.shape or mask.dtype != np.bool_:
+        shapes = f"{image.shape}, {reference.shape} and {mask.dtype} {mask.shape}"
+        raise ValueError(f"expected two pictures of one shape and a bool mask of their size, got {shapes}")
+
+
 def _squared_error(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArray[np.float64]:
-    x, y = _masked(image, reference, mask)
+    x, y = masked(image, reference, mask)
     return (x - y) ** 2
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ClipError, Frame
-from renderer.deformation.nodes import attach, node_grid
-from renderer.deformation.spline import controls_for
-from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
 
 Float32Array = NDArray[np.float32]
@@ -17,7 +18,7 @@ Float32Array = NDArray[np.float32]
 LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 0.1, 99.9
 
 
-def scene_size(frames: list[Frame]) -> float:
+def scene_size(frames: Sequence[Frame]) -> float:
     """Median depth of the tissue in the clip's unit: every length in training is relative to it.
 
     Raises:
@@ -29,11 +30,10 @@ def scene_size(frames: list[Frame]) -> float:
     return float(np.median(medians))
 
 
-def initialize(frames: list[Frame], n_frames: int, config: TrainConfig) -> DynamicGaussians:
+def sampled(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
     """Random tissue pixels of the given frames in equal shares, placed behind the centre of their pixel.
 
-    A Gaussian's size follows from the spacing that the samples have on the tissue at its depth. The
-    curves in time start at zero. `n_frames` is the length of the clip, which decides the control values.
+    A Gaussian's size follows from the spacing that the samples have on the tissue at its depth.
     """
     rng = np.random.default_rng(config.seed)
     measured = [frame for frame in frames if _has_depth(frame)]
@@ -43,26 +43,23 @@ def initialize(frames: list[Frame], n_frames: int, config: TrainConfig) -> Dynam
     means, pixel_sizes, colors = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     covered = np.mean([frame.depth_mask.sum() for frame in measured])
     spacing = np.sqrt(covered / len(means)) * pixel_sizes
+    scales = config.initial_spacing * spacing
+    return round_gaussians(means, scales, colors, config.initial_opacity)
+
+
+def round_gaussians(
+    means: Float32Array, scales: NDArray[np.floating[Any]], colors: Float32Array, opacity: float
+) -> RawGaussians:
+    """Balls (N,) of one opacity, the same from all sides."""
     quats = np.zeros((len(means), 4), np.float32)
     quats[:, 0] = 1.0
-    odds = config.initial_opacity / (1 - config.initial_opacity)
-    camera = measured[0].camera
-    grid = node_grid(camera, config.node_columns)
-    indices, weights = attach(means, camera, grid)
-    n_controls = controls_for(n_frames) if config.n_controls is None else config.n_controls
-    moving = config.method != "static"
-    rows, nodes = (len(means), grid[0] * grid[1]) if moving else (0, 0)
-    return DynamicGaussians(
+    return RawGaussians(
         means=means,
         quats=quats,
-        log_scales=np.log(config.initial_spacing * spacing)[:, None].repeat(3, axis=1).astype(np.float32),
-        opacity_logits=np.full(len(means), np.log(odds), np.float32),
+        log_scales=np.log(scales)[:, None].repeat(3, axis=1).astype(np.float32),
+        opacity_logits=np.full(len(means), np.log(opacity / (1 - opacity)), np.float32),
         colors=colors,
-        position_controls=np.zeros((rows, n_controls, 3), np.float32),
-        color_controls=np.zeros((rows, n_controls, 3), np.float32),
-        node_controls=np.zeros((nodes, n_controls, 3), np.float32),
-        node_indices=indices[:rows],
-        node_weights=weights[:rows],
+        harmonics=np.zeros((len(means), 0, 3), np.float32),
     )
 
 

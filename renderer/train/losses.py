@@ -1,12 +1,15 @@
-"""The training loss and its adjoint for the raster, one pass over the picture."""
+"""The training loss and its adjoint for the raster."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.rasterize.binning import TILE
+from renderer.rasterize.cpu import Rasterizer
 from renderer.rasterize.tiles import (
     BY_BLUE,
     BY_DEPTH,
@@ -20,11 +23,50 @@ from renderer.rasterize.tiles import (
     PLANE_RED,
     TOTAL,
 )
+from renderer.train.frames import TrainFrame
 
 # Columns of the sums that each picture row leaves.
-COLOR_LOSS, DEPTH_LOSS, SQUARED_ERROR = range(3)
+COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, SQUARED_ERROR = range(4)
+N_SUMS = 4
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 BYTE = np.float32(1.0 / 255.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LossWeights:
+    """What the loss adds up; each term is a mean over the pixels that it is of."""
+
+    color: float = 1.0
+    """Of |colour - photo| over tissue and channels."""
+    depth: float = 0.0
+    """Of |depth - measured| / scene size."""
+    inverse_depth: float = 0.0
+    """Of |1 / depth - 1 / measured| times the scene size."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What one step measured before its update."""
+
+    loss: float
+    squared_error: float
+    """Mean over supervised pixels and channels."""
+
+
+def picture_loss(rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights, size: float) -> Measured:
+    """The loss of the picture that `rasterizer` holds; its adjoint is left there. `size` is the scene's."""
+    per_color = 1.0 / max(3 * frame.n_colors, 1)
+    per_depth = weights.depth / (max(frame.n_depths, 1) * size)
+    per_inverse = weights.inverse_depth * size / max(frame.n_depths, 1)
+    rows = np.empty((frame.color_mask.shape[0], N_SUMS))
+    masked_loss(
+        rasterizer.planes, frame.colors, frame.color_mask, frame.depth, frame.tile_wanted,
+        weights.color * per_color, per_depth, per_inverse, rasterizer.adjoint, rows,
+    )  # fmt: skip
+    sums = rows.sum(axis=0)
+    loss = weights.color * per_color * sums[COLOR_LOSS]
+    loss += per_depth * sums[DEPTH_LOSS] + per_inverse * sums[INVERSE_LOSS]
+    return Measured(float(loss), float(per_color * sums[SQUARED_ERROR]))
 
 
 @njit(inline="always")
@@ -41,14 +83,17 @@ def masked_loss(
     tile_wanted: NDArray[np.bool_],
     color_weight: float,
     depth_weight: float,
+    inverse_weight: float,
     adjoint: NDArray[np.float32],  # (6, H, W), out on the wanted tiles
-    sums: NDArray[np.float64],  # (H, 3), out: the unweighted sums of |colour|, |depth| and colour^2 errors
+    sums: NDArray[np.float64],  # (H, N_SUMS), out: unweighted, of the absolute errors and the squared ones
 ) -> None:
     """L1 of colour on tissue plus L1 of expected depth where it is measured and alpha > 0.5.
 
-    Loss = color_weight * sum |color - photo| + depth_weight * sum |sum(w z) / sum(w) - depth|.
+    Loss = color_weight * sum |color - photo| + depth_weight * sum |D - depth|
+    + inverse_weight * sum |1 / D - 1 / depth| with D = sum(w z) / sum(w).
     """
-    color_gradient, depth_gradient = np.float32(color_weight), np.float32(depth_weight)
+    color_gradient = np.float32(color_weight)
+    depth_gradient, inverse_gradient = np.float32(depth_weight), np.float32(inverse_weight)
     for y in prange(planes.shape[1]):
         sums[y] = 0.0
         for x in range(planes.shape[2]):
@@ -79,7 +124,10 @@ def masked_loss(
             if depths[y, x] > ZERO and weight > HALF:
                 expected = planes[PLANE_DEPTH, y, x] / weight
                 error = expected - depths[y, x]
+                nearness = ONE / depths[y, x] - ONE / expected
                 sums[y, DEPTH_LOSS] += abs(error)
-                by_depth = depth_gradient * _sign(error) / weight
+                sums[y, INVERSE_LOSS] += abs(nearness)
+                slope = depth_gradient + inverse_gradient / (expected * expected)
+                by_depth = slope * _sign(error) / weight
                 adjoint[BY_DEPTH, y, x] = by_depth
                 adjoint[BY_WEIGHT, y, x] = -by_depth * expected

@@ -19,8 +19,11 @@ from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Progress, Snapshot, Started, TrainEvent
 from renderer.train.frames import TrainFrame, halved, train_frame
-from renderer.train.initialize import initialize, scene_size
-from renderer.train.model import NEAR_SHARE, StepResult, TrainModel
+from renderer.train.initialize import scene_size
+from renderer.train.losses import Measured
+from renderer.train.methods import recipe_for
+from renderer.train.model import NEAR_SHARE, TrainModel
+from renderer.train.recipe import Recipe, Stage
 
 PROGRESS_SECONDS = 0.25
 SNAPSHOT_SECONDS = 1.0
@@ -49,32 +52,33 @@ def train(
     fit, held_out = split(clip, config)
     frames = [clip.read_frame(index) for index in fit]
     size = scene_size(frames)
-    model = TrainModel(initialize(frames, len(clip), config), config, size)
-    full = [train_frame(frame) for frame in frames]
+    recipe = recipe_for(clip, config)
+    raw = recipe.initialize(frames)
+    model = TrainModel(raw, recipe.make_trainer(raw, frames, size), recipe, size)
+    pool = _Pool([train_frame(frame) for frame in frames], config.seed)
     del frames
     start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)
-    yield Started(start, config.iterations, len(model.gaussians), omissions(clip, config))
+    yield Started(start, recipe.iterations, len(model), omissions(clip, config))
 
-    meter = _Meter(config, len(model.gaussians), seconds)
-    half = [halved(frame) for frame in full] if start < half_steps(config) else []
-    for iteration in range(start, config.iterations):
-        frame = frame_of(iteration, half if iteration < half_steps(config) else full, config.seed)
+    meter = _Meter(recipe, seconds)
+    for iteration in range(start, recipe.iterations):
+        frame = pool.frame(iteration, recipe.stage_at(iteration))
         began = time.perf_counter()
         result = model.step(frame, iteration)
-        meter.add(result, iteration, time.perf_counter() - began)
+        meter.add(result, iteration, time.perf_counter() - began, len(model))
         if not math.isfinite(result.loss):
             raise TrainingError(f"the loss is not finite at iteration {iteration}: lower the learning rates")
         done = iteration + 1
-        if folder and (done % config.checkpoint_every == 0 or done == config.iterations):
-            state = Checkpoint(done, meter.seconds, fingerprint(clip, config), model.arrays())
+        if folder and (done % config.checkpoint_every == 0 or done == recipe.iterations):
+            state = Checkpoint(done, meter.seconds, fingerprint(clip, config), model.state())
             write_checkpoint(folder, state)
-        if meter.progress_is_due() or done == config.iterations:
+        if meter.progress_is_due() or done == recipe.iterations:
             yield meter.progress(done)
         if meter.snapshot_is_due():
             yield Snapshot(done, model.snapshot())
     if held_out:
-        yield Evaluated(config.iterations, held_out_psnr(model, clip, held_out, size))
-    yield Finished(config.iterations, meter.seconds, model.gaussians)
+        yield Evaluated(recipe.iterations, held_out_psnr(model, clip, held_out, size))
+    yield Finished(recipe.iterations, meter.seconds, model.gaussians)
 
 
 def require_depth(clip: Clip) -> None:
@@ -89,11 +93,6 @@ def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, 
         return clip.train_indices, ()
     held_out = tuple(index for index in clip.train_indices if index % 8 == HELD_OUT_PHASE)
     return tuple(index for index in clip.train_indices if index not in held_out), held_out
-
-
-def half_steps(config: TrainConfig) -> int:
-    """Steps at half resolution, which come first."""
-    return round(config.iterations * config.half_resolution_share)
 
 
 def frame_of(iteration: int, frames: list[TrainFrame], seed: int) -> TrainFrame:
@@ -144,18 +143,37 @@ def _resumed(model: TrainModel, folder: Path, clip: Clip, config: TrainConfig) -
     return checkpoint.iteration, checkpoint.seconds
 
 
+class _Pool:
+    """The frames to fit, at the resolutions that are asked for."""
+
+    def __init__(self, full: list[TrainFrame], seed: int) -> None:
+        self._full, self._seed = full, seed
+        self._half: list[TrainFrame] = []
+
+    def frame(self, iteration: int, stage: Stage) -> TrainFrame:
+        """For one step."""
+        if stage.half and not self._half:
+            self._half = [halved(frame) for frame in self._full]
+        elif not stage.half:
+            self._half = []
+        frames = self._half if stage.half else self._full
+        return frame_of(iteration, frames[:1] if stage.first_frame_only else frames, self._seed)
+
+
 class _Meter:
     """Adds up what the steps measured and says when it is time to tell."""
 
-    def __init__(self, config: TrainConfig, n_gaussians: int, seconds: float) -> None:
+    def __init__(self, recipe: Recipe, seconds: float) -> None:
         self.seconds = seconds
-        self._config, self._n_gaussians = config, n_gaussians
-        self._results: list[StepResult] = []
+        self._recipe = recipe
+        self._results: list[Measured] = []
         self._recent: list[float] | None = None
+        self._n_gaussians = 0
         self._told = self._shown = time.perf_counter()
 
-    def add(self, result: StepResult, iteration: int, seconds: float) -> None:
+    def add(self, result: Measured, iteration: int, seconds: float, n_gaussians: int) -> None:
         self.seconds += seconds
+        self._n_gaussians = n_gaussians
         self._results.append(result)
         if self._recent is None:
             # The first step loads or compiles the kernels: no measure of those to come.
@@ -177,11 +195,11 @@ class _Meter:
         unit = float(np.median(self._recent)) if self._recent else 0.0
         event = Progress(
             iteration=done,
-            iterations=self._config.iterations,
+            iterations=self._recipe.iterations,
             loss=float(np.mean([result.loss for result in self._results])),
             psnr=-10 * math.log10(max(error, 1e-12)),
             seconds=self.seconds,
-            seconds_left=unit * self._cost(done, self._config.iterations),
+            seconds_left=unit * self._cost(done, self._recipe.iterations),
             n_gaussians=self._n_gaussians,
         )
         self._results, self._told = [], time.perf_counter()
@@ -189,5 +207,9 @@ class _Meter:
 
     def _cost(self, first: int, end: int) -> float:
         """Expected time of the steps from `first` up to `end`, in steps at half resolution."""
-        half = max(0, min(end, half_steps(self._config)) - first)
-        return half + FULL_COST * (end - first - half)
+        total, start = 0.0, 0
+        for stage in self._recipe.stages:
+            steps = max(0, min(end, start + stage.steps) - max(first, start))
+            total += steps * (1.0 if stage.half else FULL_COST)
+            start += stage.steps
+        return total

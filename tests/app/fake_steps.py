@@ -12,7 +12,9 @@ import numpy as np
 from app.errors import UserError
 from app.run_folder import RunFolder
 from app.training import TrainRequest
+from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
 from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent
 
 Steps = Generator[TrainEvent, None, None]
@@ -20,19 +22,15 @@ Steps = Generator[TrainEvent, None, None]
 
 def model_of(count: int) -> DynamicGaussians:
     """A static model whose numbers tell how large it is."""
-    none = np.zeros((0, 0, 3), dtype=np.float32)
-    return DynamicGaussians(
+    raw = RawGaussians(
         means=np.full((count, 3), count, dtype=np.float32),
         quats=np.ones((count, 4), dtype=np.float32),
         log_scales=np.zeros((count, 3), dtype=np.float32),
         opacity_logits=np.arange(count, dtype=np.float32),
         colors=np.ones((count, 3), dtype=np.float32),
-        position_controls=none,
-        color_controls=none,
-        node_controls=none,
-        node_indices=np.zeros((0, 4), dtype=np.int32),
-        node_weights=np.zeros((0, 4), dtype=np.float32),
+        harmonics=np.zeros((count, 0, 3), dtype=np.float32),
     )
+    return DynamicGaussians(raw, Still())
 
 
 def _progress(iteration: int) -> Progress:

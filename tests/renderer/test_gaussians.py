@@ -2,62 +2,73 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from safetensors.numpy import save_file
 
-from renderer.gaussians import DynamicGaussians, sigmoid
+from renderer.deformation.spline_motion import SplineMotion
+from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splats import Splats
 
 
 def model(count: int = 7, n_controls: int = 6, n_nodes: int = 4) -> DynamicGaussians:
     rng = np.random.default_rng(0)
     weights = rng.uniform(0.1, 1, (count, 4)).astype(np.float32)
-    return DynamicGaussians(
+    raw = RawGaussians(
         means=rng.normal(size=(count, 3)).astype(np.float32),
         quats=rng.normal(size=(count, 4)).astype(np.float32),
         log_scales=rng.normal(size=(count, 3)).astype(np.float32),
         opacity_logits=rng.normal(size=count).astype(np.float32),
         colors=rng.uniform(size=(count, 3)).astype(np.float32),
+        harmonics=np.zeros((count, 0, 3), np.float32),
+    )
+    motion = SplineMotion(
         position_controls=rng.normal(size=(count, n_controls, 3)).astype(np.float32),
         color_controls=rng.normal(size=(count, n_controls, 3)).astype(np.float32),
+        opacity_controls=rng.normal(size=(count, n_controls, 1)).astype(np.float32),
         node_controls=rng.normal(size=(n_nodes, n_controls, 3)).astype(np.float32),
         node_indices=rng.integers(0, n_nodes, (count, 4)).astype(np.int32),
         node_weights=weights / weights.sum(axis=1, keepdims=True),
     )
+    return DynamicGaussians(raw, motion)
 
 
 def still(moving: DynamicGaussians) -> DynamicGaussians:
+    """The same with channels that have no rows."""
     empty = np.zeros((0, 6, 3), np.float32)
-    return replace(
-        moving,
+    motion = SplineMotion(
         position_controls=empty,
         color_controls=empty,
+        opacity_controls=empty[..., :1],
         node_controls=empty,
         node_indices=np.zeros((0, 4), np.int32),
         node_weights=np.zeros((0, 4), np.float32),
     )
+    return DynamicGaussians(moving.raw, motion)
 
 
 def test_static_model_is_the_same_at_all_times() -> None:
     one, other = still(model()).at(0.0), still(model()).at(0.77)
     assert np.array_equal(one.means, other.means)
     assert np.array_equal(one.colors, other.colors)
-    assert np.allclose(one.scales, np.exp(model().log_scales))
-    assert np.allclose(one.opacities, 1 / (1 + np.exp(-model().opacity_logits)), atol=1e-6)
+    assert np.allclose(one.scales, np.exp(model().raw.log_scales))
+    assert np.allclose(one.opacities, 1 / (1 + np.exp(-model().raw.opacity_logits)), atol=1e-6)
 
 
 def test_position_is_base_plus_own_curve_plus_shared_curve() -> None:
     """Against the sum written out with de Boor's recursion in float64."""
     gaussians = model()
+    motion = gaussians.motion
+    assert isinstance(motion, SplineMotion)
     for time in (0.0, 0.31, 0.9999, 1.0):
-        shared = np.array([de_boor(controls, time) for controls in gaussians.node_controls])
-        own = np.array([de_boor(controls, time) for controls in gaussians.position_controls])
+        shared = np.array([de_boor(controls, time) for controls in motion.node_controls])
+        own = np.array([de_boor(controls, time) for controls in motion.position_controls])
         expected = gaussians.means + own
         for n in range(len(gaussians)):
-            expected[n] += gaussians.node_weights[n] @ shared[gaussians.node_indices[n]]
+            expected[n] += motion.node_weights[n] @ shared[motion.node_indices[n]]
         assert np.allclose(gaussians.at(time).means, expected, atol=1e-5)
 
 
@@ -85,8 +96,44 @@ def test_file_round_trip_is_exact(tmp_path: Path) -> None:
     path = tmp_path / "model.safetensors"
     model().save(path, {"made": "by a test"})
     loaded = DynamicGaussians.load(path)
+    assert list(loaded.arrays()) == list(model().arrays())
     for name, value in model().arrays().items():
-        assert getattr(loaded, name).tobytes() == value.tobytes(), name
+        assert loaded.arrays()[name].tobytes() == value.tobytes(), name
+
+
+def test_colour_and_opacity_follow_their_curves() -> None:
+    """Against de Boor's recursion in float64."""
+    gaussians = model()
+    motion = gaussians.motion
+    assert isinstance(motion, SplineMotion)
+    logits = gaussians.raw.opacity_logits + de_boor_all(motion.opacity_controls, 0.4)[:, 0]
+    colors = gaussians.raw.colors + de_boor_all(motion.color_controls, 0.4)
+    assert np.allclose(gaussians.at(0.4).opacities, 1 / (1 + np.exp(-logits)), atol=1e-6)
+    assert np.allclose(gaussians.at(0.4).colors, colors, atol=1e-6)
+
+
+def de_boor_all(controls: np.ndarray, time: float) -> np.ndarray:
+    return np.array([de_boor(one, time) for one in controls])
+
+
+def test_chosen_rows_are_the_chosen_splats() -> None:
+    index = np.array([3, 3, 0, 6])
+    some, every = model().rows(index).at(0.6), model().at(0.6)
+    for name in ("means", "quats", "scales", "opacities", "colors"):
+        assert np.array_equal(getattr(some, name), getattr(every, name)[index]), name
+
+
+def test_files_of_old_still_open(tmp_path: Path) -> None:
+    """Without harmonics and without a curve of opacity, and with channels that have no rows."""
+    path = tmp_path / "model.safetensors"
+    arrays = still(model()).arrays()
+    save_file({name: value for name, value in arrays.items() if name not in NEW}, path)
+    old, new = DynamicGaussians.load(path).at(0.3), still(model()).at(0.3)
+    assert np.array_equal(old.means, new.means)
+    assert np.array_equal(old.opacities, new.opacities)
+
+
+NEW = ("harmonics", "opacity_controls")
 
 
 def test_file_that_is_no_model_is_refused(tmp_path: Path) -> None:

@@ -18,8 +18,8 @@ from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Started
 from renderer.train.frames import halved, train_frame
-from renderer.train.initialize import initialize, scene_size
-from renderer.train.losses import COLOR_LOSS, DEPTH_LOSS, masked_loss
+from renderer.train.initialize import sampled, scene_size
+from renderer.train.losses import COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, N_SUMS, masked_loss
 from renderer.train.trainer import TrainingError, frame_of, split, train
 
 SIZE = (48, 32)
@@ -176,7 +176,7 @@ def test_absurd_rates_end_in_a_clear_failure_or_a_finite_model() -> None:
 def test_initial_points_lie_on_the_surface_behind_pixel_centres() -> None:
     clip = moving_sheet()
     frames = [clip.read_frame(index) for index in (0, 2)]
-    model = initialize(frames, N_FRAMES, SMALL)
+    model = sampled(frames, SMALL)
     depths = {float(frame.depth[0, 0]) for frame in frames if frame.depth is not None}
     assert {round(float(z), 3) for z in model.means[:, 2]} == {round(z, 3) for z in depths}
     pixels, _ = frames[0].camera.project(model.means.astype(np.float64))
@@ -224,15 +224,16 @@ def test_loss_adjoint_is_the_slope_of_the_loss() -> None:
         rng.uniform(0, 1, (count, 3)).astype(np.float32),
     )  # fmt: skip
     rasterizer = Rasterizer(*SIZE)
-    rows = np.empty((frame.color_mask.shape[0], 3))
+    rows = np.empty((frame.color_mask.shape[0], N_SUMS))
 
     def loss(changed: Splats) -> float:
         rasterizer.forward(changed, frame.camera)
         masked_loss(
             rasterizer.planes, frame.colors, frame.color_mask, frame.depth, frame.tile_wanted,
-            0.7, 0.2, rasterizer.adjoint, rows,
+            0.7, 0.2, 30.0, rasterizer.adjoint, rows,
         )  # fmt: skip
-        return float(0.7 * rows[:, COLOR_LOSS].sum() + 0.2 * rows[:, DEPTH_LOSS].sum())
+        weighted = 0.7 * rows[:, COLOR_LOSS] + 0.2 * rows[:, DEPTH_LOSS] + 30.0 * rows[:, INVERSE_LOSS]
+        return float(weighted.sum())
 
     loss(splats)
     gradients = rasterizer.backward(splats)

@@ -14,7 +14,9 @@ from app.gui.settings import Places, Settings
 from app.gui.state import AppState
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame
+from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
 
 SIZE = (48, 40)
 
@@ -53,19 +55,15 @@ def make_model(count: int = 30) -> DynamicGaussians:
     """A static sheet of Gaussians 50 before the camera."""
     rng = np.random.default_rng(0)
     means = np.stack([*rng.uniform(-20, 20, (2, count)), np.full(count, 50.0)], axis=1).astype(np.float32)
-    nothing = np.zeros((0, 4, 3), np.float32)
-    return DynamicGaussians(
+    raw = RawGaussians(
         means=means,
         quats=np.tile(np.float32([1, 0, 0, 0]), (count, 1)),
         log_scales=np.full((count, 3), np.log(4.0), np.float32),
         opacity_logits=np.full(count, 2.0, np.float32),
         colors=np.full((count, 3), 0.5, np.float32),
-        position_controls=nothing,
-        color_controls=nothing,
-        node_controls=nothing,
-        node_indices=np.zeros((0, 4), np.int32),
-        node_weights=np.zeros((0, 4), np.float32),
+        harmonics=np.zeros((count, 0, 3), np.float32),
     )
+    return DynamicGaussians(raw, Still())
 
 
 @dataclass

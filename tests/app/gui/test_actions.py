@@ -217,7 +217,7 @@ def test_the_live_preview_says_so_and_keeps_its_pivot(
     assert state.model.live
     first = state.model
     state.reconstruction.progress = Progress(50, 3000, 0.1, 20.0, 1.0, 9.0, 30)
-    actions.show_live_model(state, replace(model, means=model.means * 2))
+    actions.show_live_model(state, replace(model, raw=replace(model.raw, means=model.means * 2)))
     assert state.model.distance == first.distance == pytest.approx(50.0)
     assert state.model.iteration == 50
     actions.show_finished_model(state, model)

@@ -58,11 +58,11 @@ def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: App
     assert live.model is not None
     large = live.model.view(0.0, Orbit(), SIZE)
     share = 1e-4
-    model = replace(
-        live.model.model,
-        means=live.model.model.means * np.float32(share),
-        log_scales=live.model.model.log_scales + np.float32(np.log(share)),
+    raw = live.model.model.raw
+    smaller = replace(
+        raw, means=raw.means * np.float32(share), log_scales=raw.log_scales + np.float32(np.log(share))
     )
+    model = replace(live.model.model, raw=smaller)
     tiny = replace(live.model, model=model, distance=live.model.distance * share).view(0.0, Orbit(), SIZE)
     assert large.near / live.model.distance == pytest.approx(tiny.near / tiny.shown.distance)
     (wanted,), (seen,) = draw_view(large), draw_view(tiny)

@@ -1,0 +1,70 @@
+"""Gaussians at rest or at one moment, as training sees them: raw values, whose names carry their space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.splats import Float32Array, Splats
+
+Arrays = dict[str, NDArray[Any]]
+
+
+def sigmoid(logits: Float32Array) -> Float32Array:
+    """1 / (1 + exp(-x)) without overflow."""
+    half = np.float32(0.5)
+    values: Float32Array = half + half * np.tanh(half * logits)
+    return values
+
+
+@dataclass(frozen=True, eq=False)
+class RawGaussians:
+    """N Gaussians; or, of the same shapes, gradients by their raw values."""
+
+    means: Float32Array
+    """(N, 3) in the clip's unit."""
+    quats: Float32Array
+    """(N, 4) wxyz, not normalised."""
+    log_scales: Float32Array
+    """(N, 3) natural logarithm of the standard deviations."""
+    opacity_logits: Float32Array
+    """(N,)"""
+    colors: Float32Array
+    """(N, 3) RGB, the part that does not depend on the view."""
+    harmonics: Float32Array
+    """(N, B, 3) spherical harmonics of degree 1 and above, B = 0, 3, 8 or 15; see harmonics.py."""
+
+    def __len__(self) -> int:
+        return len(self.means)
+
+    def splats(self) -> Splats:
+        """Activated."""
+        return Splats(
+            means=self.means,
+            quats=self.quats,
+            scales=np.exp(self.log_scales),
+            opacities=sigmoid(self.opacity_logits),
+            colors=self.colors,
+        )
+
+    def rows(self, index: NDArray[np.int64]) -> RawGaussians:
+        """The chosen Gaussians in the order of `index`, which may repeat some."""
+        return RawGaussians(**{name: value[index] for name, value in self.arrays().items()})
+
+    def arrays(self) -> Arrays:
+        """Every array by field name, in a fixed order."""
+        return {name: getattr(self, name) for name in FIELDS}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> RawGaussians:
+        """Takes its own of many arrays; files of old have no harmonics."""
+        own = {name: arrays[name] for name in FIELDS if name in arrays}
+        own.setdefault("harmonics", np.zeros((len(own["means"]), 0, 3), np.float32))
+        return cls(**own)
+
+
+FIELDS = tuple(item.name for item in fields(RawGaussians))

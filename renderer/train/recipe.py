@@ -1,0 +1,84 @@
+"""What a method of reconstruction consists of: everything that the trainer itself does not decide."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import Frame
+from renderer.deformation.motion import Motion
+from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.train.losses import LossWeights
+from renderer.train.rates import RowRates
+
+BoolArray = NDArray[np.bool_]
+
+
+class MotionTrainer(Protocol):
+    """Trains the motion of a model; the motion itself may be replaced when Gaussians come and go."""
+
+    @property
+    def motion(self) -> Motion: ...
+
+    def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+        """As Motion.moved; may remember what `update` for the same frame needs."""
+        ...
+
+    def update(self, time: float, by: RawGaussians, seen: BoolArray, iteration: int) -> None:
+        """One step from the gradients `by` the moved raw values; `seen` (N,) are those that have any."""
+        ...
+
+    def choose(self, index: NDArray[np.int64]) -> None:
+        """Go on with these Gaussians, some perhaps repeated."""
+        ...
+
+    def state(self) -> Arrays:
+        """The motion's arrays and all else that the next step depends on."""
+        ...
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take over what `state` gave; numbers of Gaussians may differ."""
+        ...
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A part of the run."""
+
+    steps: int
+    half: bool = False
+    """At half resolution."""
+    moves: bool = True
+    """False: the model is at rest."""
+    first_frame_only: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """A method, for one clip. Lengths are in scene sizes, so that units do not matter."""
+
+    initialize: Callable[[Sequence[Frame]], RawGaussians]
+    """From the frames to fit."""
+    make_trainer: Callable[[RawGaussians, Sequence[Frame], float], MotionTrainer]
+    """For the initial Gaussians, the frames to fit and the scene size."""
+    rates: RowRates
+    stages: tuple[Stage, ...]
+    losses: LossWeights
+
+    @property
+    def iterations(self) -> int:
+        """Of all stages."""
+        return sum(stage.steps for stage in self.stages)
+
+    def stage_at(self, iteration: int) -> Stage:
+        """The stage that an iteration, counted from 0, belongs to."""
+        end = 0
+        for stage in self.stages:
+            end += stage.steps
+            if iteration < end:
+                return stage
+        raise ValueError(f"expected an iteration below {end}, got {iteration}")

@@ -1,0 +1,97 @@
+"""Trains a SplineMotion: only the four control values that are active at a frame's time move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.deformation.nodes import Attachment, gather_gradients
+from renderer.deformation.spline import spline_taps
+from renderer.deformation.spline_motion import SplineMotion
+from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.train.adam import corrected_rate, update_taps
+from renderer.train.rates import Rate
+from renderer.train.recipe import BoolArray
+
+CURVES = ("position_controls", "color_controls", "opacity_controls", "node_controls")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SplineRates:
+    """Of the control values; positions in the clip's unit."""
+
+    position: Rate
+    color: Rate
+    opacity: Rate
+    smoothing: Rate
+    """Share by which a control value is pulled to the mean of its neighbours in time, each step."""
+
+
+class SplineTrainer:
+    """See MotionTrainer."""
+
+    def __init__(self, motion: SplineMotion, rates: SplineRates) -> None:
+        self._rates = rates
+        self._tap_steps = np.zeros(motion.n_controls, np.int64)
+        curves = {name: getattr(motion, name) for name in CURVES}
+        self._first = {name: np.zeros_like(curve) for name, curve in curves.items()}
+        self._second = {name: np.zeros_like(curve) for name, curve in curves.items()}
+        self._take(motion)
+
+    def _take(self, motion: SplineMotion) -> None:
+        self.motion = motion
+        n_nodes = len(motion.node_controls)
+        self._links = Attachment.transposed(motion.node_indices, motion.node_weights, n_nodes)
+
+    def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+        return self.motion.moved(raw, time)
+
+    def update(self, time: float, by: RawGaussians, seen: BoolArray, iteration: int) -> None:
+        """See MotionTrainer; bias corrections count the updates of each control value."""
+        start, weights = spline_taps(time, self.motion.n_controls)
+        self._tap_steps[start : start + 4] += 1
+        corrections = np.array(
+            [corrected_rate(1.0, int(steps)) for steps in self._tap_steps[start : start + 4]]
+        )
+        by_nodes, touched = self._gathered(by.means)
+        rates = self._rates
+        smoothing = rates.smoothing.at(iteration)
+        for name, gradient, wanted, rate in (
+            ("position_controls", by.means, seen, rates.position),
+            ("color_controls", by.colors, seen, rates.color),
+            ("opacity_controls", by.opacity_logits[:, None], seen, rates.opacity),
+            ("node_controls", by_nodes, touched, rates.position),
+        ):
+            update_taps(
+                getattr(self.motion, name), gradient, self._first[name], self._second[name], wanted,
+                start, weights, (corrections * rate.at(iteration)).astype(np.float32), smoothing,
+            )  # fmt: skip
+
+    def _gathered(self, by_means: NDArray[np.float32]) -> tuple[NDArray[np.float32], BoolArray]:
+        by_nodes = np.empty((len(self.motion.node_controls), 3), np.float32)
+        touched = np.empty(len(by_nodes), bool)
+        links = self._links
+        gather_gradients(links.starts, links.gaussians, links.weights, by_means, by_nodes, touched)
+        return by_nodes, touched
+
+    def choose(self, index: NDArray[np.int64]) -> None:
+        """See MotionTrainer."""
+        for moments in (self._first, self._second):
+            for name in CURVES[:-1]:
+                moments[name] = moments[name][index] if len(moments[name]) else moments[name]
+        self._take(self.motion.rows(index))
+
+    def state(self) -> Arrays:
+        """See MotionTrainer."""
+        first = {f"first.{name}": value for name, value in self._first.items()}
+        second = {f"second.{name}": value for name, value in self._second.items()}
+        return self.motion.arrays() | first | second | {"tap_steps": self._tap_steps}
+
+    def restore(self, arrays: Arrays) -> None:
+        """See MotionTrainer."""
+        self._first = {name: arrays[f"first.{name}"].copy() for name in CURVES}
+        self._second = {name: arrays[f"second.{name}"].copy() for name in CURVES}
+        self._tap_steps = arrays["tap_steps"].copy()
+        self._take(SplineMotion.from_arrays({name: value.copy() for name, value in arrays.items()}))
