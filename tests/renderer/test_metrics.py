@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
+from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
 
 
 @pytest.fixture
@@ -89,13 +89,38 @@ def test_depth_rmse_counts_only_where_both_are_measured():
     assert depth_rmse(depth, reference, np.array([[True, False, True, True]])) == pytest.approx(3.0)
 
 
+def test_relative_depth_error_is_without_unit_and_of_the_same_pixels(rng):
+    reference = np.array([[50.0, 80.0, 0.0, 70.0]], dtype=np.float32)
+    depth = np.array([[53.0, 76.0, 99.0, 0.0]], dtype=np.float32)
+    mask = np.array([[True, True, True, True]])
+    assert depth_abs_rel(depth, reference, mask) == pytest.approx((3 / 50 + 4 / 80) / 2)
+    assert depth_coverage(depth, reference, mask) == pytest.approx(2 / 3)
+    depth, reference = 20 + 80 * rng.random((2, 9, 8))
+    everything = np.ones((9, 8), dtype=bool)
+    assert depth_coverage(depth, reference, everything) == 1
+    metres = depth_abs_rel(depth / 1000, reference / 1000, everything)
+    assert depth_abs_rel(depth, reference, everything) == pytest.approx(metres)
+    assert depth_rmse(depth, reference, everything) == pytest.approx(
+        1000 * depth_rmse(depth / 1000, reference / 1000, everything)
+    )
+
+
+def test_depth_is_never_rounded():
+    reference = np.full((6, 7), 55.5)
+    everything = np.ones((6, 7), dtype=bool)
+    assert depth_rmse(reference + 0.001, reference, everything) == pytest.approx(0.001)
+    assert depth_rmse(reference + 300.25, reference, everything) == pytest.approx(300.25)
+
+
 def test_nothing_to_measure_is_nan():
     empty = np.zeros((4, 5), dtype=bool)
+    for measure in (depth_rmse, depth_abs_rel, depth_coverage):
+        assert math.isnan(measure(np.ones((4, 5)), np.ones((4, 5)), empty))
+        assert math.isnan(measure(np.ones((4, 5)), np.zeros((4, 5)), ~empty))
     assert math.isnan(psnr_masked(np.ones((4, 5, 3)), np.zeros((4, 5, 3)), empty))
-    assert math.isnan(depth_rmse(np.ones((4, 5)), np.ones((4, 5)), empty))
 
 
-@pytest.mark.parametrize("measure", [psnr, psnr_masked, ssim, depth_rmse])
+@pytest.mark.parametrize("measure", [psnr, psnr_masked, ssim, depth_rmse, depth_abs_rel, depth_coverage])
 def test_shapes_that_do_not_agree_are_refused(measure):
     with pytest.raises(ValueError, match=r"\(4, 5\), \(4, 6\)"):
         measure(np.ones((4, 5)), np.ones((4, 6)), np.ones((4, 5), dtype=bool))
