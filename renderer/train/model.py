@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from renderer.rasterize.cpu import Gradients, Rasterizer
 from renderer.raw_gaussians import FIELDS, Arrays, RawGaussians
 from renderer.splats import Float32Array, Splats
 from renderer.train.adam import corrected_rate, update_rows
+from renderer.train.densify import Densifier, Plan
 from renderer.train.frames import TrainFrame
+from renderer.train.guards import Trouble, hold_scales, leave_out_broken
 from renderer.train.losses import Measured, picture_loss
 from renderer.train.recipe import BoolArray, MotionTrainer, Recipe
 
@@ -27,7 +30,9 @@ class TrainModel:
         self._motion, self._recipe, self._size = motion, recipe, size
         self._first = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
         self._second = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
+        self._density = Densifier(recipe.density, size, len(raw)) if recipe.density else None
         self._rasterizers: dict[tuple[int, int], Rasterizer] = {}
+        self.trouble = Trouble()
 
     def __len__(self) -> int:
         return len(self.raw)
@@ -45,7 +50,8 @@ class TrainModel:
         """Values, moments and counters: all that the next step depends on."""
         first = {f"first.{name}": value for name, value in self._first.items()}
         second = {f"second.{name}": value for name, value in self._second.items()}
-        return self.raw.arrays() | first | second | self._motion.state()
+        density = self._density.state() if self._density else {}
+        return self.raw.arrays() | first | second | density | self._motion.state()
 
     def restore(self, arrays: Arrays) -> None:
         """Take over what `state` gave."""
@@ -53,6 +59,8 @@ class TrainModel:
         self.raw = RawGaussians.from_arrays(own)
         self._first = {name: own[f"first.{name}"] for name in FIELDS}
         self._second = {name: own[f"second.{name}"] for name in FIELDS}
+        if self._density:
+            self._density.restore(arrays)
         self._motion.restore(arrays)
 
     def step(self, frame: TrainFrame, iteration: int) -> Measured:
@@ -63,11 +71,28 @@ class TrainModel:
         rasterizer = self._rasterizer(frame)
         rasterizer.forward(splats, frame.camera, NEAR_SHARE * self._size, frame.tile_wanted)
         measured = picture_loss(rasterizer, frame, self._recipe.losses, self._size)
-        by = _by_raw(rasterizer.backward(splats), splats, now)
-        self._update(by, rasterizer.visible, iteration)
+        by, seen = _by_raw(rasterizer.backward(splats), splats, now), rasterizer.visible
+        self.trouble.not_finite += leave_out_broken(by, seen)
+        self._update(by, seen, iteration)
         if moves:
-            self._motion.update(frame.time, by, rasterizer.visible, iteration)
+            self._motion.update(frame.time, by, seen, iteration)
+        self.trouble.held += hold_scales(self.raw.log_scales, self._size)
+        if self._density:
+            self._density.add(rasterizer, frame.camera)
+            if self._density.is_due(iteration + 1):
+                self._carry_out(self._density.plan(self.raw, iteration + 1))
         return measured
+
+    def _carry_out(self, plan: Plan) -> None:
+        """Change the number of Gaussians."""
+        self.raw = replace(self.raw.rows(plan.index), means=plan.means, log_scales=plan.log_scales)
+        for moments in (self._first, self._second):
+            for name in FIELDS:
+                moments[name] = moments[name][plan.index]
+                moments[name][plan.fresh] = 0.0
+        self._motion.choose(plan.index)
+        assert self._density is not None
+        self._density.start_again(len(plan.index))
 
     def _rasterizer(self, frame: TrainFrame) -> Rasterizer:
         size = (frame.camera.width, frame.camera.height)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from renderer.clip import Frame
 from renderer.deformation.motion import Motion
 from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.train.densify import DensityControl
 from renderer.train.losses import LossWeights
 from renderer.train.rates import RowRates
 
@@ -68,6 +69,8 @@ class Recipe:
     rates: RowRates
     stages: tuple[Stage, ...]
     losses: LossWeights
+    density: DensityControl | None = None
+    """None: as many Gaussians as there were at first."""
 
     @property
     def iterations(self) -> int:

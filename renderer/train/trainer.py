@@ -17,8 +17,18 @@ from renderer.metrics import psnr
 from renderer.rasterize.cpu import render
 from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Omission, Progress, Snapshot, Started, TrainEvent
+from renderer.train.events import (
+    Evaluated,
+    Finished,
+    Omission,
+    Progress,
+    Snapshot,
+    Started,
+    TrainEvent,
+    Warned,
+)
 from renderer.train.frames import TrainFrame, halved, train_frame
+from renderer.train.guards import LossWatch
 from renderer.train.initialize import scene_size
 from renderer.train.losses import Measured
 from renderer.train.methods import recipe_for
@@ -60,14 +70,15 @@ def train(
     start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)
     yield Started(start, recipe.iterations, len(model), omissions(clip, config))
 
-    meter = _Meter(recipe, seconds)
+    meter, watch = _Meter(recipe, seconds), LossWatch()
     for iteration in range(start, recipe.iterations):
         frame = pool.frame(iteration, recipe.stage_at(iteration))
         began = time.perf_counter()
         result = model.step(frame, iteration)
         meter.add(result, iteration, time.perf_counter() - began, len(model))
-        if not math.isfinite(result.loss):
-            raise TrainingError(f"the loss is not finite at iteration {iteration}: lower the learning rates")
+        watch.add(result.loss)
+        if watch.problem:
+            raise TrainingError(f"{watch.problem}, at iteration {iteration}: lower the learning rates")
         done = iteration + 1
         if folder and (done % config.checkpoint_every == 0 or done == recipe.iterations):
             state = Checkpoint(done, meter.seconds, fingerprint(clip, config), model.state())
@@ -76,6 +87,8 @@ def train(
             yield meter.progress(done)
         if meter.snapshot_is_due():
             yield Snapshot(done, model.snapshot())
+    for notice in model.trouble.notices():
+        yield Warned(notice)
     if held_out:
         yield Evaluated(recipe.iterations, held_out_psnr(model, clip, held_out, size))
     yield Finished(recipe.iterations, meter.seconds, model.gaussians)

@@ -1,0 +1,104 @@
+"""What keeps a run from going wrong in silence: gradients that are no numbers, scales that run away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
+
+from renderer.raw_gaussians import RawGaussians
+
+LARGEST, SMALLEST = 1.0, 1e-7
+"""Standard deviations of Gaussians in scene sizes; beyond, they are held there."""
+JUDGED = 100
+"""Steps before a loss is judged."""
+SHARE = 0.02
+"""Of the newest loss in the running mean."""
+WORSE = 2.0
+"""A running mean this many times the first step's loss is no training."""
+
+
+@dataclass
+class Trouble:
+    """Counts over a run."""
+
+    not_finite: int = 0
+    """Gradients of a Gaussian in one step that were left out."""
+    held: int = 0
+    """Scales held at their bounds."""
+
+    def notices(self) -> Iterable[str]:
+        """A sentence for each kind."""
+        if self.not_finite:
+            yield f"{self.not_finite} gradients were no numbers and were left out"
+        if self.held:
+            yield f"{self.held} times a Gaussian ran away in size and was held"
+
+
+def leave_out_broken(by: RawGaussians, seen: NDArray[np.bool_]) -> int:
+    """Unmark the Gaussians with a gradient that is not finite; how many there were."""
+    lost = np.zeros(len(seen), bool)
+    _find_broken(by.means, by.quats, by.log_scales, by.opacity_logits, by.colors, seen, lost)
+    return int(np.count_nonzero(lost))
+
+
+def hold_scales(log_scales: NDArray[np.float32], size: float) -> int:
+    """Keep standard deviations within bounds, in place; how many numbers were beyond."""
+    low, high = np.float32(np.log(SMALLEST * size)), np.float32(np.log(LARGEST * size))
+    beyond = int(np.count_nonzero((log_scales < low) | (log_scales > high)))
+    if beyond:
+        np.clip(log_scales, low, high, out=log_scales)
+    return beyond
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
+def _find_broken(
+    by_means: NDArray[np.float32],
+    by_quats: NDArray[np.float32],
+    by_log_scales: NDArray[np.float32],
+    by_logits: NDArray[np.float32],
+    by_colors: NDArray[np.float32],
+    seen: NDArray[np.bool_],  # (N,), unmarked where broken
+    lost: NDArray[np.bool_],  # (N,), out
+) -> None:
+    for n in prange(len(seen)):
+        if not seen[n]:
+            continue
+        total = by_logits[n]
+        for c in range(3):
+            total += by_means[n, c] + by_log_scales[n, c] + by_colors[n, c]
+        for c in range(4):
+            total += by_quats[n, c]
+        # A sum with an infinity or a NaN in it is neither a number again, whatever else is added.
+        if not np.isfinite(total):
+            seen[n] = False
+            lost[n] = True
+
+
+class LossWatch:
+    """Tells a run that diverges from one that trains."""
+
+    def __init__(self, state: NDArray[np.float64] | None = None) -> None:
+        self.state = np.zeros(3) if state is None else state.copy()
+        """Steps, loss of the first one, running mean."""
+
+    def add(self, loss: float) -> None:
+        """Of one step."""
+        steps, first, recent = self.state
+        if steps == 0:
+            first = recent = loss
+        recent += SHARE * (loss - recent)
+        self.state[:] = steps + 1, first, recent
+
+    @property
+    def problem(self) -> str | None:
+        """One line, once the loss has risen for good."""
+        steps, first, recent = self.state
+        if not np.isfinite(recent):
+            return "the loss is not finite"
+        if steps >= JUDGED and recent > WORSE * first:
+            return f"the loss rises: {first:.4g} at first, {recent:.4g} now"
+        return None
