@@ -80,6 +80,7 @@ class Rasterizer:
         self._tile_starts = np.zeros(self.rows * self.columns + 1, np.int64)
         self._tile_ends = np.zeros(self.rows * self.columns, np.int64)
         self._all_tiles = np.ones((self.rows, self.columns), bool)
+        self.wanted = self._all_tiles
         self._reserve_splats(0)
         self._reserve_entries(0)
 
@@ -101,7 +102,7 @@ class Rasterizer:
         """Blend into `planes`; tiles that are not wanted stay empty. Returns the number of tile entries."""
         if len(self.visible) != len(splats):
             self._reserve_splats(len(splats))
-        self._wanted = self._all_tiles if tile_wanted is None else tile_wanted
+        self.wanted = self._all_tiles if tile_wanted is None else tile_wanted
         self._view = camera_vector(camera, near)
         project(
             splats.means, splats.quats, splats.scales, splats.opacities, splats.colors,
@@ -112,13 +113,13 @@ class Rasterizer:
     def blend_records(self) -> int:
         """Sort, bin and blend the records as they stand."""
         entries = count_entries(
-            self.records, self.visible, self._wanted, self._rectangles, self._slot_starts, self._tile_starts
+            self.records, self.visible, self.wanted, self._rectangles, self._slot_starts, self._tile_starts
         )
         if entries > len(self._entry_splats):
             self._reserve_entries(entries + entries // 4)
         order = depth_order(self.records, self.visible)
         fill_entries(
-            order, self._wanted, self._rectangles, self._slot_starts, self._tile_starts,
+            order, self.wanted, self._rectangles, self._slot_starts, self._tile_starts,
             self._entry_splats, self._entry_slots,
         )  # fmt: skip
         self._tile_order = balanced_order(self._tile_starts, get_num_threads())

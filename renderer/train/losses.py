@@ -24,6 +24,8 @@ from renderer.rasterize.tiles import (
     TOTAL,
 )
 from renderer.train.frames import TrainFrame
+from renderer.train.similarity import add_dissimilarity
+from renderer.train.variation import add_variation
 
 # Columns of the sums that each picture row leaves.
 COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, SQUARED_ERROR = range(4)
@@ -42,6 +44,22 @@ class LossWeights:
     """Of |depth - measured| / scene size."""
     inverse_depth: float = 0.0
     """Of |1 / depth - 1 / measured| times the scene size."""
+    dissimilarity: float = 0.0
+    """Of 1 - SSIM over tissue."""
+    image_variation: float = 0.0
+    """Of the total variation of the whole picture, tools and all."""
+    inverse_depth_variation: float = 0.0
+    """Of that of 1 / depth, times the scene size."""
+
+    @property
+    def takes_whole_picture(self) -> bool:
+        """Every tile must be drawn, not only those with tissue."""
+        return self.image_variation > 0 or self.inverse_depth_variation > 0
+
+    @property
+    def has_extra(self) -> bool:
+        """A term that is not of each pixel alone."""
+        return self.takes_whole_picture or self.dissimilarity > 0
 
 
 @dataclass(frozen=True)
@@ -59,14 +77,37 @@ def picture_loss(rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights
     per_depth = weights.depth / (max(frame.n_depths, 1) * size)
     per_inverse = weights.inverse_depth * size / max(frame.n_depths, 1)
     rows = np.empty((frame.color_mask.shape[0], N_SUMS))
+    loss, extra = _extra_terms(rasterizer, frame, weights, size)
     masked_loss(
-        rasterizer.planes, frame.colors, frame.color_mask, frame.depth, frame.tile_wanted,
-        weights.color * per_color, per_depth, per_inverse, rasterizer.adjoint, rows,
+        rasterizer.planes, frame.colors, frame.color_mask, frame.depth, rasterizer.wanted,
+        weights.color * per_color, per_depth, per_inverse, extra, rasterizer.adjoint, rows,
     )  # fmt: skip
     sums = rows.sum(axis=0)
-    loss = weights.color * per_color * sums[COLOR_LOSS]
+    loss += weights.color * per_color * sums[COLOR_LOSS]
     loss += per_depth * sums[DEPTH_LOSS] + per_inverse * sums[INVERSE_LOSS]
     return Measured(float(loss), float(per_color * sums[SQUARED_ERROR]))
+
+
+def _extra_terms(
+    rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights, size: float
+) -> tuple[float, NDArray[np.float32]]:
+    """The terms over neighbourhoods and their gradient, (4, H, W) or, where there is none, empty."""
+    if not weights.has_extra:
+        return 0.0, np.empty((0, 0, 0), np.float32)
+    planes = rasterizer.planes
+    extra, loss = np.zeros((4, *planes.shape[1:]), np.float32), 0.0
+    if weights.takes_whole_picture:
+        inside = slice(frame.camera.height), slice(frame.camera.width)
+        loss += add_variation(
+            planes[:, *inside], weights.image_variation, weights.inverse_depth_variation * size,
+            extra[:, *inside],
+        )  # fmt: skip
+    if weights.dissimilarity > 0:
+        photo = frame.colors.transpose(2, 0, 1) * BYTE
+        mask = frame.color_mask.astype(np.float32)
+        picture = planes[PLANE_RED : PLANE_BLUE + 1]
+        loss += add_dissimilarity(picture, photo, mask, weights.dissimilarity, extra)
+    return loss, extra
 
 
 @njit(inline="always")
@@ -84,6 +125,7 @@ def masked_loss(
     color_weight: float,
     depth_weight: float,
     inverse_weight: float,
+    extra: NDArray[np.float32],  # (4, H, W) gradient by colours and depth of other terms, or empty
     adjoint: NDArray[np.float32],  # (6, H, W), out on the wanted tiles
     sums: NDArray[np.float64],  # (H, N_SUMS), out: unweighted, of the absolute errors and the squared ones
 ) -> None:
@@ -101,6 +143,8 @@ def masked_loss(
                 continue
             for plane in range(adjoint.shape[0]):
                 adjoint[plane, y, x] = ZERO
+            if len(extra) > 0:
+                _add_extra(planes, extra, y, x, adjoint)
             if not color_mask[y, x]:
                 continue
             red = planes[PLANE_RED, y, x] - np.float32(colors[y, x, 0]) * BYTE
@@ -113,9 +157,11 @@ def masked_loss(
                 color_gradient * _sign(green),
                 color_gradient * _sign(blue),
             )
-            adjoint[BY_RED, y, x], adjoint[BY_GREEN, y, x], adjoint[BY_BLUE, y, x] = by_red, by_green, by_blue
+            adjoint[BY_RED, y, x] += by_red
+            adjoint[BY_GREEN, y, x] += by_green
+            adjoint[BY_BLUE, y, x] += by_blue
             # The depth terms of the total cancel: sum(w z) h - sum(w) D h = 0.
-            adjoint[TOTAL, y, x] = (
+            adjoint[TOTAL, y, x] += (
                 planes[PLANE_RED, y, x] * by_red
                 + planes[PLANE_GREEN, y, x] * by_green
                 + planes[PLANE_BLUE, y, x] * by_blue
@@ -129,5 +175,19 @@ def masked_loss(
                 sums[y, INVERSE_LOSS] += abs(nearness)
                 slope = depth_gradient + inverse_gradient / (expected * expected)
                 by_depth = slope * _sign(error) / weight
-                adjoint[BY_DEPTH, y, x] = by_depth
-                adjoint[BY_WEIGHT, y, x] = -by_depth * expected
+                adjoint[BY_DEPTH, y, x] += by_depth
+                adjoint[BY_WEIGHT, y, x] -= by_depth * expected
+
+
+@njit(inline="always")
+def _add_extra(
+    planes: NDArray[np.float32], extra: NDArray[np.float32], y: int, x: int, adjoint: NDArray[np.float32]
+) -> None:
+    for c in range(3):
+        adjoint[BY_RED + c, y, x] = extra[c, y, x]
+        adjoint[TOTAL, y, x] += planes[PLANE_RED + c, y, x] * extra[c, y, x]
+    weight = ONE - planes[LEFT, y, x]
+    if weight > HALF:
+        by_depth = extra[3, y, x] / weight
+        adjoint[BY_DEPTH, y, x] = by_depth
+        adjoint[BY_WEIGHT, y, x] = -by_depth * planes[PLANE_DEPTH, y, x] / weight

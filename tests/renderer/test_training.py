@@ -18,7 +18,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Started
 from renderer.train.frames import halved, train_frame
 from renderer.train.initialize import sampled, scene_size
-from renderer.train.losses import COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, N_SUMS, masked_loss
+from renderer.train.losses import LossWeights, picture_loss
 from renderer.train.trainer import TrainingError, frame_of, split, train
 from tests.renderer.sheet import SIZE, SMALL, moving_sheet
 
@@ -178,16 +178,14 @@ def test_loss_adjoint_is_the_slope_of_the_loss() -> None:
         rng.uniform(0, 1, (count, 3)).astype(np.float32),
     )  # fmt: skip
     rasterizer = Rasterizer(*SIZE)
-    rows = np.empty((frame.color_mask.shape[0], N_SUMS))
+    weights = LossWeights(
+        color=0.7, depth=0.2, inverse_depth=0.3, dissimilarity=0.1, image_variation=0.1,
+        inverse_depth_variation=0.4,
+    )  # fmt: skip
 
     def loss(changed: Splats) -> float:
         rasterizer.forward(changed, frame.camera)
-        masked_loss(
-            rasterizer.planes, frame.colors, frame.color_mask, frame.depth, frame.tile_wanted,
-            0.7, 0.2, 30.0, rasterizer.adjoint, rows,
-        )  # fmt: skip
-        weighted = 0.7 * rows[:, COLOR_LOSS] + 0.2 * rows[:, DEPTH_LOSS] + 30.0 * rows[:, INVERSE_LOSS]
-        return float(weighted.sum())
+        return picture_loss(rasterizer, frame, weights, 50.0).loss
 
     loss(splats)
     gradients = rasterizer.backward(splats)
