@@ -19,6 +19,8 @@ from renderer.pictures import SUFFIXES, is_picture, natural_key
 ArrayImage = NDArray[Any]
 
 TIFF = frozenset({".tif", ".tiff"})
+JPEG = b"\xff\xd8"
+"""How such a file begins, whatever its name."""
 BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
 
 
@@ -47,6 +49,8 @@ def images_in(folder: Path) -> list[Path]:
 def read_image(path: Path) -> ArrayImage:
     """(H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA with the values and type that the file stores.
 
+    A JPEG is turned as its EXIF orientation says: H and W are those of the picture as it is looked at.
+
     Raises:
         UserError: missing, truncated, or no picture. The values are for the caller to judge.
     """
@@ -69,10 +73,12 @@ def _decoded(path: Path) -> ArrayImage | None:
     It gets the bytes: names that are not ASCII or not UTF-8 fail or crash its own reader.
     """
     content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+    # A JPEG may say by EXIF which way is up, which OpenCV passes over where it keeps an alpha channel.
+    wanted = cv2.IMREAD_ANYCOLOR if content[:2].tobytes() == JPEG else cv2.IMREAD_UNCHANGED
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        return cv2.imdecode(content, cv2.IMREAD_UNCHANGED)
+        return cv2.imdecode(content, wanted)
     except cv2.error:
         return None
     finally:

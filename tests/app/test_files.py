@@ -8,8 +8,10 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
+from PIL import Image, ImageOps
 
 from app.atomic import filled, replaced, write_bytes
 from app.errors import UserError
@@ -191,3 +193,28 @@ def test_a_long_label_stays_within_its_tile() -> None:
     picture = sheet("T", [tile, tile], "F", columns=2, tile_width=300)
     between = picture[TITLE_HEIGHT:-30, GAP + 300 : 2 * GAP + 300]
     assert (between == BACKGROUND).all()
+
+
+@pytest.mark.parametrize("grey", [False, True])
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_a_jpeg_is_read_as_it_is_looked_at(tmp_path: Path, orientation: int, grey: bool) -> None:
+    """By its EXIF orientation, whatever the file is called; so a mask of the looked-at size fits it."""
+    y, x = np.mgrid[:24, :40]
+    picture = np.stack([6 * x, 10 * y, 3 * (x + y)], axis=2).astype(np.uint8)
+    stored = Image.fromarray(picture[..., 0] + picture[..., 1] // 2 if grey else picture)
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    for path in (tmp_path / "picture.jpg", tmp_path / "picture.png"):
+        stored.save(path, "JPEG", exif=exif, quality=95)
+        with Image.open(path) as opened:
+            upright = np.asarray(ImageOps.exif_transpose(opened)).astype(int)
+        read = read_image(path)
+        assert read.shape == upright.shape
+        assert read.shape[:2] == ((24, 40) if orientation < 5 else (40, 24))
+        assert np.abs(read - upright).mean() < 1
+
+
+def test_what_is_no_jpeg_keeps_its_alpha_whatever_its_name(tmp_path: Path) -> None:
+    picture = np.random.default_rng(0).integers(0, 255, (8, 9, 4), np.uint8)
+    (tmp_path / "picture.jpg").write_bytes(cv2.imencode(".png", picture)[1].tobytes())
+    assert np.array_equal(read_image(tmp_path / "picture.jpg")[..., 3], picture[..., 3])
