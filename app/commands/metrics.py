@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -14,8 +17,10 @@ from rich.table import Table
 
 from app.errors import UserError
 from app.mean import mean_of_finite
-from app.pictures import ArrayImage, read_image
-from app.provenance import provenance, source, strict_json
+from app.pictures import ArrayImage
+from app.progress import progress
+from app.provenance import provenance, strict_json
+from app.series import open_series
 from app.terminal import table_terminal
 from enhance import ImageError
 from enhance.image import BoolImage
@@ -23,6 +28,7 @@ from enhance.metrics import (
     blackened_share,
     dvbv_local,
     dvbv_otsu,
+    flicker,
     noise_gain,
     saturated_share,
     vessel_cnr,
@@ -43,12 +49,21 @@ DEFINITIONS = {
     "vessel_cnr": "the same difference over the standard deviation of the ring",
     "noise_gain": "high-frequency noise over that of the original, where the original is flat",
     "blackened_share": "share of the vessel mask that is near-black and was not in the original",
+    "luma_step": "mean step of the mean luma from picture to picture of one folder or video, in the order "
+    "given, in grey levels",
+    "flicker": "luma_step less that of the originals: 0 or less is as steady as they are",
     "null": "infinite, as the PSNR of equal pictures, or undefined, as DV/BV of a blank one; not in means",
 }
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("images", metavar="IMAGE", nargs="+", type=Path, help="pictures to measure")
+    parser.add_argument(
+        "images",
+        metavar="IMAGE",
+        nargs="+",
+        type=Path,
+        help="pictures to measure, a folder of them or a video",
+    )
     parser.add_argument(
         "--against", metavar="ORIGINAL", nargs="+", type=Path, help="the original of each picture, in order"
     )
@@ -62,47 +77,98 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
+@dataclass(frozen=True, eq=False)
+class Given:
+    """One picture of those that were named."""
+
+    origin: dict[str, Any]
+    """Name and digest of its file, and of a video the number of the frame."""
+    path: Path
+    sequence: Path
+    """The folder or video whose pictures follow each other."""
+    read: Callable[[], ArrayImage]
+
+    @property
+    def label(self) -> str:
+        return " ".join(str(self.origin[key]) for key in ("name", "frame") if key in self.origin)
+
+
 def run(flags: argparse.Namespace) -> None:
-    paths: list[Path] = flags.images
-    originals = _one_each(flags.against, paths, "original")
-    masks = _one_each(flags.vessels, paths, "vessel mask")
-    triples = zip_longest(paths, originals, masks)
-    measured = [measure_picture(path, original, mask) for path, original, mask in triples]
+    pictures = _given(flags.images)
+    originals = _one_each(_given(flags.against or []), pictures, "original")
+    masks = _one_each(_given(flags.vessels or []), pictures, "vessel mask")
+    measured = []
+    with progress("measure", len(pictures)) as report:
+        for triple in zip_longest(pictures, originals, masks):
+            measured.append(measure_picture(*triple))
+            report(len(measured), triple[0].label)
     names = ALONE + (CONTRAST if originals or masks else ()) + (AGAINST if originals else ())
     mean = {name: mean_of_finite(picture[name] for picture in measured) for name in names}
+    sequence = measure_sequence(pictures, originals)
     if flags.json:
-        sys.stdout.write(strict_json(provenance(mean=mean, images=measured, definitions=DEFINITIONS)) + "\n")
+        facts = {"mean": mean, "sequence": sequence, "images": measured, "definitions": DEFINITIONS}
+        sys.stdout.write(strict_json(provenance(**facts)) + "\n")
     else:
-        _print(measured, mean, names)
+        _print([picture.label for picture in pictures], measured, mean)
+        for name, value in (sequence or {}).items():
+            sys.stdout.write(f"{name}: {value:.4g} grey levels a picture\n")
 
 
-def _one_each(given: list[Path] | None, paths: list[Path], what: str) -> list[Path]:
-    if given and len(given) != len(paths):
-        raise UserError(f"expected one {what} for each of {len(paths)} pictures, got {len(given)}")
-    return given or []
+def _given(paths: list[Path]) -> list[Given]:
+    """Every picture of the files, folders and videos, in order. Raises UserError or ClipError."""
+    found = []
+    for path in paths:
+        series = open_series(path)
+        for index, (source, origin) in enumerate(zip(series.sources, series.origins(), strict=True)):
+            read = partial(series.read, index)
+            if series.is_video:
+                found.append(Given(origin | {"frame": index}, source, source, read))
+            else:
+                found.append(Given(origin, source, source.parent, read))
+    return found
 
 
-def measure_picture(path: Path, original_path: Path | None, mask_path: Path | None) -> dict[str, Any]:
+def _one_each(given: list[Given], pictures: list[Given], what: str) -> list[Given]:
+    if given and len(given) != len(pictures):
+        raise UserError(f"expected one {what} for each of {len(pictures)} pictures, got {len(given)}")
+    return given
+
+
+def measure_sequence(pictures: list[Given], originals: list[Given]) -> dict[str, float] | None:
+    """How steady a sequence is; None where the pictures are none: one alone, or of several folders."""
+    if len(pictures) < 2 or len({picture.sequence for picture in pictures}) > 1:
+        return None
+    step = _luma_step(pictures)
+    return {"luma_step": step} | ({"flicker": step - _luma_step(originals)} if originals else {})
+
+
+def _luma_step(pictures: list[Given]) -> float:
+    """The flicker beside a clip that stands still."""
+    still = [np.zeros((1, 1), np.uint8)] * len(pictures)
+    return flicker((picture.read() for picture in pictures), still)
+
+
+def measure_picture(given: Given, original: Given | None, mask: Given | None) -> dict[str, Any]:
     """All measures of one picture, by name. Raises UserError when the pictures cannot be compared."""
-    image = read_image(path)
-    measured = {"image": source(path)} | _alone(image, path)
-    vessel = None if mask_path is None else _mask(mask_path, image)
-    if original_path is None:
+    image = given.read()
+    measured = {"image": given.origin} | _alone(image, given.path)
+    vessel = None if mask is None else _mask(mask, image)
+    if original is None:
         return measured if vessel is None else measured | _contrast(image, vessel, None)
-    original = read_image(original_path)
-    truth = source(original_path) | _alone(original, original_path)
-    _check_size(image, original, path)
-    tissue = field_of_view(original)
-    vessel = vessel_mask(original, tissue_mask=tissue) if vessel is None else vessel
-    truth |= _contrast(original, vessel, tissue)
-    compared = _contrast(image, vessel, tissue) | _against(image, original, vessel, tissue)
+    before = original.read()
+    truth = original.origin | _alone(before, original.path)
+    _check_size(image, before, given.path)
+    tissue = field_of_view(before)
+    vessel = vessel_mask(before, tissue_mask=tissue) if vessel is None else vessel
+    truth |= _contrast(before, vessel, tissue)
+    compared = _contrast(image, vessel, tissue) | _against(image, before, vessel, tissue)
     return measured | {"original": truth} | compared
 
 
-def _mask(path: Path, image: ArrayImage) -> BoolImage:
-    stored = read_image(path)
+def _mask(given: Given, image: ArrayImage) -> BoolImage:
+    stored = given.read()
     mask = stored if stored.ndim == 2 else stored[..., :3].max(axis=2)
-    _check_size(mask, image, path)
+    _check_size(mask, image, given.path)
     return np.asarray(mask > 0)
 
 
@@ -152,12 +218,12 @@ def _unit(image: ArrayImage) -> NDArray[np.float64]:
     return unit
 
 
-def _print(measured: list[dict[str, Any]], mean: dict[str, float | None], names: tuple[str, ...]) -> None:
-    table = Table("image", *names)
-    for picture in measured:
-        table.add_row(picture["image"]["name"], *(f"{picture[name]:.4g}" for name in names))
+def _print(labels: list[str], measured: list[dict[str, Any]], mean: dict[str, float | None]) -> None:
+    table = Table("image", *mean)
+    for label, picture in zip(labels, measured, strict=True):
+        table.add_row(label, *(f"{picture[name]:.4g}" for name in mean))
     table.add_section()
-    table.add_row("mean", *("none" if (value := mean[name]) is None else f"{value:.4g}" for name in names))
+    table.add_row("mean", *("none" if value is None else f"{value:.4g}" for value in mean.values()))
     console = table_terminal()
     console.print(table)
     console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")

@@ -17,6 +17,7 @@ from app.provenance import NOTICE, digest, read_provenance
 from app.series import Series
 from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import BASELINES
+from enhance.surround import inside
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import ClipError
 from renderer.sources import open_clip
@@ -109,6 +110,73 @@ def test_statistics_are_of_each_picture_or_of_all(
     assert len(levels) == (1 if statistics == "clip" else 3)
 
 
+@pytest.fixture
+def scope(tmp_path: Path) -> Path:
+    """A folder of three round pictures, the second of them brighter, in a black surround."""
+    path = tmp_path / "round"
+    path.mkdir()
+    y, x = np.mgrid[:60, :80]
+    circle = np.hypot(y - 30, x - 40) < 27
+    for index, brightness in enumerate((150, 230, 150)):
+        picture = cv2.resize(tissue(index, brightness), (80, 60)) * circle[..., None].astype(np.uint8)
+        cv2.imwrite(str(path / f"{index}.png"), picture)
+    return path
+
+
+@pytest.mark.parametrize("method", ["paper", "vessel"])
+@pytest.mark.parametrize("statistics", ["image", "clip"])
+def test_the_surround_does_not_count_when_tissue_alone_shall(
+    scope: Path, tmp_path: Path, vesselsplat: Cli, statistics: str, method: str
+) -> None:
+    flags = ("--pixels", "tissue", "--statistics", statistics, "--method", method, "--json")
+    call = vesselsplat("enhance", scope, tmp_path / "out", *flags)
+    images = [read_image(scope / f"{index}.png") for index in range(3)]
+    steady = inside(images)
+    pooled = measure(images, EnhanceParams(), [steady] * 3) if statistics == "clip" else None
+    run = enhance_vessels if method == "vessel" else enhance
+    summary = json.loads(call.out)
+    assert summary["pixels"] == "tissue"
+    for image, picture in zip(images, summary["pictures"], strict=True):
+        path = tmp_path / "out" / picture["output"]
+        expected = run(image, tissue_mask=inside([image]), statistics=pooled)
+        assert np.array_equal(read_image(path), expected.image)
+        assert not np.array_equal(expected.image, run(image).image)
+        assert read_provenance(path)["pixels"] == picture["pixels"] == "tissue"
+
+
+def test_one_mask_serves_all_pictures_of_a_size(scope: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    """A flash that fills the frame moves neither the mask nor what lies outside it into the statistics."""
+    cv2.imwrite(str(scope / "1.png"), np.full((60, 80, 3), 255, np.uint8))
+    cv2.imwrite(str(scope / "3.png"), tissue(3))
+    flags = ("--pixels", "tissue", "--statistics", "clip", "--json")
+    call = vesselsplat("enhance", scope, tmp_path / "out", *flags)
+    images = [read_image(scope / f"{index}.png") for index in range(4)]
+    steady = inside(images[:3])
+    assert not steady.all()
+    pooled = measure(images, EnhanceParams(), [steady, steady, steady, inside(images[3:])])
+    assert json.loads(call.out)["pictures"][0]["statistics"]["level"] == pooled.level
+    assert json.loads(call.out)["pictures"][0]["statistics"]["saturation_mean"] == pooled.saturation_mean
+
+
+def test_what_is_left_out_is_as_asked(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    for limit, count in (("0", 0), ("1", 1)):
+        call = vesselsplat(
+            *(
+                "enhance",
+                folder / "1.png",
+                tmp_path / "out.png",
+                "--p",
+                "0.001",
+                "--omit-below",
+                limit,
+                "--json",
+            )
+        )
+        (picture,) = json.loads(call.out)["pictures"]
+        assert picture["params"]["omit_below"] == float(limit)
+        assert sum("detail" in omission["what"] for omission in picture["omitted"]) == count
+
+
 def test_a_video_keeps_its_frames_and_its_speed(tmp_path: Path, vesselsplat: Cli) -> None:
     given, out = tmp_path / "in.mp4", tmp_path / "out.mp4"
     writer = cv2.VideoWriter(str(given), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
@@ -199,6 +267,9 @@ def test_flags_of_the_preset_reach_it(folder: Path, tmp_path: Path, vesselsplat:
         (("--strength", "1"), "--strength does nothing with --method paper"),
         (("--method", "clahe", "--d-factor", "1"), "--d-factor does nothing with --method clahe"),
         (("--method", "clahe", "--statistics", "clip"), "--statistics clip does nothing"),
+        (("--method", "clahe", "--pixels", "tissue"), "--pixels tissue does nothing"),
+        (("--method", "vessel", "--omit-below", "1"), "--omit-below does nothing with --method vessel"),
+        (("--pixels", "some"), "--pixels"),
         (("--method", "vessel", "--strength", "9"), "--strength: .*4"),
         (("--method", "tao"), "tao"),
     ],
@@ -313,3 +384,35 @@ def test_metrics_want_one_mask_a_picture_and_of_its_size(
     assert (call.code, "one vessel mask for each of 2" in call.error) == (2, True)
     call = vesselsplat("metrics", pictures[0], "--vessels", small)
     assert (call.code, "60x40, got 8x8" in call.error, call.error.count("\n")) == (2, True, 1)
+
+
+def test_metrics_of_a_sequence_say_how_steady_it_is(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    for index, level in enumerate((100, 110, 90)):
+        cv2.imwrite(str(tmp_path / f"{index}.png"), np.full((40, 60, 3), level, np.uint8))
+        cv2.imwrite(str(folder / f"{index}.png"), np.full((40, 60, 3), 100 + index, np.uint8))
+    paths = [tmp_path / f"{index}.png" for index in range(3)]
+    alone = json.loads(vesselsplat("metrics", *paths, "--json").out)
+    assert alone["sequence"] == {"luma_step": pytest.approx(15)}
+    report = json.loads(vesselsplat("metrics", *paths, "--against", folder, "--json").out)
+    assert report["sequence"] == {"luma_step": pytest.approx(15), "flicker": pytest.approx(14)}
+    assert "flicker: 14" in vesselsplat("metrics", *paths, "--against", folder).out
+    assert json.loads(vesselsplat("metrics", paths[0], "--json").out)["sequence"] is None
+    apart = json.loads(vesselsplat("metrics", paths[0], folder / "1.png", "--json").out)
+    assert apart["sequence"] is None
+    assert {"luma_step", "flicker"} <= set(report["definitions"])
+
+
+def test_metrics_take_the_frames_of_a_video(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    video = tmp_path / "in.avi"
+    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (60, 40))
+    for index in range(3):
+        writer.write(tissue(index, 100 + 20 * index))
+    writer.release()
+    report = json.loads(vesselsplat("metrics", video, "--against", video, "--json").out)
+    assert [picture["image"]["frame"] for picture in report["images"]] == [0, 1, 2]
+    assert {picture["image"]["sha256"] for picture in report["images"]} == {digest(video)}
+    assert report["sequence"]["luma_step"] > 1
+    assert report["sequence"]["flicker"] == 0
+    assert "in.avi 2" in vesselsplat("metrics", video).out
+    call = vesselsplat("metrics", video, "--against", folder / "0.png", folder / "1.png")
+    assert (call.code, "one original for each of 3" in call.error) == (2, True)
