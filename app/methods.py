@@ -2,24 +2,72 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from app.errors import UserError
 from app.pictures import ArrayImage
-from enhance import EnhanceParams, Enhancer, Statistics
+from enhance import EnhanceParams, Enhancer, EnhanceResult, Statistics, measure
 from enhance.baselines import BASELINES
+from enhance.image import BoolImage
 from enhance.result import Omission
-from enhance.vessel import VesselParams, enhance_vessels
+from enhance.vessel import VesselEnhancer, VesselParams
 
 PAPER: Final = "paper"
 VESSEL: Final = "vessel"
 METHODS: Final = (PAPER, VESSEL, *BASELINES)
 
-Params = EnhanceParams | VesselParams | None
-"""Of the paper's method, of the preset `vessel`, or of a method without parameters."""
+Look = EnhanceParams | VesselParams
+"""Of the paper's method, or of the own preset; the type says which."""
+Preset = Literal["paper", "vessel"]
+"""What says so in words."""
+Params = Look | None
+"""None: of a method without parameters."""
+
+
+def preset_of(look: Look) -> Preset:
+    """The name of the method that these parameters are of."""
+    return PAPER if isinstance(look, EnhanceParams) else VESSEL
+
+
+class LookEnhancer:
+    """Show it a picture, then enhance that as often as the parameters change, by either method.
+
+    The memory of both methods stays from picture to picture. Not to be used from two threads at once.
+    """
+
+    def __init__(self) -> None:
+        self._paper, self._vessel = Enhancer(), VesselEnhancer()
+        self._shown: tuple[ArrayImage, BoolImage | None] | None = None
+        self._seen: frozenset[Preset] = frozenset()
+
+    def show(self, image: ArrayImage, tissue_mask: BoolImage | None = None) -> None:
+        """Take the next picture; it must not change while it is in use."""
+        self._shown, self._seen = (image, tissue_mask), frozenset()
+
+    def enhance(self, look: Look, *, statistics: Statistics | None = None) -> EnhanceResult:
+        """The picture that is shown, enhanced; see `enhance.enhance` and `enhance.vessel.enhance_vessels`.
+
+        Raises:
+            ImageError: as these.
+        """
+        preset = preset_of(look)
+        if self._shown is not None and preset not in self._seen:
+            (self._paper if preset == PAPER else self._vessel).show(*self._shown)
+            self._seen |= {preset}
+        if isinstance(look, EnhanceParams):
+            return self._paper.enhance(look, statistics=statistics)
+        return self._vessel.enhance(look, statistics=statistics)
+
+
+def measure_for(
+    look: Look, images: Iterable[ArrayImage], tissue_masks: Iterable[BoolImage | None] | None = None
+) -> Statistics:
+    """The statistics of a clip as this method uses them; see `enhance.measure`."""
+    return measure(images, look if isinstance(look, EnhanceParams) else EnhanceParams(), tissue_masks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +80,12 @@ class Enhanced:
 
 
 def apply(
-    method: str, params: Params, image: ArrayImage, statistics: Statistics | None, enhancer: Enhancer
+    method: str,
+    params: Params,
+    image: ArrayImage,
+    tissue_mask: BoolImage | None,
+    statistics: Statistics | None,
+    enhancer: LookEnhancer,
 ) -> Enhanced:
     """Enhance one picture; `enhancer` keeps its memory from one to the next.
 
@@ -40,12 +93,9 @@ def apply(
         ImageError: a picture that the paper's method or `vessel` cannot use.
         UserError: anything but 8-bit RGB for one of the other methods.
     """
-    if isinstance(params, EnhanceParams):
-        enhancer.show(image)
+    if params is not None:
+        enhancer.show(image, tissue_mask)
         result = enhancer.enhance(params, statistics=statistics)
-        return Enhanced(result.image, result.statistics, result.omitted)
-    if isinstance(params, VesselParams):
-        result = enhance_vessels(image, params, statistics=statistics)
         return Enhanced(result.image, result.statistics, result.omitted)
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
         raise UserError(

@@ -10,16 +10,18 @@ import re
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Discriminator, Tag, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.arguments import problem
 from app.atomic import make_folder, replaced, write_bytes
 from app.errors import UserError
+from app.methods import PAPER, VESSEL, Preset, preset_of
 from app.provenance import strict_json
 from enhance import EnhanceParams, Statistics
+from enhance.vessel import VesselParams
 from renderer.camera import Camera
 from renderer.clip import held_out_frames
 from renderer.clip_options import DEFAULTS, ClipOptions
@@ -48,11 +50,24 @@ class ClipRecord:
     """`Camera.to_json`: one a frame, or a single one when the camera is fixed."""
 
 
+def _preset(given: Any) -> Preset:
+    """Which method's parameters these are; as JSON, by a name that the other does not have."""
+    if isinstance(given, dict):
+        return VESSEL if "strength" in given else PAPER
+    return preset_of(given)
+
+
+RecordedLook = Annotated[
+    Annotated[EnhanceParams, Tag(PAPER)] | Annotated[VesselParams, Tag(VESSEL)], Discriminator(_preset)
+]
+
+
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
 class Enhancement:
     """What turned the clip's photos into the run's own."""
 
-    params: EnhanceParams
+    params: RecordedLook
+    """Of either method; all of them are recorded, so that they tell which."""
     statistics: Statistics
     """Pooled over the training frames."""
 

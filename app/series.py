@@ -1,13 +1,15 @@
-"""What `enhance` works on: one picture, a folder of them, or the frames of a video, read one at a time."""
+"""What `enhance` and `metrics` work on: a picture, a folder of them, or a video's frames, read one by one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
 from app.pictures import ArrayImage, images_in, is_image, read_image
+from app.provenance import source
 from renderer.sources import open_clip
 
 
@@ -29,6 +31,16 @@ class Series:
 
     def __len__(self) -> int:
         return len(self.names)
+
+    def origins(self) -> Iterator[dict[str, str]]:
+        """Name and digest of each picture's file; that of a video is taken once."""
+        for path, pictures in groupby(self.sources):
+            origin = source(path)
+            yield from (origin for _ in pictures)
+
+    def spread(self, count: int) -> range:
+        """Numbers of `count` pictures or fewer, evenly spread, the first among them."""
+        return range(0, len(self), -(-len(self) // count))
 
 
 FRAMES_PER_SECOND = 25.0

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import tee
 from pathlib import Path
+from types import MappingProxyType
+from typing import Final
 
 from app.errors import UserError
+from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
 from app.utf8 import require_utf8
-from enhance import EnhanceParams, enhance, measure
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
@@ -22,6 +26,10 @@ from renderer.train.trainer import TrainingError, require_depth, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
+PRESETS: Final[Mapping[Preset, Look]] = MappingProxyType(
+    {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
+)
+"""For frames that are reconstructed, by the names of --preset."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +41,7 @@ class TrainRequest:
     config: TrainConfig
     clip_options: ClipOptions = DEFAULTS
     input: Input = "original"
-    enhance_params: EnhanceParams = RECONSTRUCTION_PARAMS
+    enhance_params: Look = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
     resume: bool = False
     """Go on from the newest checkpoint in `run_path`; start when there is nothing there yet."""
@@ -89,18 +97,19 @@ def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
     """The clip with every photo enhanced, all with the same statistics."""
 
     def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
-        result = enhance(image, enhancement.params, statistics=enhancement.statistics)
-        return result.image
+        enhancer = LookEnhancer()
+        enhancer.show(image)
+        return enhancer.enhance(enhancement.params, statistics=enhancement.statistics).image
 
     return clip.with_images(enhanced, f"{clip.name} enhanced")
 
 
-def pooled(clip: Clip, params: EnhanceParams) -> Enhancement:
+def pooled(clip: Clip, params: Look) -> Enhancement:
     """`params` with statistics pooled over the tissue of the training frames, so that colours agree."""
-    # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
+    # Both iterables of `measure_for` walk the same frames in step: each is decoded once and let go.
     frames, again = tee(clip.read_frame(index) for index in clip.train_indices)
     images, masks = (frame.image for frame in frames), (frame.tissue_mask for frame in again)
-    return Enhancement(params=params, statistics=measure(images, params, masks))
+    return Enhancement(params=params, statistics=measure_for(params, images, masks))
 
 
 def _new_record(request: TrainRequest, clip: Clip) -> RunRecord:
@@ -141,8 +150,9 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
     began = {"input": record.input} | vars(record.clip.options) | vars(record.config)
     asked = {"input": request.input} | vars(request.clip_options) | vars(request.config)
     if record.enhancement is not None:
-        began |= vars(record.enhancement.params)
-        asked |= vars(request.enhance_params)
+        params = record.enhancement.params
+        began |= {"preset": preset_of(params)} | vars(params)
+        asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
     for name, value in began.items():
         if asked[name] != value:
             raise UserError(f"cannot resume: the run began with {name} {value}, got {asked[name]}")

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.brightness import BLACK, value
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_picture
+from enhance.surround import surround
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -48,17 +48,8 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
 
 
 def field_of_view(image: AnyImage) -> BoolImage:
-    """What the endoscope sees, (H, W): True but for the black surround.
-
-    The surround is what is dark (V below 24 of 255 after a 5x5 median) and connected to the border of the
-    picture. Dark tissue that touches the border is taken for it, too.
-    """
-    colors = read_picture(image).colors
-    smooth = cv2.medianBlur(np.rint(255 * value(colors)).astype(np.uint8), 5)
-    dark = (smooth < 255 * BLACK).astype(np.uint8)
-    _, labels = cv2.connectedComponents(dark, connectivity=4)
-    rim = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
-    return np.asarray(~np.isin(labels, rim[rim > 0]))
+    """What the endoscope sees, (H, W): True but for the black surround (`enhance.surround`)."""
+    return ~surround([image])
 
 
 def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: float = SHARE) -> BoolImage:

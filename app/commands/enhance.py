@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Generator, Iterator
-from dataclasses import dataclass
-from itertools import groupby
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass, replace
+from itertools import tee
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -15,17 +15,19 @@ from app.ahead import ahead
 from app.arguments import add_fields, parameters
 from app.atomic import filled
 from app.errors import UserError
-from app.methods import METHODS, PAPER, VESSEL, Enhanced, Params, apply
+from app.methods import METHODS, PAPER, VESSEL, Enhanced, LookEnhancer, Params, apply, measure_for
 from app.pictures import ArrayImage, is_image, write_image
 from app.progress import progress
-from app.provenance import provenance, source, strict_json, write_sidecar
+from app.provenance import provenance, strict_json, write_sidecar
 from app.series import Series, open_series
 from app.video import write_video
-from enhance import EnhanceParams, Enhancer, ImageError, Statistics, measure
+from enhance import EnhanceParams, ImageError, Statistics
+from enhance.image import BoolImage
+from enhance.surround import inside
 from enhance.vessel import VesselParams
 from renderer.clip import ClipError
 
-FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black")
+FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below")
 VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "d_factor"}}
 VIDEO = ".mp4"
@@ -34,7 +36,11 @@ PICTURES = frozenset({".avif", ".dcm", ".exr", ".gif", ".heic", ".jp2", ".jxl", 
 NOT_WRITTEN = VIDEOS | PICTURES
 """Formats that are not written; any other name, such as 2024.05.01, is that of a folder."""
 
+STEADY_FRAMES = 16
+"""Evenly spread pictures that tell the surround of all."""
+
 T = TypeVar("T")
+Tissue = Callable[[ArrayImage], BoolImage | None]
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +61,12 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         default="image",
         help="measure each picture on its own, or all together so that colours agree (default image)",
     )
+    parser.add_argument(
+        "--pixels",
+        choices=("all", "tissue"),
+        default="all",
+        help="measure every pixel as the paper does, or leave out the black surround (default all)",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
@@ -64,11 +76,12 @@ def run(flags: argparse.Namespace) -> None:
     _check_output(flags.input, flags.output, series)
     started = time.perf_counter()
     notices = list(series.notices)
-    statistics = _pooled(series, params, notices) if flags.statistics == "clip" else None
-    read = _pictures(series, notices)
-    pictures = ahead(_enhanced(series, ahead(read), _Job(flags.method, params, statistics)))
+    job = _Job(flags.method, params, flags.pixels, _tissue(series, flags))
+    if flags.statistics == "clip":
+        job = replace(job, statistics=_pooled(series, job, notices))
+    pictures = ahead(_enhanced(series, ahead(_pictures(series, notices)), job))
     written = _write(flags.output, series, _told("enhance", series, pictures), notices)
-    shared = {"method": flags.method, "params": params, "notices": notices}
+    shared = {"method": flags.method, "params": params, "pixels": flags.pixels, "notices": notices}
     for notice in notices:
         sys.stderr.write(f"{notice}\n")
     seconds = time.perf_counter() - started
@@ -87,8 +100,9 @@ def _params(flags: argparse.Namespace) -> Params:
         return parameters(EnhanceParams, flags)
     if flags.method == VESSEL:
         return parameters(VesselParams, flags)
-    if flags.statistics == "clip":
-        raise UserError(f"--statistics clip does nothing with --method {flags.method}")
+    for name, value in (("statistics", "clip"), ("pixels", "tissue")):
+        if getattr(flags, name) == value:
+            raise UserError(f"--{name} {value} does nothing with --method {flags.method}")
     return None
 
 
@@ -108,7 +122,12 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
 class _Job:
     method: str
     params: Params
-    statistics: Statistics | None
+    pixels: str
+    """Which of them count in the statistics, in the words of --pixels."""
+    tissue: Tissue
+    """The same as a mask; None: all."""
+    statistics: Statistics | None = None
+    """Of the whole series; None: of each picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,14 +144,17 @@ class _Picture:
             "picture": self.name,
             "method": self.job.method,
             "params": self.job.params,
+            "pixels": self.job.pixels,
             "statistics": self.result.statistics,
             "omitted": self.result.omitted,
         }
 
 
-def _pictures(series: Series, notices: list[str]) -> Generator[ArrayImage, None, None]:
-    """The pictures. A video that cannot be decoded to its end stops there, with a notice."""
-    for index in range(len(series)):
+def _pictures(
+    series: Series, notices: list[str], indices: range | None = None
+) -> Generator[ArrayImage, None, None]:
+    """The pictures, all or some. A video that cannot be decoded to its end stops there, with a notice."""
+    for index in range(len(series)) if indices is None else indices:
         try:
             image = series.read(index)
         except ClipError as error:
@@ -144,10 +166,27 @@ def _pictures(series: Series, notices: list[str]) -> Generator[ArrayImage, None,
         yield image
 
 
-def _pooled(series: Series, params: Params, notices: list[str]) -> Statistics:
-    measured = params if isinstance(params, EnhanceParams) else EnhanceParams()
+def _tissue(series: Series, flags: argparse.Namespace) -> Tissue:
+    """Of each picture on its own, or where the statistics are those of all pictures, one mask for all."""
+    if flags.pixels == "all":
+        return lambda image: None
+    if flags.statistics == "image":
+        return lambda image: inside([image])
+    size = series.read(0).shape[:2]
+    spread = _pictures(series, [], series.spread(STEADY_FRAMES))
     try:
-        return measure(_told("measure", series, ahead(_pictures(series, notices))), measured)
+        steady = inside(image for image in spread if image.shape[:2] == size)
+    except ImageError as error:
+        raise UserError(f"{error}: {series.sources[0].parent}") from error
+    return lambda image: steady if image.shape[:2] == size else inside([image])
+
+
+def _pooled(series: Series, job: _Job, notices: list[str]) -> Statistics:
+    assert job.params is not None
+    # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
+    images, again = tee(_told("measure", series, ahead(_pictures(series, notices))))
+    try:
+        return measure_for(job.params, images, map(job.tissue, again))
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error
 
@@ -155,23 +194,17 @@ def _pooled(series: Series, params: Params, notices: list[str]) -> Statistics:
 def _enhanced(
     series: Series, images: Generator[ArrayImage, None, None], job: _Job
 ) -> Generator[_Picture, None, None]:
-    origins, enhancer = _origins(series), Enhancer()
+    origins, enhancer = series.origins(), LookEnhancer()
     try:
         for index, image in enumerate(images):
             try:
-                result = apply(job.method, job.params, image, job.statistics, enhancer)
+                mask = job.tissue(image) if job.statistics is None else None
+                result = apply(job.method, job.params, image, mask, job.statistics, enhancer)
             except (ImageError, UserError) as error:
                 raise UserError(f"{error}: {series.sources[index]}") from error
             yield _Picture(series.names[index], next(origins), job, result)
     finally:
         images.close()
-
-
-def _origins(series: Series) -> Iterator[dict[str, str]]:
-    """Name and digest of each picture's file; that of a video is taken once."""
-    for path, pictures in groupby(series.sources):
-        origin = source(path)
-        yield from (origin for _ in pictures)
 
 
 def _told(title: str, series: Series, items: Generator[T, None, None]) -> Generator[T, None, None]:

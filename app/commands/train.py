@@ -9,10 +9,11 @@ from typing import Any
 
 from app.arguments import add_fields, parameters
 from app.errors import UserError
+from app.methods import PAPER, Look
 from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.run_folder import RunFolder
-from app.training import TrainRequest, run_training
+from app.training import PRESETS, TrainRequest, run_training
 from renderer.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Warned
@@ -27,6 +28,12 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         choices=("original", "enhanced"),
         default="original",
         help="reconstruct the photos as they are, or enhanced (default original)",
+    )
+    parser.add_argument(
+        "--preset",
+        choices=tuple(PRESETS),
+        default=argparse.SUPPRESS,
+        help="with --input enhanced: the paper's method (default), or the own preset `vessel`",
     )
     add_fields(parser, TrainConfig, ("iterations", "seed"))
     add_fields(parser, ClipOptions, EVERY_OPTION)
@@ -48,6 +55,7 @@ def run(flags: argparse.Namespace) -> None:
         config=config,
         clip_options=parameters(ClipOptions, flags),
         input=flags.input,
+        enhance_params=_look(flags),
         resume=flags.resume,
     )
     try:
@@ -59,6 +67,7 @@ def run(flags: argparse.Namespace) -> None:
         "iterations": finished.iteration,
         "train_seconds": finished.seconds,
         "n_gaussians": len(finished.model),
+        "enhancement": run_folder.record().enhancement,
         "omitted": run_folder.omitted(),
     }
     if flags.json:
@@ -68,6 +77,13 @@ def run(flags: argparse.Namespace) -> None:
         sys.stdout.write(f"{flags.run}: {len(finished.model)} Gaussians, {done}\n")
         for omission in summary["omitted"]:
             sys.stdout.write(f"left out: {omission.what} ({omission.why}), saves {omission.saves}\n")
+
+
+def _look(flags: argparse.Namespace) -> Look:
+    """What the photos are enhanced by. Raises UserError when they are not to be."""
+    if "preset" in flags and flags.input != "enhanced":
+        raise UserError("--preset does nothing with --input original: add --input enhanced")
+    return PRESETS[flags.preset if "preset" in flags else PAPER]
 
 
 def _kept(folder: RunFolder) -> str:

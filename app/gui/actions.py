@@ -11,7 +11,6 @@ from typing import TypeVar
 
 from app.drawing import middle_distance
 from app.errors import UserError
-from app.gui.enhancing import Look
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.orbit import Orbit
@@ -20,6 +19,7 @@ from app.gui.picture_view import PictureView
 from app.gui.settings import save_settings
 from app.gui.state import AppState, Banner, CurvePoint, Job, Reconstruction, Toast
 from app.gui.viewing import ShownModel
+from app.methods import Look
 from app.run_folder import RunFolder
 from app.training import TrainRequest
 from enhance import EnhanceParams

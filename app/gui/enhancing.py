@@ -10,14 +10,12 @@ from typing import Literal
 
 import numpy as np
 
-from app.gui.surround import inside
-from enhance import EnhanceParams, Enhancer, Statistics, measure
-from enhance.vessel import VesselParams, enhance_vessels
+from app.methods import Look, LookEnhancer
+from enhance import EnhanceParams, Statistics, measure
+from enhance.surround import inside
 from renderer.clip import BoolImage, ByteImage, Clip
 
 Scope = Literal["image", "clip"]
-Look = EnhanceParams | VesselParams
-"""Of the paper's method, or of the own preset; the type says which."""
 POOLED_FRAMES = 16
 """Frames, evenly spread, whose statistics stand for the whole clip."""
 
@@ -54,35 +52,32 @@ class PictureMaker:
     only what it changes, and the clip's pooled statistics."""
 
     def __init__(self) -> None:
-        self._enhancer = Enhancer()
-        self._shown: tuple[PictureRequest, ByteImage, BoolImage | None] | None = None
+        self._enhancer = LookEnhancer()
+        self._shown: tuple[PictureRequest, ByteImage] | None = None
         self._pooled: tuple[PictureRequest, Statistics] | None = None
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
         """First the photo alone, then both. Raises ClipError or ImageError."""
-        photo, mask = self._show(request)
+        photo = self._show(request)
         yield Pictures(request, photo)
         if request.params is None:
             return
         statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
         start = perf_counter()
-        if isinstance(request.params, VesselParams):
-            result = enhance_vessels(photo, request.params, tissue_mask=mask, statistics=statistics)
-        else:
-            result = self._enhancer.enhance(request.params, statistics=statistics)
+        result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
         yield Pictures(request, photo, enhanced, result.statistics, milliseconds)
 
-    def _show(self, request: PictureRequest) -> tuple[ByteImage, BoolImage | None]:
-        """The photo and the pixels that count, read once for as long as only parameters move."""
+    def _show(self, request: PictureRequest) -> ByteImage:
+        """The photo, read once for as long as only parameters move."""
         key = replace(request, params=None, scope="image")
         if self._shown is None or self._shown[0] != key:
             self._shown = None
             photo, mask = _read(request, request.frame_index)
             self._enhancer.show(photo, mask)
-            self._shown = key, photo, mask
-        return self._shown[1:]
+            self._shown = key, photo
+        return self._shown[1]
 
     def _of_clip(self, request: PictureRequest, params: Look) -> Statistics:
         """What is measured depends on the windows alone; z and P are resolved again by `enhance`."""
@@ -106,5 +101,5 @@ def _read(request: PictureRequest, index: int) -> tuple[ByteImage, BoolImage | N
     if not request.tissue_only:
         return request.clip.read_image(index), None
     frame = request.clip.read_frame(index)
-    mask = frame.tissue_mask & inside(frame.image)
+    mask = frame.tissue_mask & inside([frame.image])
     return frame.image, mask if mask.any() else None

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, Protocol
 
-from app.gui.enhancing import Look, PictureRequest, Pictures, Scope
+from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.opening import OpenRequest
 from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
 from app.gui.settings import Places, Settings
 from app.gui.viewing import ShownModel, View, ViewRequest
+from app.methods import Look
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from enhance import EnhanceParams
 from renderer.clip import Clip

@@ -12,8 +12,8 @@ from pydantic.fields import FieldInfo
 
 from app.arguments import marks
 from app.gui import theme
-from app.gui.enhancing import Look
 from app.gui.legible import legible
+from app.methods import Look
 from enhance import EnhanceParams
 
 L = TypeVar("L", bound=Look)

@@ -8,10 +8,10 @@ from typing import get_args
 from imgui_bundle import imgui, imgui_ctx
 
 from app.gui import actions, theme
-from app.gui.enhancing import Look, Scope
+from app.gui.enhancing import Scope
 from app.gui.state import AppState
 from app.gui.widgets import button, declared, em, explain, row, slide, slide_auto, slider, wants_default
-from app.methods import PAPER, VESSEL
+from app.methods import PAPER, VESSEL, Look
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
-from app.gui.surround import inside
 from enhance import EnhanceParams, Statistics, enhance
-from renderer.clip import BoolImage, ByteImage, Clip, Frame
+from renderer.clip import ByteImage, Clip, Frame
+from tests.enhance.test_surround import round_view
 
 
 def statistics(pictures: Pictures) -> Statistics:
@@ -18,17 +18,6 @@ def statistics(pictures: Pictures) -> Statistics:
 
 def last(request: PictureRequest) -> Pictures:
     return list(PictureMaker().make(request))[-1]
-
-
-def round_view(size: int = 120, seed: int = 0) -> tuple[ByteImage, BoolImage]:
-    """Tissue with a dark cavity inside a circle, noisy black around it; and the circle."""
-    rng = np.random.default_rng(seed)
-    y, x = np.mgrid[:size, :size] - (size - 1) / 2
-    circle = np.hypot(x, y) < 0.45 * size
-    image = rng.integers(0, 12, (size, size, 3)).astype(np.uint8)
-    image[circle] = (200, 120, 100)
-    image[np.hypot(x - 8, y) < 12] = 0
-    return image, circle
 
 
 def test_the_enhanced_picture_is_the_library_s_own(clip: Clip) -> None:
@@ -61,19 +50,6 @@ def test_pooled_statistics_are_measured_once_for_all_sliders(clip: Clip) -> None
     assert len(read) == first + 1
     list(maker.make(replace(request, params=EnhanceParams(radii=(2, 8)))))
     assert len(read) > first + 2
-
-
-def test_the_surround_is_found_and_dark_tissue_is_not_it() -> None:
-    image, circle = round_view()
-    found = inside(image)
-    assert not found[~circle].any()
-    assert found[60, 68]  # The cavity.
-    assert (found & circle).sum() > 0.85 * circle.sum()
-
-
-@pytest.mark.parametrize("level", [60, 255])
-def test_a_picture_that_fills_the_frame_has_no_surround(level: int) -> None:
-    assert inside(np.full((40, 50, 3), level, np.uint8)).all()
 
 
 def test_tools_and_surround_do_not_count_when_tissue_alone_shall(clip: Clip) -> None:
