@@ -31,6 +31,7 @@ def _reference(splats: Splats, camera: Camera, near: float) -> Drawn:
 
     from renderer.rasterize.reference import rasterize_reference
 
+    splats = splats.seen_from(camera.position)
     with torch.no_grad():
         rendered = rasterize_reference(
             torch.from_numpy(splats.means),

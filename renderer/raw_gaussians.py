@@ -49,6 +49,7 @@ class RawGaussians:
             scales=np.exp(self.log_scales),
             opacities=sigmoid(self.opacity_logits),
             colors=self.colors,
+            harmonics=self.harmonics,
         )
 
     def rows(self, index: NDArray[np.int64]) -> RawGaussians:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from renderer.harmonics import BANDS, seen_colors
 
 Float32Array = NDArray[np.float32]
 
@@ -15,7 +17,8 @@ class Splats:
     """N Gaussians in world space, C-contiguous float32, linear ("activated") values.
 
     means (N, 3); quats (N, 4) wxyz, any non-zero length; scales (N, 3) standard deviations > 0;
-    opacities (N,) in [0, 1]; colors (N, 3) display-referred RGB, nominally [0, 1].
+    opacities (N,) in [0, 1]; colors (N, 3) display-referred RGB, nominally [0, 1]; harmonics (N, B, 3)
+    what a direction adds to them, B = 0, 3, 8 or 15, see harmonics.py.
 
     Raises:
         ValueError: shapes that do not agree. The message names the field.
@@ -26,11 +29,16 @@ class Splats:
     scales: Float32Array
     opacities: Float32Array
     colors: Float32Array
+    harmonics: Float32Array = field(default_factory=lambda: np.zeros((0, 0, 3), np.float32))
 
     def __post_init__(self) -> None:
-        count = len(self.means)
+        count, bands = len(self.means), self.harmonics.shape[1]
+        if bands == 0:
+            object.__setattr__(self, "harmonics", np.zeros((count, 0, 3), np.float32))
+        if bands not in BANDS:
+            raise ValueError(f"Splats.harmonics must have one of {BANDS} functions, got {bands}")
         shapes = {"means": (3,), "quats": (4,), "scales": (3,), "opacities": (), "colors": (3,)}
-        for name, tail in shapes.items():
+        for name, tail in (shapes | {"harmonics": (bands, 3)}).items():
             value = np.ascontiguousarray(getattr(self, name), dtype=np.float32)
             if value.shape != (count, *tail):
                 raise ValueError(f"Splats.{name} must have shape {(count, *tail)}, got {value.shape}")
@@ -38,3 +46,10 @@ class Splats:
 
     def __len__(self) -> int:
         return len(self.means)
+
+    def seen_from(self, center: NDArray[np.float64]) -> Splats:
+        """The splats in the colours that a camera at `center` (3,) sees, without harmonics."""
+        if not self.harmonics.size:
+            return self
+        colors = seen_colors(self.means, self.harmonics, self.colors, center)
+        return replace(self, colors=colors, harmonics=self.harmonics[:, :0])

@@ -7,6 +7,7 @@ and expected depth by up to 1e-4 of the depth range.
 
 from __future__ import annotations
 
+from dataclasses import fields
 from importlib.resources import files
 from typing import Literal
 
@@ -18,6 +19,7 @@ from renderer.camera import Camera, FloatArray
 from renderer.draw.context import is_software
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
+from renderer.projection import ALPHA_CUT
 from renderer.splats import Float32Array, Splats
 
 Precision = Literal["half", "float"]
@@ -33,8 +35,9 @@ class SplatView:
 
     `near` > 0 in scene units: splats at or before it are not drawn. Without a `precision` a GPU blends
     in half floats and a software driver, for which they are no faster and which truncates them, in
-    floats. The splats are sorted, by `keys`, only when they or the depth axis of the camera changed.
-    Drawing leaves the OpenGL state as it found it.
+    floats. The splats are sorted, by `keys`, only when they or the depth axis of the camera changed, and
+    coloured again only when they have harmonics and the camera's centre changed. Drawing leaves the OpenGL
+    state as it found it.
     """
 
     def __init__(
@@ -59,8 +62,8 @@ class SplatView:
         self._depth_screen = ctx.vertex_array(self._resolve_depth, [])
         self._targets: dict[Precision, _Target] = {}
         self._storage = _Storage(ctx, self._program, rows=1)
-        self._means = np.zeros((0, 3), dtype=np.float32)
-        self._opaque = np.zeros(0, dtype=np.bool_)
+        self._splats: Splats | None = None
+        self._colored_from: FloatArray | None = None
         self._sorted_along: FloatArray | None = None
         self._visible = 0
 
@@ -80,9 +83,8 @@ class SplatView:
             self._storage.release()
             self._storage = _Storage(self._ctx, self._program, rows)
         self._storage.records.write(_packed(splats, rows))
-        self._means = splats.means
-        self._opaque = splats.opacities >= 1 / 255
-        self._sorted_along = None
+        self._splats = splats
+        self._colored_from = self._sorted_along = None
 
     def draw(
         self,
@@ -96,6 +98,7 @@ class SplatView:
         The picture is stored as OpenGL stores images, bottom row first; background is RGB.
         """
         with self._state.preserved():
+            self._color(camera.position)
             target = self._accumulate(_fitted(camera, framebuffer), self._precision, depth_as_color=False)
             self._resolve_color["background"] = background
             self._resolve(target, self._color_screen, framebuffer)
@@ -157,14 +160,28 @@ class SplatView:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)
         return target
 
+    def _color(self, center: FloatArray) -> None:
+        """Write the colours that `center` sees, where that makes a difference."""
+        splats, last = self._splats, self._colored_from
+        if splats is None or not splats.harmonics.size:
+            return
+        if last is not None and np.array_equal(last, center):
+            return
+        self._colored_from = center
+        records = self._storage.records
+        records.write(_packed(splats.seen_from(center), records.height))
+
     def _sort(self, camera: Camera) -> None:
         """Write the indices of the visible splats, farthest first."""
+        if self._splats is None:
+            return
         axis = camera.camera_from_world[2]
         if self._sorted_along is not None and np.array_equal(self._sorted_along, axis):
             return
         self._sorted_along = axis
-        depths = self._means @ axis[:3] + axis[3]
-        visible = np.flatnonzero((depths > self._near) & self._opaque).astype(np.uint32)
+        depths = self._splats.means @ axis[:3] + axis[3]
+        drawn = (depths > self._near) & (self._splats.opacities >= ALPHA_CUT)
+        visible = np.flatnonzero(drawn).astype(np.uint32)
         self._visible = len(visible)
         order = visible[depth_order(depths[visible], self._keys)]
         self._storage.order.orphan()
@@ -243,11 +260,12 @@ def _fitted(camera: Camera, framebuffer: moderngl.Framebuffer) -> Camera:
 
 
 def _require_finite(splats: Splats) -> None:
-    for name in ("means", "quats", "scales", "opacities", "colors"):
-        finite = np.isfinite(getattr(splats, name))
+    for item in fields(splats):
+        values = getattr(splats, item.name)
+        finite = np.isfinite(values)
         if not finite.all():
-            row = int(np.argwhere(~finite)[0, 0])
-            raise ValueError(f"Splats.{name} must be finite, got {getattr(splats, name)[row]} in row {row}")
+            place = tuple(np.argwhere(~finite)[0])
+            raise ValueError(f"Splats.{item.name} must be finite, got {values[place]} in row {place[0]}")
 
 
 def _packed(splats: Splats, rows: int) -> NDArray[np.float32]:

@@ -9,6 +9,7 @@ from numba import get_num_threads
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
+from renderer.harmonics import harmonics_backward
 from renderer.projection import (
     NEAR,
     RECORD_SIZE,
@@ -63,6 +64,7 @@ class Gradients:
     scales: Float32Array
     opacities: Float32Array
     colors: Float32Array
+    harmonics: Float32Array
 
 
 class Rasterizer:
@@ -103,9 +105,10 @@ class Rasterizer:
         if len(self.visible) != len(splats):
             self._reserve_splats(len(splats))
         self.wanted = self._all_tiles if tile_wanted is None else tile_wanted
-        self._view = camera_vector(camera, near)
+        self._view, self._center = camera_vector(camera, near), camera.position
+        colors = splats.seen_from(self._center).colors
         project(
-            splats.means, splats.quats, splats.scales, splats.opacities, splats.colors,
+            splats.means, splats.quats, splats.scales, splats.opacities, colors,
             self._view, self.records, self.visible,
         )  # fmt: skip
         return self.blend_records()
@@ -147,7 +150,13 @@ class Rasterizer:
             splats.means, splats.quats, splats.scales, splats.opacities,
             self._view, self.visible, self.sums, means, quats, scales, opacities,
         )  # fmt: skip
-        return Gradients(means, quats, scales, opacities, self.sums[:, SUM_RED : SUM_BLUE + 1].copy())
+        colors = self.sums[:, SUM_RED : SUM_BLUE + 1].copy()
+        harmonics = np.empty_like(splats.harmonics)
+        if harmonics.size:
+            harmonics_backward(
+                splats.means, splats.harmonics, self._center, self.visible, colors, harmonics, means
+            )
+        return Gradients(means, quats, scales, opacities, colors, harmonics)
 
     def rendered(self, width: int, height: int, background: Background) -> Rendered:
         """The blended planes as a picture over the background."""

@@ -33,7 +33,8 @@ def main(run_path: Path, frames: list[int]) -> None:
     print(f"OpenGL: {renderer_name(context)}; {len(model)} Gaussians, {record.clip.frames} frames")
     print("frame  renderer       PSNR dB   p99.9     max (grey levels)   ms")
     for index in frames or (1, 33):
-        camera, splats = record.camera(index), model.at(record.time(index))
+        camera = record.camera(index)
+        splats = model.at(record.time(index)).seen_from(camera.position)
         near = near_plane(model, camera)
         tensors = [
             torch.from_numpy(array)

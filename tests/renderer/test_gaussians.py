@@ -23,7 +23,7 @@ def model(count: int = 7, n_controls: int = 6, n_nodes: int = 4) -> DynamicGauss
         log_scales=rng.normal(size=(count, 3)).astype(np.float32),
         opacity_logits=rng.normal(size=count).astype(np.float32),
         colors=rng.uniform(size=(count, 3)).astype(np.float32),
-        harmonics=np.zeros((count, 0, 3), np.float32),
+        harmonics=rng.normal(size=(count, 3, 3)).astype(np.float32),
     )
     motion = SplineMotion(
         position_controls=rng.normal(size=(count, n_controls, 3)).astype(np.float32),
@@ -119,7 +119,7 @@ def de_boor_all(controls: np.ndarray, time: float) -> np.ndarray:
 def test_chosen_rows_are_the_chosen_splats() -> None:
     index = np.array([3, 3, 0, 6])
     some, every = model().rows(index).at(0.6), model().at(0.6)
-    for name in ("means", "quats", "scales", "opacities", "colors"):
+    for name in ("means", "quats", "scales", "opacities", "colors", "harmonics"):
         assert np.array_equal(getattr(some, name), getattr(every, name)[index]), name
 
 
@@ -131,6 +131,7 @@ def test_files_of_old_still_open(tmp_path: Path) -> None:
     old, new = DynamicGaussians.load(path).at(0.3), still(model()).at(0.3)
     assert np.array_equal(old.means, new.means)
     assert np.array_equal(old.opacities, new.opacities)
+    assert old.harmonics.shape == (len(old), 0, 3)
 
 
 NEW = ("harmonics", "opacity_controls")

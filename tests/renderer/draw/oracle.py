@@ -19,6 +19,7 @@ def reference(
     background: tuple[float, float, float] = (0.0, 0.0, 0.0),
     near: float = 0.01,
 ) -> Rendered:
+    splats = splats.seen_from(camera.position)
     fields = (splats.means, splats.quats, splats.scales, splats.opacities, splats.colors)
     means, quats, scales, opacities, colors = (torch.from_numpy(field) for field in fields)
     return rasterize_reference(means, quats, scales, opacities, colors, camera, background, near=near)

@@ -13,6 +13,7 @@ from renderer.draw import splat_view
 from renderer.draw.offscreen import read_image, render_depth_offscreen, render_offscreen
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.splat_view import Precision, SplatView
+from renderer.rasterize.cpu import render
 from renderer.splats import Splats
 from tests.renderer.draw.oracle import levels, psnr, reference
 from tests.renderer.scenes import random_splats, turned_camera
@@ -21,6 +22,7 @@ pytestmark = pytest.mark.gl
 
 BACKGROUND = (0.2, 0.35, 0.5)
 CAMERA = turned_camera(96, 72)
+NONE = np.zeros((0, 0, 3), dtype=np.float32)
 
 
 def scene(seed: int, camera: Camera = CAMERA) -> Splats:
@@ -247,12 +249,12 @@ def test_an_upload_replaces_what_is_drawn_whatever_its_size(ctx: moderngl.Contex
     framebuffer.release()
 
 
-@pytest.mark.parametrize("field", ["means", "quats", "scales", "opacities", "colors"])
+@pytest.mark.parametrize("field", ["means", "quats", "scales", "opacities", "colors", "harmonics"])
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_a_value_that_is_not_finite_is_refused_and_changes_nothing(
     ctx: moderngl.Context, field: str, bad: float
 ) -> None:
-    splats, spoilt = random_splats(40, CAMERA, 8), random_splats(50, CAMERA, 9)
+    splats, spoilt = random_splats(40, CAMERA, 8), glossy(9)
     getattr(spoilt, field)[13] = bad
     view, framebuffer = SplatView(ctx), ctx.simple_framebuffer((96, 72))
     view.upload(splats)
@@ -290,6 +292,58 @@ def test_splats_are_sorted_only_when_they_or_the_camera_changed(
     view.draw(CAMERA, framebuffer)
     assert len(sorts) == 3
     assert sorts[2] == 50
+    view.release()
+    framebuffer.release()
+
+
+def glossy(seed: int) -> Splats:
+    """A scene whose colours depend on the view, by harmonics of degree 3."""
+    splats = scene(seed)
+    harmonics = np.random.default_rng(seed).normal(scale=0.2, size=(len(splats), 15, 3))
+    return replace(splats, harmonics=harmonics.astype(np.float32))
+
+
+def beside(camera: Camera) -> Camera:
+    """The camera moved and turned about the scene."""
+    turn = np.eye(4)
+    turn[[0, 0, 2, 2], [0, 2, 0, 2]] = np.cos(0.3), np.sin(0.3), -np.sin(0.3), np.cos(0.3)
+    turn[:3, 3] = (-20.0, 2.0, 1.0)
+    return camera.moved(turn @ camera.camera_from_world)
+
+
+def test_harmonics_show_each_camera_what_the_processor_shows_it(ctx: moderngl.Context) -> None:
+    splats, view = glossy(13), SplatView(ctx, precision="float")
+    framebuffer = ctx.simple_framebuffer((96, 72), dtype="f4")
+    view.upload(splats)
+    for camera in (CAMERA, beside(CAMERA)):
+        view.draw(camera, framebuffer, background=BACKGROUND)
+        picture = render(splats, camera, BACKGROUND).image
+        assert psnr(read_image(framebuffer), picture) >= 75
+        assert psnr(render(replace(splats, harmonics=NONE), camera, BACKGROUND).image, picture) < 40
+    view.release()
+    framebuffer.release()
+
+
+def test_colours_are_made_again_only_when_the_centre_moved(
+    ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    packed = []
+
+    def counted(splats: Splats, rows: int) -> np.ndarray:
+        packed.append(len(splats))
+        return pack(splats, rows)
+
+    pack = splat_view._packed
+    monkeypatch.setattr(splat_view, "_packed", counted)
+    turned = CAMERA.moved(np.diag([-1.0, -1.0, 1.0, 1.0]) @ CAMERA.camera_from_world)
+    view, framebuffer = SplatView(ctx), ctx.simple_framebuffer((96, 72))
+    for splats, draws in ((glossy(14), [330, 330, 330]), (scene(14), [330])):
+        packed.clear()
+        view.upload(splats)
+        for camera in (CAMERA, CAMERA, turned, beside(CAMERA)):
+            view.draw(camera, framebuffer)
+            view.read_depth(camera)
+        assert packed == draws
     view.release()
     framebuffer.release()
 
