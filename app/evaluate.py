@@ -2,34 +2,65 @@
 
 from __future__ import annotations
 
+import os
+import re
+import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from app.drawing import Drawn, draw_on_cpu, near_plane
+import numpy as np
+import platformdirs
+
+from app.drawing import Drawn
 from app.errors import UserError
 from app.mean import mean_of_finite
 from app.provenance import digest
 from app.run_folder import RunFolder, RunRecord
 from app.training import input_clip
-from enhance.metrics import dvbv_otsu
+from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
+from enhance.vesselness import vessel_mask
+from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
-from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
+from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
+from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
+from renderer.near_plane import near_plane
+from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.sources import open_clip
 
+LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
+REPEATS = 5
+"""Drawings of a frame whose time is taken."""
+LPIPS = "AlexNet, version 0.1, in [-1, 1], both pictures times the evaluation mask; less is nearer"
+NO_LPIPS = (
+    f"not measured: put {WEIGHT_FILES}, into {{folder}}, "
+    f"or name their folder by --lpips-weights or {LPIPS_VARIABLE}"
+)
 DEFINITIONS = {
     "psnr": "dB, both pictures times the evaluation mask, mean over all pixels, render rounded to 8 bits",
-    "psnr_masked": "dB, mean over the evaluated pixels only",
+    "psnr_masked": "dB, mean over the evaluated pixels only: less by -10 log10(evaluated_share)",
+    "ssim": "11x11 Gaussian window of sigma 1.5, both pictures times the evaluation mask, zeros beyond the "
+    "border, mean over all pixels and channels",
+    "depth_rmse_mm": "float millimetres along z over the evaluated pixels where the clip has a depth and the "
+    "render, too; depth.abs_rel: the mean of |error| / depth there; depth.covered: their share of the "
+    "evaluated pixels where the clip has a depth",
     "dv_bv": "inferred definition: variances of grey above and below each picture's own Otsu threshold, "
     "over the evaluated pixels, so that what is under tools or never seen does not count",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
-    "lpips": "not measured: its weights are not part of this program",
+    "visibility": "beside dv_bv, over the evaluated pixels of the render: Weber contrast in green of the "
+    "strongest dark ridges of the clip's own photo, and the share of pixels at 250 of 255 or more",
+    "ms_per_frame": f"median of {REPEATS} drawings after one that does not count, from the parameters to the "
+    "picture and its depth, all threads done; parts_ms: the deformation; projection and sort, as a drawing "
+    "without any tile; the rest",
+    "peak_memory_mb": "largest resident memory of the process that trained (null: not logged), and of "
+    "this one",
     "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
     "mean": "mean over the frames; means leave out what was not measured, is infinite or undefined",
 }
+Numbers = dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,24 +70,32 @@ class FrameMeasures:
     index: int
     label: str
     time: float
+    evaluated_share: float
+    """Of the pixels, 0 to 1."""
     psnr: float
     psnr_masked: float
     ssim: float
     lpips: float | None
     depth_rmse_mm: float | None
+    """None also where the clip has no millimetres."""
+    depth: Numbers | None
+    """Relative error, and the share that was compared; None without depth."""
     dv: float
     bv: float
     dv_bv: float
+    visibility: Numbers
     ms_per_frame: float
-    whole_picture: dict[str, float]
+    parts_ms: Numbers
+    whole_picture: Numbers
     """DV, BV and their ratio over every pixel of the render."""
-    original_photo: dict[str, float]
-    """The same over the evaluated pixels of the clip's own photo."""
-    input_photo: dict[str, float]
+    original_photo: Numbers
+    """The same over the evaluated pixels of the clip's own photo, with its visibility."""
+    input_photo: Numbers
     """And of the photo that the run was trained on."""
 
 
 AVERAGED = ("psnr", "psnr_masked", "ssim", "lpips", "depth_rmse_mm", "dv", "bv", "dv_bv", "ms_per_frame")
+GROUPS = ("depth", "visibility", "parts_ms", "whole_picture", "original_photo", "input_photo")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +108,8 @@ class Evaluation:
     photos: Clip
     """The clip with the photos that the run was trained on."""
     model: DynamicGaussians
+    lpips: Lpips | None
+    """None: not measured."""
 
     @property
     def indices(self) -> tuple[int, ...]:
@@ -82,43 +123,49 @@ class Evaluation:
 
     def frames(self) -> Iterator[FrameMeasures]:
         """Measure the frames one after the other."""
-        first = self.photos.read_frame(self.indices[0])
-        near = near_plane(self.model, first.camera)
-        # The first picture compiles the kernels: it is not part of the time a picture takes.
-        draw_on_cpu(self.model.at(first.time), first.camera, near)
+        stopwatch = Stopwatch(self.model, self.clip.cameras[self.indices[0]])
         for index in self.indices:
             frame = self.photos.read_frame(index)
-            began = time.perf_counter()
-            drawn = draw_on_cpu(self.model.at(frame.time), frame.camera, near)
-            seconds = time.perf_counter() - began
-            original = self.clip.read_image(index)
-            yield measure_frame(frame, drawn, original, self.clip.labels[index], self.clip.unit, seconds)
+            drawn, milliseconds = stopwatch.draw(frame)
+            yield measure_frame(frame, drawn, self.clip, self.lpips, milliseconds)
 
     def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
         """The JSON of `evaluate`."""
+        no_lpips = NO_LPIPS.format(folder="vesselsplat/lpips of the user's caches")
         constant = {"n_gaussians": len(self.model), "train_seconds": self.run.train_seconds()}
         return {
             "run": self.run.path.absolute().name,
             "clip": {"name": self.record.clip.name, "sha256": self.record.clip.sha256},
             "method": self.record.config.method,
+            "seed": self.record.config.seed,
             "input": self.record.input,
             "frames_are": self.frames_are,
+            "evaluation_masks": self.record.clip.options.evaluation_masks,
+            "evaluated_share": mean_of_finite(frame.evaluated_share for frame in frames),
             "mean": {name: mean_of_finite(getattr(frame, name) for frame in frames) for name in AVERAGED}
             | constant,
-            "whole_picture": _mean_photo(frame.whole_picture for frame in frames),
-            "original_photo": _mean_photo(frame.original_photo for frame in frames),
-            "input_photo": _mean_photo(frame.input_photo for frame in frames),
+            **{name: _mean([getattr(frame, name) for frame in frames]) for name in GROUPS},
+            "peak_memory_mb": {"training": self._training_memory(), "evaluation": peak_memory_mb()},
             "frames": list(frames),
-            "definitions": DEFINITIONS,
+            "definitions": DEFINITIONS | {"lpips": LPIPS if self.lpips else no_lpips},
         }
 
+    def _training_memory(self) -> float | None:
+        finished = [event for event in self.run.events() if event["event"] == "Finished"]
+        return finished[-1].get("peak_memory_mb") if finished else None
 
-def open_evaluation(run_path: Path) -> Evaluation:
-    """Raises UserError or ClipError: no finished run, or its clip is gone or has changed."""
+
+def open_evaluation(run_path: Path, weights: Path | None = None) -> Evaluation:
+    """`weights`: folder of those of LPIPS.
+
+    Raises:
+        UserError, ClipError: no finished run, its clip is gone or has changed, or no weights where they are
+            said to be.
+    """
     run = RunFolder(run_path)
     record, model = run.record(), run.model()
     clip = run_clip(record)
-    return Evaluation(run, record, clip, input_clip(clip, record), model)
+    return Evaluation(run, record, clip, input_clip(clip, record), model, find_lpips(weights))
 
 
 def run_clip(record: RunRecord) -> Clip:
@@ -130,39 +177,120 @@ def run_clip(record: RunRecord) -> Clip:
     return clip
 
 
+def lpips_folder() -> Path:
+    """Where the weights of LPIPS are looked for when nothing else is said."""
+    return platformdirs.user_cache_path("vesselsplat", False) / "lpips"
+
+
+def find_lpips(weights: Path | None) -> Lpips | None:
+    """LPIPS with the weights in the folder given, else in that of the environment's VESSELSPLAT_LPIPS, else
+    in the cache folder; None when there are none in the last. Raises UserError for any others that fail."""
+    said = os.environ.get(LPIPS_VARIABLE)
+    folder = weights or (Path(said) if said else None)
+    if folder is None:
+        folder = lpips_folder()
+        if not weight_files(folder):
+            return None
+    try:
+        return read_lpips(folder)
+    except LpipsWeightsError as error:
+        raise UserError(str(error)) from error
+
+
 def measure_frame(
-    frame: Frame, drawn: Drawn, original: ByteImage, label: str, unit: str, seconds: float
+    frame: Frame, drawn: Drawn, clip: Clip, lpips: Lpips | None, milliseconds: Numbers
 ) -> FrameMeasures:
-    """Compare the picture of the model with the photo `frame.image`."""
+    """Compare the picture of the model with the photo `frame.image`, and both with the clip's own."""
     render, photo, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
+    original = clip.read_image(frame.index)
+    vessels = vessel_mask(original, tissue_mask=mask)
+    pair = None if frame.depth is None else (drawn.depth, frame.depth)
     return FrameMeasures(
         index=frame.index,
-        label=label,
+        label=clip.labels[frame.index],
         time=frame.time,
+        evaluated_share=float(mask.mean()),
         psnr=psnr(render, photo, mask),
         psnr_masked=psnr_masked(render, photo, mask),
         ssim=ssim(render, photo, mask),
-        lpips=None,
-        depth_rmse_mm=_depth_error(frame, drawn) if unit == "mm" else None,
-        ms_per_frame=1000.0 * seconds,
+        lpips=None if lpips is None else lpips.distance(render, photo, mask),
+        depth_rmse_mm=depth_rmse(*pair, mask) if pair and clip.unit == "mm" else None,
+        depth=pair and {"abs_rel": depth_abs_rel(*pair, mask), "covered": depth_coverage(*pair, mask)},
+        visibility=_visibility(drawn.bytes, mask, vessels),
+        ms_per_frame=sum(milliseconds.values()),
+        parts_ms=milliseconds,
         whole_picture=_dvbv(drawn.bytes),
-        original_photo=_dvbv(original, mask),
-        input_photo=_dvbv(frame.image, mask),
+        original_photo=_dvbv(original, mask) | _visibility(original, mask, vessels),
+        input_photo=_dvbv(frame.image, mask) | _visibility(frame.image, mask, vessels),
         **_dvbv(drawn.bytes, mask),
     )
 
 
-def _depth_error(frame: Frame, drawn: Drawn) -> float | None:
-    if frame.depth is None:
-        return None
-    return float(depth_rmse(drawn.depth, frame.depth, frame.evaluation_mask))
+class Stopwatch:
+    """Draws moments of a model as a player would, its working arrays kept, and takes the time."""
+
+    def __init__(self, model: DynamicGaussians, camera: Camera) -> None:
+        self._model, self._near = model, near_plane(model, camera)
+        self._rasterizer = Rasterizer(camera.width, camera.height)
+        self._no_tile = np.zeros((self._rasterizer.rows, self._rasterizer.columns), dtype=bool)
+
+    def draw(self, frame: Frame) -> tuple[Drawn, Numbers]:
+        """The picture at the frame's time from its camera, and the milliseconds of its parts."""
+        # The first lap compiles kernels, reserves arrays and wakes the threads.
+        drawn, _ = self._lap(frame)
+        laps = [self._lap(frame)[1] for _ in range(REPEATS)]
+        whole, deformation, sorting = 1000 * np.median(laps, axis=0)
+        parts = {"deformation": deformation, "projection_sort": sorting}
+        return drawn, {name: float(ms) for name, ms in parts.items()} | {
+            "raster": float(whole - deformation - sorting)
+        }
+
+    def _lap(self, frame: Frame) -> tuple[Drawn, tuple[float, float, float]]:
+        """One picture; seconds of the whole, of the deformation, and of all before the raster."""
+        camera, rasterizer = frame.camera, self._rasterizer
+        began = time.perf_counter()
+        splats = self._model.at(frame.time)
+        deformed = time.perf_counter()
+        rasterizer.forward(splats, camera, self._near)
+        rendered = rasterizer.rendered(camera.width, camera.height, BLACK)
+        done = time.perf_counter()
+        rasterizer.forward(splats, camera, self._near, self._no_tile)
+        sorting = time.perf_counter() - done
+        return Drawn(rendered.image, rendered.depth), (done - began, deformed - began, sorting)
 
 
-def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> dict[str, float]:
+def peak_memory_mb() -> float:
+    """Largest resident memory of this process so far, in MB of 10^6 bytes."""
+    if sys.platform == "win32":
+        import psutil
+
+        return float(psutil.Process().memory_info().peak_wset / 1e6)
+    import resource
+
+    # A process starts there with the peak of the one that spawned it; where Linux tells, its own is taken.
+    status = Path("/proc/self/status")
+    own = re.search(rb"VmHWM:\s*(\d+) kB", status.read_bytes()) if status.exists() else None
+    if own:
+        return 1024 * int(own[1]) / 1e6
+    unit = 1 if sys.platform == "darwin" else 1024
+    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+
+
+def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> Numbers:
     measured = dvbv_otsu(image, tissue_mask=mask)
     return {"dv": measured.dv, "bv": measured.bv, "dv_bv": measured.ratio}
 
 
-def _mean_photo(photos: Iterator[dict[str, float]]) -> dict[str, float | None]:
-    listed = list(photos)
-    return {name: mean_of_finite(photo[name] for photo in listed) for name in ("dv", "bv", "dv_bv")}
+def _visibility(image: ByteImage, mask: BoolImage, vessels: BoolImage) -> Numbers:
+    """Over the pixels of the mask; the ridges are the same for every picture of a frame."""
+    evaluated = image[mask][:, None]
+    return {
+        "vessel_contrast": vessel_contrast(image, vessels, tissue_mask=mask),
+        "saturated_share": saturated_share(evaluated) if mask.any() else float("nan"),
+    }
+
+
+def _mean(groups: Sequence[Numbers | None]) -> dict[str, float | None]:
+    taken = [group for group in groups if group is not None]
+    names = taken[0] if taken else ()
+    return {name: mean_of_finite(group[name] for group in taken) for name in names}

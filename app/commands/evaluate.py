@@ -3,28 +3,90 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from app.evaluate import AVERAGED, Evaluation, FrameMeasures, open_evaluation
+from app.errors import UserError
+from app.evaluate import LPIPS, NO_LPIPS, Evaluation, FrameMeasures, lpips_folder, open_evaluation
 from app.progress import progress
 from app.provenance import provenance, strict_json
-from app.terminal import table_terminal
+from app.run_folder import ClipRecord, Input
+from app.terminal import Terminal
+from renderer.lpips import WEIGHT_FILES
+
+COLUMNS = {
+    "psnr": ("PSNR\ndB", ".2f"),
+    "psnr_masked": ("masked\ndB", ".2f"),
+    "ssim": ("SSIM\n", ".4f"),
+    "lpips": ("LPIPS\n", ".4f"),
+    "depth_rmse_mm": ("depth\nmm", ".3f"),
+    "abs_rel": ("depth\nrel", ".2%"),
+    "dv": ("DV\ngrey²", ".1f"),
+    "bv": ("BV\ngrey²", ".1f"),
+    "dv_bv": ("DV/BV\n", ".3f"),
+    "ms_per_frame": ("time\nms", ".1f"),
+}
+"""Heading with unit, and format, of each column."""
+COMPARED = ("lpips", "dv", "bv", "dv_bv", "psnr", "ssim", "depth_rmse_mm")
+
+
+@dataclass(frozen=True)
+class PaperRow:
+    """One row of the paper's Tables 1 and 2: renders of a clip, from its own photos or enhanced ("Ours")."""
+
+    clip: str
+    """A word in its name."""
+    frames: int
+    table: int
+    method: str
+    input: Input
+    lpips: float
+    dv: float
+    bv: float
+    dv_bv: float
+
+
+PAPER = (
+    PaperRow("pulling", 63, 1, "EndoGaussian", "original", 0.106, 259.68, 218.77, 1.21),
+    PaperRow("pulling", 63, 1, "EndoGaussian", "enhanced", 0.122, 427.55, 243.74, 1.76),
+    PaperRow("pulling", 63, 2, "Deform3DGS", "original", 0.042, 651.04, 706.03, 0.93),
+    PaperRow("pulling", 63, 2, "Deform3DGS", "enhanced", 0.043, 871.14, 596.63, 1.47),
+    PaperRow("cutting", 156, 1, "EndoGaussian", "original", 0.102, 521.72, 487.87, 1.07),
+    PaperRow("cutting", 156, 1, "EndoGaussian", "enhanced", 0.115, 741.30, 460.64, 1.61),
+    PaperRow("cutting", 156, 2, "Deform3DGS", "original", 0.064, 414.71, 779.48, 0.54),
+    PaperRow("cutting", 156, 2, "Deform3DGS", "enhanced", 0.068, 572.00, 560.22, 1.02),
+)
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", type=Path, help="folder of a finished run")
+    parser.add_argument(
+        "--against", type=Path, metavar="RUN", help="another run of the same clip, such as the original's"
+    )
+    parser.add_argument("--lpips-weights", type=Path, metavar="DIR", help=f"folder with {WEIGHT_FILES}")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def run(flags: argparse.Namespace) -> None:
-    evaluation = open_evaluation(flags.run)
-    report = evaluation.report(measured(evaluation))
+    paths = [flags.run] if flags.against is None else [flags.run, flags.against]
+    evaluations = [open_evaluation(path, flags.lpips_weights) for path in paths]
+    clips = [evaluation.record.clip for evaluation in evaluations]
+    if clips[0].sha256 != clips[-1].sha256:
+        raise UserError(f"--against: expected a run of the clip {clips[0].name}, got one of {clips[-1].name}")
+    report, *others = [evaluation.report(measured(evaluation)) for evaluation in evaluations]
+    for other in others:
+        report |= {"against": other, "compared": compared(report, other, clips[0])}
     if flags.json:
         sys.stdout.write(strict_json(provenance(**report)) + "\n")
+    elif others:
+        _print_compared(report)
     else:
         _print(report)
 
@@ -39,20 +101,110 @@ def measured(evaluation: Evaluation) -> list[FrameMeasures]:
     return frames
 
 
+def compared(report: dict[str, Any], other: dict[str, Any], clip: ClipRecord) -> dict[str, Any]:
+    """How the DV/BV of two runs of one clip relate, and what the paper prints for that clip."""
+    pairs = {
+        "render": (report["mean"], other["mean"]),
+        "whole_picture": (report["whole_picture"], other["whole_picture"]),
+        "input_photo": (report["input_photo"], other["input_photo"]),
+    }
+    paper = [row for row in PAPER if row.clip in clip.name and row.frames == clip.frames]
+    return {
+        "dv_bv_gain": {name: _gain(*(group["dv_bv"] for group in pair)) for name, pair in pairs.items()},
+        "paper": paper,
+        "paper_dv_bv_gain": {
+            f"Table {after.table}, {after.method}": _gain(after.dv_bv, before.dv_bv)
+            for before, after in zip(paper[::2], paper[1::2], strict=True)
+        },
+        "definition": "dv_bv_gain: mean DV/BV of this run over that of the run it is compared with; the "
+        "paper's: enhanced over original",
+    }
+
+
+def _gain(ours: float | None, theirs: float | None) -> float | None:
+    return ours / theirs if ours is not None and theirs else None
+
+
 def _print(report: dict[str, Any]) -> None:
-    table = Table("frame", *AVERAGED, title=f"{report['run']}: {report['method']}, {report['input']} photos")
+    table = _table("frame", COLUMNS)
+    table.title = f"{report['run']}: {report['method']}, measured against its {report['input']} photos"
     for frame in report["frames"]:
-        table.add_row(str(frame.index), *(_text(getattr(frame, name)) for name in AVERAGED))
-    mean = report["mean"]
+        table.add_row(str(frame.index), *_texts(vars(frame) | (frame.depth or {}), COLUMNS))
     table.add_section()
-    table.add_row("mean", *(_text(mean[name]) for name in AVERAGED))
-    console = table_terminal()
-    console.print(table)
-    console.print(f"{mean['n_gaussians']} Gaussians, trained in {_text(mean['train_seconds'])} s")
+    table.add_row("mean", *_texts(report["mean"] | report["depth"], COLUMNS))
+    _say(table, *_facts(report), *_cautions(report))
+
+
+def _print_compared(report: dict[str, Any]) -> None:
+    other, gain = report["against"], report["compared"]["dv_bv_gain"]
+    table = _table("run, photos", COMPARED)
+    table.title = "Means over the held-out frames, each run against its own photos"
+    for each in (other, report):
+        table.add_row(f"{each['run']}, {each['input']}", *_texts(each["mean"], COMPARED))
+    for row in report["compared"]["paper"]:
+        if row.input == "original":
+            table.add_section()
+        table.add_row(f"{row.method}, {row.input}", *_texts(vars(row), COMPARED))
+    gains = [
+        f"DV/BV is {_text(gain['render'], '.2f')} times that of {other['run']}; "
+        f"that of its photos {_text(gain['input_photo'], '.2f')} times",
+        f"over whole renders, black included, {_text(gain['whole_picture'], '.2f')} times: "
+        + " to ".join(_text(each["whole_picture"]["dv_bv"], ".3f") for each in (other, report)),
+    ]
+    published = report["compared"]["paper_dv_bv_gain"].items()
+    gains += [f"the paper's {where}: {_text(times, '.2f')} times" for where, times in published]
+    seen = [f"{each['run']}: {_visibility(each['visibility'])}" for each in (other, report)]
+    _say(table, *gains, *seen, *_cautions(report))
+
+
+def _table(first: str, names: Iterable[str]) -> Table:
+    table = Table(box=SIMPLE_HEAD, title_justify="left", title_style="", padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column(first, overflow="fold")
+    for name in names:
+        table.add_column(COLUMNS[name][0], justify="right", no_wrap=True)
+    return table
+
+
+def _texts(values: Mapping[str, float | None], names: Iterable[str]) -> list[str]:
+    return [_text(values.get(name), COLUMNS[name][1]) for name in names]
+
+
+def _text(value: float | None, form: str) -> str:
+    return "-" if value is None or not math.isfinite(value) else format(value, form)
+
+
+def _facts(report: dict[str, Any]) -> list[str]:
+    mean, parts, memory = report["mean"], report["parts_ms"], report["peak_memory_mb"]
+    times = [f"{name.replace('_', ' + ')} {_text(ms, '.1f')}" for name, ms in parts.items()]
+    return [
+        f"{mean['n_gaussians']} Gaussians, trained in {_text(mean['train_seconds'], '.1f')} s",
+        f"masked: over the evaluated pixels alone, {_text(report['evaluated_share'], '.1%')} of the picture",
+        "depth: root mean square of the error, and mean of error over depth,",
+        f"  over {_text(report['depth'].get('covered'), '.1%')} of the evaluated pixels that have a depth",
+        f"time on the CPU: {', '.join(times)} ms",
+        f"peak memory: training {_text(memory['training'], '.0f')} MB, "
+        f"this evaluation {_text(memory['evaluation'], '.0f')} MB",
+        f"render: {_visibility(report['visibility'])}",
+        f"photo: {_visibility(report['input_photo'])}, DV/BV {_text(report['input_photo']['dv_bv'], '.3f')}",
+    ]
+
+
+def _visibility(group: Mapping[str, float | None]) -> str:
+    contrast = _text(group["vessel_contrast"], ".3f")
+    return f"vessel contrast {contrast}, saturated {_text(group['saturated_share'], '.2%')}"
+
+
+def _cautions(report: dict[str, Any]) -> list[str]:
+    cautions = ["DV, BV: inferred definition. Visibility only, neither detection nor diagnosis."]
+    if report["definitions"]["lpips"] != LPIPS:
+        cautions.append(f"LPIPS: {NO_LPIPS.format(folder=lpips_folder())}")
     if report["frames_are"] == "training":
-        console.print("measured on training frames: the clip is too short to hold one out")
-    console.print("dv, bv, dv_bv: inferred definition")
+        cautions.append("measured on training frames: the clip is too short to hold one out")
+    return cautions
 
 
-def _text(value: float | None) -> str:
-    return "not measured" if value is None else f"{value:.4g}"
+def _say(table: Table, *lines: str) -> None:
+    console = Terminal()
+    console.print(table)
+    for line in lines:
+        console.print(line)
