@@ -30,6 +30,11 @@ VESSEL_SLIDERS = {
 SUBSAMPLES = (1, 2, 4, 8)
 SCOPES: tuple[Scope, ...] = get_args(Scope)
 SCOPE_LABELS = ["of each frame", "of the whole clip"]
+UNUSED = "unused"
+SIGMA_TEXT = (
+    "Eq 9: standard deviation of each window's base layer, in grey levels. "
+    "Not measured of a frame while P is set by hand."
+)
 PIXEL_LABELS = ["all", "tissue only"]
 
 
@@ -142,29 +147,36 @@ def _draw_edits(state: AppState) -> None:
     explain("R. One value alone: double click on its slider, or right click.")
 
 
+def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str], ...]:
+    """Name, value and explanation of what was measured."""
+    sigmas = "  ".join(f"{sigma:.0f}" for sigma in used.sigmas) or UNUSED
+    exponents = "  ".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
+    return (
+        ("L", f"{used.level:.0f}", "Eq 2: grey level below which a tenth of the picture lies."),
+        ("σ", sigmas, SIGMA_TEXT),
+        ("z", f"{used.z:.3f}", "Eq 1: brightness factor in use."),
+        ("P", exponents, "Eq 7: exponent in use at each window."),
+        ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
+        ("time", f"{milliseconds:.0f} ms", "Of the enhancement of this frame, here."),
+    )
+
+
 def _draw_measured(state: AppState, used: Statistics | None) -> None:
     if used is None or state.pictures is None:
         imgui.text_colored(theme.MUTED, "—")
         return
-    sigmas = "  ".join(f"{sigma:.0f}" for sigma in used.sigmas)
-    exponents = "  ".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
-    facts = (
-        ("L", f"{used.level:.0f}", "Eq 2: grey level below which a tenth of the picture lies."),
-        ("σ", sigmas, "Eq 9: standard deviation of each window's base layer, in grey levels."),
-        ("z", f"{used.z:.3f}", "Eq 1: brightness factor in use."),
-        ("P", exponents, "Eq 7: exponent in use at each window."),
-        ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
-        ("time", f"{state.pictures.milliseconds:.0f} ms", "Of the enhancement of this frame, here."),
-    )
     with imgui_ctx.begin_table("measured", 4) as table:
         if not table:
             return
         for column, width in enumerate((3.6, 4.5, 2.6, 4.5)):
             imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        for name, value, text in facts:
+        for name, value, text in facts_of(used, state.pictures.milliseconds):
             imgui.table_next_column()
             imgui.text_colored(theme.MUTED, name)
             explain(text)
             imgui.table_next_column()
-            imgui.text_unformatted(value)
+            if value == UNUSED:
+                imgui.text_colored(theme.MUTED, value)
+            else:
+                imgui.text_unformatted(value)
             explain(text)

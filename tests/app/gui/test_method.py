@@ -13,7 +13,7 @@ from app.gui import actions
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import SaveRequest, save_picture
 from app.gui.panels.compare import enhanced_tags
-from app.gui.panels.enhancement import VESSEL_SLIDERS, draw_enhancement
+from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
 from app.gui.state import AppState
 from app.provenance import read_provenance
 from app.training import TrainRequest
@@ -92,3 +92,12 @@ def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppSta
         facts = read_provenance(saved.path)
         assert facts["method"] == method
         assert type(params)(**facts["params"]) == params
+
+
+def test_what_was_not_measured_is_said_to_be_unused(clip: Clip) -> None:
+    for params, unused in ((EnhanceParams(), []), (EnhanceParams(p=0.8), ["σ"]), (STRONG, [])):
+        shown = made(PictureRequest(clip, 2, params))
+        assert shown.statistics is not None
+        facts = {name: value for name, value, _ in facts_of(shown.statistics, 1.0)}
+        assert all(facts.values())
+        assert [name for name, value in facts.items() if value == UNUSED] == unused
