@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.gaussians import DynamicGaussians
 from renderer.splats import Float32Array, Splats
-from renderer.train.model import NEAR_SHARE
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,19 +24,6 @@ class Drawn:
         """(H, W, 3) rounded to 8 bits."""
         rounded: NDArray[np.uint8] = np.rint(np.clip(self.image, 0.0, 1.0) * 255.0).astype(np.uint8)
         return rounded
-
-
-def near_plane(model: DynamicGaussians, camera: Camera) -> float:
-    """The near plane that training used, up to rounding: a share of the model's median depth."""
-    return NEAR_SHARE * middle_distance(model, camera)
-
-
-def middle_distance(model: DynamicGaussians, camera: Camera) -> float:
-    """Median depth along the camera's axis of the Gaussians before it; 1 when there is none."""
-    pose = camera.camera_from_world
-    depth = model.means @ pose[2, :3] + pose[2, 3]
-    before = depth[depth > 0]
-    return float(np.median(before)) if len(before) else 1.0
 
 
 def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, float]]:

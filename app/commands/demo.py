@@ -17,7 +17,7 @@ from app.atomic import make_folder, write_bytes
 from app.commands.evaluate import measured
 from app.commands.train import follow
 from app.display import has_display
-from app.drawing import Drawn, colored_depth, draw_on_cpu, near_plane
+from app.drawing import Drawn, colored_depth, draw_on_cpu
 from app.errors import UserError
 from app.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.progress import progress
@@ -27,6 +27,7 @@ from app.sheet import ByteImage, Tile, sheet
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest, enhanced_clip, pooled
 from assets import phantom_path
 from renderer.clip import Clip
+from renderer.near_plane import near_plane
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 

@@ -12,13 +12,14 @@ from typing import Any
 
 from app.atomic import filled
 from app.drawers import drawer
-from app.drawing import Drawn, colored_depth, near_plane
+from app.drawing import Drawn, colored_depth
 from app.errors import UserError
 from app.pictures import write_image
 from app.progress import progress
 from app.provenance import digest, provenance, write_png
 from app.run_folder import RunFolder, RunRecord
 from renderer.camera import Camera
+from renderer.near_plane import near_plane
 
 MOST_PIXELS = 16384
 """Each way: the largest framebuffer of common graphics cards."""

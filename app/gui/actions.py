@@ -9,7 +9,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import TypeVar
 
-from app.drawing import middle_distance
 from app.errors import UserError
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
@@ -25,6 +24,7 @@ from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import middle_distance
 from renderer.train.events import Progress
 
 TOAST_SECONDS = 6.0

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from app.drawing import middle_distance
 from app.gui.origin import origin_of
 from app.gui.viewing import ShownModel
 from app.run_folder import RunFolder, RunRecord
@@ -15,6 +14,7 @@ from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
 from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import middle_distance
 from renderer.sources import open_clip
 from renderer.train.events import Progress
 

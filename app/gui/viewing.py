@@ -13,7 +13,7 @@ from app.gui.origin import Origin
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
-from renderer.train.model import NEAR_SHARE
+from renderer.near_plane import NEAR_SHARE
 
 BACKGROUND = (0.0, 0.0, 0.0)
 

@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from renderer.gaussians import DynamicGaussians
+from renderer.harmonics import BANDS
+from renderer.near_plane import NEAR_SHARE
 from renderer.rasterize.cpu import Gradients, Rasterizer
 from renderer.raw_gaussians import FIELDS, Arrays, RawGaussians
 from renderer.splats import Float32Array, Splats
@@ -17,9 +19,6 @@ from renderer.train.frames import TrainFrame
 from renderer.train.guards import Trouble, hold_scales, leave_out_broken
 from renderer.train.losses import Measured, picture_loss
 from renderer.train.recipe import BoolArray, MotionTrainer, Recipe
-
-NEAR_SHARE = 1e-3
-"""Near plane as a share of the scene size."""
 
 
 class TrainModel:
@@ -65,6 +64,7 @@ class TrainModel:
 
     def step(self, frame: TrainFrame, iteration: int) -> Measured:
         """One update from one frame; `iteration` counts from 0."""
+        self._raise_degree(BANDS[self._recipe.degree_at(iteration)])
         moves = self._recipe.stage_at(iteration).moves
         now = self._motion.moved(self.raw, frame.time) if moves else self.raw
         splats = now.splats()
@@ -72,7 +72,7 @@ class TrainModel:
         wanted = None if self._recipe.losses.takes_whole_picture else frame.tile_wanted
         rasterizer.forward(splats, frame.camera, NEAR_SHARE * self._size, wanted)
         measured = picture_loss(rasterizer, frame, self._recipe.losses, self._size)
-        by, seen = _by_raw(rasterizer.backward(splats), splats, now), rasterizer.visible
+        by, seen = _by_raw(rasterizer.backward(splats), splats), rasterizer.visible
         self.trouble.not_finite += leave_out_broken(by, seen)
         self._update(by, seen, iteration)
         if moves:
@@ -83,6 +83,15 @@ class TrainModel:
             if self._density.is_due(iteration + 1):
                 self._carry_out(self._density.plan(self.raw, iteration + 1))
         return measured
+
+    def _raise_degree(self, bands: int) -> None:
+        """Harmonics of `bands` functions: the new ones are 0."""
+        more = bands - self.raw.harmonics.shape[1]
+        if more > 0:
+            none = np.zeros((len(self.raw), more, 3), np.float32)
+            self.raw = replace(self.raw, harmonics=np.concatenate([self.raw.harmonics, none], axis=1))
+            for moments in (self._first, self._second):
+                moments["harmonics"] = np.concatenate([moments["harmonics"], none], axis=1)
 
     def _carry_out(self, plan: Plan) -> None:
         """Change the number of Gaussians."""
@@ -117,7 +126,7 @@ def _flat(values: Float32Array) -> Float32Array:
     return values.reshape(len(values), -1)
 
 
-def _by_raw(by: Gradients, splats: Splats, raw: RawGaussians) -> RawGaussians:
+def _by_raw(by: Gradients, splats: Splats) -> RawGaussians:
     """Gradients by the raw values from those by the activated ones."""
     return RawGaussians(
         means=by.means,
@@ -125,5 +134,5 @@ def _by_raw(by: Gradients, splats: Splats, raw: RawGaussians) -> RawGaussians:
         log_scales=by.scales * splats.scales,
         opacity_logits=by.opacities * splats.opacities * (1 - splats.opacities),
         colors=by.colors,
-        harmonics=np.zeros_like(raw.harmonics),
+        harmonics=by.harmonics,
     )

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from app.commands.evaluate import PAPER, compared
-from app.drawing import Drawn, draw_on_cpu, near_plane
+from app.drawing import Drawn, draw_on_cpu
 from app.evaluate import Stopwatch, measure_frame, open_evaluation
 from app.run_folder import RunFolder
 from enhance.metrics import vessel_contrast
@@ -24,6 +24,7 @@ from enhance.vesselness import vessel_mask
 from renderer.clip import Clip
 from renderer.lpips import LAYERS, read_lpips
 from renderer.metrics import depth_abs_rel
+from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from tests.app.conftest import Call

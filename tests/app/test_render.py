@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from app.drawers import drawer
-from app.drawing import draw_on_cpu, near_plane
+from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from renderer.camera import Camera
+from renderer.near_plane import near_plane
 from tests.app.conftest import Call
 from tests.app.fake_steps import model_of
 

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.drawing import draw_on_cpu, near_plane
+from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.job import TrainingJob
 from app.provenance import read_provenance
@@ -27,6 +27,7 @@ from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.metrics import psnr
+from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig

@@ -14,11 +14,11 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from app.drawing import near_plane
 from app.run_folder import RunFolder
 from renderer.draw.context import renderer_name, standalone_context
 from renderer.draw.offscreen import render_offscreen
 from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import render
 from renderer.rasterize.reference import rasterize_reference
 
