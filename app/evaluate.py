@@ -13,6 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 import platformdirs
+import psutil
+from numba import get_num_threads
 
 from app.drawing import Drawn
 from app.errors import UserError
@@ -54,7 +56,7 @@ DEFINITIONS = {
     "strongest dark ridges of the clip's own photo, and the share of pixels at 250 of 255 or more",
     "ms_per_frame": f"median of {REPEATS} drawings after one that does not count, from the parameters to the "
     "picture and its depth, all threads done; parts_ms: the deformation; projection and sort, as a drawing "
-    "without any tile; the rest",
+    "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
     "peak_memory_mb": "largest resident memory of the process that trained (null: not logged), and of "
     "this one",
     "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
@@ -145,6 +147,7 @@ class Evaluation:
             "mean": {name: mean_of_finite(getattr(frame, name) for frame in frames) for name in AVERAGED}
             | constant,
             **{name: _mean([getattr(frame, name) for frame in frames]) for name in GROUPS},
+            "timed_with": {"threads": get_num_threads(), "load": float(psutil.getloadavg()[0])},
             "peak_memory_mb": {"training": self._training_memory(), "evaluation": peak_memory_mb()},
             "frames": list(frames),
             "definitions": DEFINITIONS | {"lpips": LPIPS if self.lpips else no_lpips},
@@ -262,8 +265,6 @@ class Stopwatch:
 def peak_memory_mb() -> float:
     """Largest resident memory of this process so far, in MB of 10^6 bytes."""
     if sys.platform == "win32":
-        import psutil
-
         return float(psutil.Process().memory_info().peak_wset / 1e6)
     import resource
 

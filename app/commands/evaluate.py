@@ -175,13 +175,15 @@ def _text(value: float | None, form: str) -> str:
 
 def _facts(report: dict[str, Any]) -> list[str]:
     mean, parts, memory = report["mean"], report["parts_ms"], report["peak_memory_mb"]
+    timed = report["timed_with"]
     times = [f"{name.replace('_', ' + ')} {_text(ms, '.1f')}" for name, ms in parts.items()]
     return [
         f"{mean['n_gaussians']} Gaussians, trained in {_text(mean['train_seconds'], '.1f')} s",
         f"masked: over the evaluated pixels alone, {_text(report['evaluated_share'], '.1%')} of the picture",
         "depth: root mean square of the error, and mean of error over depth,",
         f"  over {_text(report['depth'].get('covered'), '.1%')} of the evaluated pixels that have a depth",
-        f"time on the CPU: {', '.join(times)} ms",
+        f"time: {', '.join(times)} ms,",
+        f"  on {timed['threads']} threads of the CPU at a load of {_text(timed['load'], '.1f')}",
         f"peak memory: training {_text(memory['training'], '.0f')} MB, "
         f"this evaluation {_text(memory['evaluation'], '.0f')} MB",
         f"render: {_visibility(report['visibility'])}",

@@ -82,6 +82,8 @@ def test_depth_error_and_shares_are_of_the_evaluated_pixels(runs: dict[str, Path
             finite = [each[group][name] for each in report["frames"] if each[group][name] is not None]
             assert mean == (pytest.approx(np.mean(finite)) if finite else None)
     assert (report["seed"], report["evaluation_masks"]) == (0, "masks")
+    assert report["timed_with"]["threads"] >= 1
+    assert report["timed_with"]["load"] >= 0
 
 
 @pytest.fixture(scope="module")
