@@ -71,11 +71,17 @@ class Recipe:
     losses: LossWeights
     density: DensityControl | None = None
     """None: as many Gaussians as there were at first."""
+    sh_degree: int = 0
+    """Of the spherical harmonics at the end, 0 to 3: one more every sixth of the run."""
 
     @property
     def iterations(self) -> int:
         """Of all stages."""
         return sum(stage.steps for stage in self.stages)
+
+    def degree_at(self, iteration: int) -> int:
+        """Of the spherical harmonics in an iteration, counted from 0."""
+        return min(self.sh_degree, 6 * iteration // self.iterations)
 
     def stage_at(self, iteration: int) -> Stage:
         """The stage that an iteration, counted from 0, belongs to."""
