@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
+from renderer.deformation.fdm import FlexibleMotion
+from renderer.deformation.hexplane_motion import HexplaneMotion
 from renderer.deformation.motion import Motion, Still
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.raw_gaussians import Arrays, RawGaussians
 from renderer.splats import Float32Array, Splats
 
-MOTIONS: tuple[type[Motion], ...] = (SplineMotion,)
+MOTIONS: tuple[type[Motion], ...] = (SplineMotion, FlexibleMotion, HexplaneMotion)
 """Each is known in a file by the names of its arrays."""
 NEEDED = ("means", "quats", "log_scales", "opacity_logits", "colors")
 

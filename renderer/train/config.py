@@ -8,7 +8,10 @@ from annotated_types import Interval
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-Method = Literal["vesselsplat", "static"]
+Method = Literal["vesselsplat", "deform3dgs", "endogaussian", "static"]
+
+Part = Literal["harmonics", "deformation", "color_curves", "controls", "depth", "masks", "tiles", "unseen"]
+"""What a clip may not need."""
 
 
 @dataclass(
@@ -23,7 +26,8 @@ class TrainConfig:
     """
 
     method: Method = "vesselsplat"
-    """vesselsplat: moving tissue by a shared-knot B-spline in time; static: nothing moves."""
+    """vesselsplat: moving tissue by a shared-knot B-spline in time; deform3dgs: by bumps in time, as published;
+    static: nothing moves."""
     iterations: Annotated[int, Interval(ge=1, le=100_000)] = 3000
     """Training steps, one frame each."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
@@ -60,6 +64,12 @@ class TrainConfig:
     """Learning rate of the quaternions."""
     rate_decay: Annotated[float, Interval(ge=1, le=1000)] = 10.0
     """All rates fall by this factor, log-linearly, over the run."""
+    sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
+    """Degree of the spherical harmonics, by which colours depend on the view; auto: as the clip needs."""
+    keep: tuple[Part, ...] = ()
+    """Parts that stay in although the clip does not need them, to measure what they cost."""
+    leave_out: tuple[Literal["deformation", "color_curves"], ...] = ()
+    """Parts that stay out whatever the clip needs."""
     hold_out: bool = False
     """Keep training frames with index % 8 == 5 out and evaluate on them: for choosing settings."""
     checkpoint_every: Annotated[int, Interval(ge=1, le=1_000_000)] = 500

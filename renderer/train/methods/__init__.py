@@ -6,11 +6,13 @@ from collections.abc import Callable
 
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
-from renderer.train.methods import static, vesselsplat
+from renderer.train.methods import deform3dgs, endogaussian, static, vesselsplat
 from renderer.train.recipe import Recipe
 
 RECIPES: dict[Method, Callable[[Clip, TrainConfig], Recipe]] = {
     "vesselsplat": vesselsplat.recipe,
+    "deform3dgs": deform3dgs.recipe,
+    "endogaussian": endogaussian.recipe,
     "static": static.recipe,
 }
 
