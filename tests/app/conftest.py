@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from app.__main__ import main
@@ -68,3 +70,19 @@ def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str,
     list(run_training(request_of(clip_path, paths["original"])))
     list(run_training(request_of(clip_path, paths["enhanced"], input="enhanced")))
     return paths
+
+
+def tissue(seed: int, brightness: int = 160) -> np.ndarray:
+    """(40, 60, 3) BGR uint8, reddish and smooth."""
+    noise = np.random.default_rng(seed).normal(0, 20, (40, 60, 3))
+    smooth = cv2.GaussianBlur(noise, (9, 9), 2) * 4
+    return np.clip(np.array([60, 70, brightness]) + smooth, 0, 255).astype(np.uint8)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    path = tmp_path / "in"
+    path.mkdir()
+    for index, brightness in enumerate((90, 160, 230)):
+        cv2.imwrite(str(path / f"{index}.png"), tissue(index, brightness))
+    return path
