@@ -26,8 +26,8 @@ class TrainConfig:
     """
 
     method: Method = "vesselsplat"
-    """vesselsplat: moving tissue by a shared-knot B-spline in time; deform3dgs: by bumps in time, as published;
-    static: nothing moves."""
+    """vesselsplat: tissue moves by a shared-knot B-spline in time; deform3dgs: by bumps in time;
+    endogaussian: by a HexPlane over space and time; static: nothing moves."""
     iterations: Annotated[int, Interval(ge=1, le=100_000)] = 3000
     """Training steps, one frame each."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
