@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import os
-import re
-import sys
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
 import platformdirs
 import psutil
 from numba import get_num_threads
@@ -19,23 +15,20 @@ from numba import get_num_threads
 from app.drawing import Drawn
 from app.errors import UserError
 from app.mean import mean_of_finite
+from app.memory import peak_memory_mb
 from app.provenance import digest
 from app.run_folder import RunFolder, RunRecord
+from app.stopwatch import REPEATS, Stopwatch
 from app.training import input_clip
-from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
+from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.vesselness import vessel_mask
-from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
 from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
-from renderer.near_plane import near_plane
-from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.sources import open_clip
 
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
-REPEATS = 5
-"""Drawings of a frame whose time is taken."""
 LPIPS = "AlexNet, version 0.1, in [-1, 1], both pictures times the evaluation mask; less is nearer"
 NO_LPIPS = (
     f"not measured: put {WEIGHT_FILES}, into {{folder}}, "
@@ -53,7 +46,8 @@ DEFINITIONS = {
     "over the evaluated pixels, so that what is under tools or never seen does not count",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
     "visibility": "beside dv_bv, over the evaluated pixels of the render: Weber contrast in green of the "
-    "strongest dark ridges of the clip's own photo, and the share of pixels at 250 of 255 or more",
+    "strongest dark ridges of the clip's own photo, the share of pixels at 250 of 255 or more, and the ratio "
+    "of local variances over detail and background, one mask from the clip's own photo",
     "ms_per_frame": f"median of {REPEATS} drawings after one that does not count, from the parameters to the "
     "picture and its depth, all threads done; parts_ms: the deformation; projection and sort, as a drawing "
     "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
@@ -141,6 +135,7 @@ class Evaluation:
             "method": self.record.config.method,
             "seed": self.record.config.seed,
             "input": self.record.input,
+            "enhancement": self.record.enhancement,
             "frames_are": self.frames_are,
             "evaluation_masks": self.record.clip.options.evaluation_masks,
             "evaluated_share": mean_of_finite(frame.evaluated_share for frame in frames),
@@ -219,62 +214,14 @@ def measure_frame(
         lpips=None if lpips is None else lpips.distance(render, photo, mask),
         depth_rmse_mm=depth_rmse(*pair, mask) if pair and clip.unit == "mm" else None,
         depth=pair and {"abs_rel": depth_abs_rel(*pair, mask), "covered": depth_coverage(*pair, mask)},
-        visibility=_visibility(drawn.bytes, mask, vessels),
+        visibility=_visibility(drawn.bytes, original, mask, vessels),
         ms_per_frame=sum(milliseconds.values()),
         parts_ms=milliseconds,
         whole_picture=_dvbv(drawn.bytes),
-        original_photo=_dvbv(original, mask) | _visibility(original, mask, vessels),
-        input_photo=_dvbv(frame.image, mask) | _visibility(frame.image, mask, vessels),
+        original_photo=_dvbv(original, mask) | _visibility(original, original, mask, vessels),
+        input_photo=_dvbv(frame.image, mask) | _visibility(frame.image, original, mask, vessels),
         **_dvbv(drawn.bytes, mask),
     )
-
-
-class Stopwatch:
-    """Draws moments of a model as a player would, its working arrays kept, and takes the time."""
-
-    def __init__(self, model: DynamicGaussians, camera: Camera) -> None:
-        self._model, self._near = model, near_plane(model, camera)
-        self._rasterizer = Rasterizer(camera.width, camera.height)
-        self._no_tile = np.zeros((self._rasterizer.rows, self._rasterizer.columns), dtype=bool)
-
-    def draw(self, frame: Frame) -> tuple[Drawn, Numbers]:
-        """The picture at the frame's time from its camera, and the milliseconds of its parts."""
-        # The first lap compiles kernels, reserves arrays and wakes the threads.
-        drawn, _ = self._lap(frame)
-        laps = [self._lap(frame)[1] for _ in range(REPEATS)]
-        whole, deformation, sorting = 1000 * np.median(laps, axis=0)
-        parts = {"deformation": deformation, "projection_sort": sorting}
-        return drawn, {name: float(ms) for name, ms in parts.items()} | {
-            "raster": float(whole - deformation - sorting)
-        }
-
-    def _lap(self, frame: Frame) -> tuple[Drawn, tuple[float, float, float]]:
-        """One picture; seconds of the whole, of the deformation, and of all before the raster."""
-        camera, rasterizer = frame.camera, self._rasterizer
-        began = time.perf_counter()
-        splats = self._model.at(frame.time)
-        deformed = time.perf_counter()
-        rasterizer.forward(splats, camera, self._near)
-        rendered = rasterizer.rendered(camera.width, camera.height, BLACK)
-        done = time.perf_counter()
-        rasterizer.forward(splats, camera, self._near, self._no_tile)
-        sorting = time.perf_counter() - done
-        return Drawn(rendered.image, rendered.depth), (done - began, deformed - began, sorting)
-
-
-def peak_memory_mb() -> float:
-    """Largest resident memory of this process so far, in MB of 10^6 bytes."""
-    if sys.platform == "win32":
-        return float(psutil.Process().memory_info().peak_wset / 1e6)
-    import resource
-
-    # A process starts there with the peak of the one that spawned it; where Linux tells, its own is taken.
-    status = Path("/proc/self/status")
-    own = re.search(rb"VmHWM:\s*(\d+) kB", status.read_bytes()) if status.exists() else None
-    if own:
-        return 1024 * int(own[1]) / 1e6
-    unit = 1 if sys.platform == "darwin" else 1024
-    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
 
 
 def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> Numbers:
@@ -282,12 +229,13 @@ def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> Numbers:
     return {"dv": measured.dv, "bv": measured.bv, "dv_bv": measured.ratio}
 
 
-def _visibility(image: ByteImage, mask: BoolImage, vessels: BoolImage) -> Numbers:
+def _visibility(image: ByteImage, original: ByteImage, mask: BoolImage, vessels: BoolImage) -> Numbers:
     """Over the pixels of the mask; the ridges are the same for every picture of a frame."""
     evaluated = image[mask][:, None]
     return {
         "vessel_contrast": vessel_contrast(image, vessels, tissue_mask=mask),
         "saturated_share": saturated_share(evaluated) if mask.any() else float("nan"),
+        "dv_bv_local": dvbv_local(image, original, tissue_mask=mask).ratio,
     }
 
 

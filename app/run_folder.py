@@ -159,9 +159,9 @@ class RunFolder:
         except ValidationError as error:
             raise UserError(f"{self.record_path}: {problem(error)}") from error
 
-    def log(self, event: TrainEvent) -> None:
-        """Append one event to events.jsonl: its name and plain fields, without the model."""
-        line = strict_json({"event": type(event).__name__} | _plain_fields(event))
+    def log(self, event: TrainEvent, **facts: Any) -> None:
+        """Append one event to events.jsonl: its name and plain fields, without the model, and `facts`."""
+        line = strict_json({"event": type(event).__name__} | _plain_fields(event) | facts)
         # A killed run can leave half a line behind: start on a new one.
         with self.events_path.open("ab+") as file:
             end = file.seek(0, 2)

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Final
 
 from app.errors import UserError
+from app.memory import peak_memory_mb
 from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
@@ -84,7 +85,8 @@ def _train(record: RunRecord, run: RunFolder, clip: Clip) -> Generator[TrainEven
         notices = [Warned(notice) for notice in clip.notices] if isinstance(event, Started) else []
         for told in (event, *notices):
             if not isinstance(told, Snapshot):
-                run.log(told)
+                facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
+                run.log(told, **facts)
             yield told
 
 

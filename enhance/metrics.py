@@ -56,12 +56,21 @@ def dvbv_otsu(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> DvBv:
     return _ratio(_variance(grey[above]), _variance(grey[~above]))
 
 
-def dvbv_local(image: AnyImage, original: AnyImage, *, threshold: float | None = None) -> DvBv:
+def dvbv_local(
+    image: AnyImage,
+    original: AnyImage,
+    *,
+    threshold: float | None = None,
+    tissue_mask: BoolImage | None = None,
+) -> DvBv:
     """DV and BV of the literature: mean 5x5 variance of grey over detail, and over background.
 
     Ramponi et al., Journal of Electronic Imaging 5(3), 1996. Detail is where the variance of `original`
     exceeds `threshold` (grey levels squared; None: its mean), so all methods share one mask. The border is
     reflected. NaN: an empty class, and the ratio where bv = 0.
+
+    Args:
+        tissue_mask: (H, W), True = keep; only windows that lie within count, also for the mean.
 
     Raises:
         ImageError: images of different sizes.
@@ -69,8 +78,15 @@ def dvbv_local(image: AnyImage, original: AnyImage, *, threshold: float | None =
     before, after = _local_variance(_grey(original)), _local_variance(_grey(image))
     if before.shape != after.shape:
         raise ImageError(f"expected image and original of one size, got {after.shape} and {before.shape}")
-    detail = before > (before.mean() if threshold is None else threshold)
-    return _ratio(_mean(after[detail]), _mean(after[~detail]))
+    counted = np.ones(before.shape, bool) if tissue_mask is None else _whole_windows(tissue_mask)
+    detail = before > (_mean(before[counted]) if threshold is None else threshold)
+    return _ratio(_mean(after[detail & counted]), _mean(after[~detail & counted]))
+
+
+def _whole_windows(mask: BoolImage) -> BoolImage:
+    """Pixels whose 5x5 window lies within the mask; what is beyond the border counts as within."""
+    inside = cv2.erode(mask.astype(np.uint8), np.ones((5, 5), np.uint8), borderValue=1)
+    return np.asarray(inside > 0)
 
 
 def vessel_contrast(

@@ -50,6 +50,7 @@ def run(flags: argparse.Namespace) -> None:
         "run": {"name": folder.path.absolute().name, "model_sha256": digest(folder.model_path)},
         "clip": {"name": record.clip.name, "sha256": record.clip.sha256},
         "input": record.input,
+        "enhancement": record.enhancement,
         "config": record.config,
         "renderer": name,
         "background": (0.0, 0.0, 0.0),

@@ -27,6 +27,7 @@ class Origin:
             "run": {"name": self.run, "model_sha256": self.model_sha256},
             "clip": {"name": self.record.clip.name, "sha256": self.record.clip.sha256},
             "input": self.record.input,
+            "enhancement": self.record.enhancement,
             "config": self.record.config,
         }
 

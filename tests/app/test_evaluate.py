@@ -17,8 +17,9 @@ import pytest
 
 from app.commands.evaluate import PAPER, compared
 from app.drawing import Drawn, draw_on_cpu
-from app.evaluate import Stopwatch, measure_frame, open_evaluation
+from app.evaluate import measure_frame, open_evaluation
 from app.run_folder import RunFolder
+from app.stopwatch import Stopwatch
 from enhance.metrics import vessel_contrast
 from enhance.vesselness import vessel_mask
 from renderer.clip import Clip
@@ -154,7 +155,7 @@ def test_the_stopwatch_draws_what_is_drawn_elsewhere_and_its_parts_add_up(runs: 
 
 MEMORY = """
 import numpy as np
-from app.evaluate import peak_memory_mb
+from app.memory import peak_memory_mb
 
 before = peak_memory_mb()
 held = np.ones(20_000_000)
@@ -167,7 +168,7 @@ def test_peak_memory_is_that_of_one_process_and_grows_with_what_it_holds() -> No
     held = np.ones(60_000_000)
     done = subprocess.run([sys.executable, "-c", MEMORY], capture_output=True, text=True, check=True)
     before, after = map(float, done.stdout.split())
-    assert 30 < before < held.nbytes / 1e6
+    assert 10 < before < held.nbytes / 1e6
     assert after - before == pytest.approx(160, abs=40)
 
 

@@ -236,3 +236,21 @@ def test_measures_against_an_original_want_one_size() -> None:
         noise_gain(small, small, tissue_mask=mask.T)
     with pytest.raises(ImageError, match="expected a mask"):
         blackened_share(small, small, mask.T)
+
+
+def test_local_dvbv_within_a_mask_does_not_see_what_lies_outside() -> None:
+    rng = np.random.default_rng(8)
+    original = rng.integers(60, 120, (40, 50)).astype(np.uint8)
+    original[:, 25:] = 90
+    image = np.clip(original.astype(int) * 2 - 80, 0, 255).astype(np.uint8)
+    mask = np.ones(image.shape, bool)
+    mask[:12] = False
+    marred, marred_original = image.copy(), original.copy()
+    marred[:12], marred_original[:12] = 255, rng.integers(0, 255, (12, 50))
+    within = dvbv_local(image, original, tissue_mask=mask)
+    unseen = dvbv_local(marred, marred_original, tissue_mask=mask)
+    assert (unseen.dv, unseen.bv) == pytest.approx((within.dv, within.bv))
+    assert dvbv_local(marred, marred_original).dv != pytest.approx(within.dv, rel=0.05)
+    cut = dvbv_local(image[10:], original[10:], tissue_mask=mask[10:])
+    assert (cut.dv, cut.bv) == pytest.approx((within.dv, within.bv))
+    assert np.isnan(dvbv_local(image, original, tissue_mask=np.zeros_like(mask)).ratio)

@@ -1,0 +1,24 @@
+"""How much memory this process has needed."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import psutil
+
+
+def peak_memory_mb() -> float:
+    """Largest resident memory of this process so far, in MB of 10^6 bytes."""
+    if sys.platform == "win32":
+        return float(psutil.Process().memory_info().peak_wset / 1e6)
+    import resource
+
+    # A process starts there with the peak of the one that spawned it; where Linux tells, its own is taken.
+    status = Path("/proc/self/status")
+    own = re.search(rb"VmHWM:\s*(\d+) kB", status.read_bytes()) if status.exists() else None
+    if own:
+        return 1024 * int(own[1]) / 1e6
+    unit = 1 if sys.platform == "darwin" else 1024
+    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
