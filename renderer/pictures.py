@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 
 from renderer.clip import ByteImage, ClipError
 
@@ -43,7 +43,7 @@ def read_stored(path: Path) -> NDArray[Any]:
 
 
 def read_rgb(path: Path) -> ByteImage:
-    """(H, W, 3) uint8; grey becomes RGB, 16 bit is scaled to 8, alpha is dropped.
+    """(H, W, 3) uint8; grey becomes RGB, 16 bit is scaled to 8, alpha is dropped; upright, as its EXIF says.
 
     Raises:
         ClipError: the file is missing, truncated, no picture, or holds floats.
@@ -51,7 +51,8 @@ def read_rgb(path: Path) -> ByteImage:
     try:
         with Image.open(path) as picture:
             if not picture.mode.startswith(("I", "F")):
-                return np.array(picture.convert("RGB"), dtype=np.uint8)
+                upright = ImageOps.exif_transpose(picture)
+                return np.array(upright.convert("RGB"), dtype=np.uint8)
     except _BROKEN as error:
         raise _unreadable(path, error) from error
     grey = read_stored(path)
@@ -71,7 +72,7 @@ def common_size(paths: Iterable[Path]) -> tuple[int, int]:
     for path in paths:
         try:
             with Image.open(path) as picture:
-                size = picture.size
+                size = _upright_size(picture)
         except _BROKEN as error:
             raise _unreadable(path, error) from error
         first = first or (path, size)
@@ -81,6 +82,13 @@ def common_size(paths: Iterable[Path]) -> tuple[int, int]:
     if first is None:
         raise ClipError("expected at least one picture, got none")
     return first[1]
+
+
+def _upright_size(picture: Image.Image) -> tuple[int, int]:
+    """As `read_rgb` turns it: EXIF orientations 5 to 8 lie on their side."""
+    width, height = picture.size
+    lies = picture.getexif().get(ExifTags.Base.Orientation, 1) >= 5
+    return (height, width) if lies else (width, height)
 
 
 def _unreadable(path: Path, error: Exception) -> ClipError:
