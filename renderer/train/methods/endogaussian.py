@@ -58,7 +58,11 @@ def recipe(clip: Clip, config: TrainConfig) -> Recipe:
             harmonics=Rate.constant(1.25e-4),
         ),
         stages=(Stage(coarse, moves=False, first_frame_only=True), Stage(config.iterations)),
-        losses=LossWeights(inverse_depth=1 / MILLIMETRES),
+        losses=LossWeights(
+            inverse_depth=1 / MILLIMETRES,
+            image_variation=0.03,
+            inverse_depth_variation=0.03 / MILLIMETRES,
+        ),
     )
 
 

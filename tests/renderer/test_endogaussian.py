@@ -1,0 +1,83 @@
+"""The method as a whole on a small scene: from sampled tissue at rest to a HexPlane that moves it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from renderer.deformation.hexplane_motion import HexplaneMotion
+from renderer.train import trainer
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Finished
+from renderer.train.methods.endogaussian import recipe
+from renderer.train.trainer import train
+from tests.renderer.sheet import moving_sheet
+
+SMALL = TrainConfig(
+    method="endogaussian", iterations=150, n_gaussians=500, checkpoint_every=60, hold_out=True
+)
+
+
+def held_out_psnr(config: TrainConfig, unit: float = 1.0) -> float:
+    """Of a sheet that hardly slides: the published rates are for slow motion."""
+    events = train(moving_sheet(unit, shift=1.0), config)
+    return next(event.psnr for event in events if isinstance(event, Evaluated))
+
+
+def test_motion_is_learned(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same in all but the motion, and for as long, is far from as good."""
+    moving = held_out_psnr(SMALL)
+    method = recipe(moving_sheet(), SMALL)
+    at_rest = replace(method, stages=tuple(replace(stage, moves=False) for stage in method.stages))
+    monkeypatch.setattr(trainer, "recipe_for", lambda clip, config: at_rest)
+    assert moving > held_out_psnr(SMALL) + 1
+
+
+def test_units_do_not_matter() -> None:
+    """Metres or millimetres: the same picture quality from the same settings."""
+    config = replace(SMALL, iterations=90)
+    assert held_out_psnr(config, unit=1e-3) == pytest.approx(held_out_psnr(config), abs=0.3)
+
+
+def test_a_run_that_goes_on_in_either_stage_ends_as_one_that_was_not_interrupted(tmp_path: Path) -> None:
+    clip, config = moving_sheet(), replace(SMALL, iterations=60, checkpoint_every=15)
+    *_, whole = train(clip, config)
+    assert isinstance(whole, Finished)
+    for stop in (15, 45):  # Of 20 steps at rest and 60 that move.
+        for _ in train(clip, config, folder=tmp_path, resume=True):
+            if (tmp_path / f"checkpoint-{stop:07d}.safetensors").exists():
+                break
+    *_, resumed = train(clip, config, folder=tmp_path, resume=True)
+    assert isinstance(resumed, Finished)
+    arrays = resumed.model.arrays()
+    assert all(value.tobytes() == arrays[name].tobytes() for name, value in whole.model.arrays().items())
+
+
+def test_gaussians_are_drawn_once_each_and_reach_their_neighbours() -> None:
+    frames = [moving_sheet().read_frame(index) for index in (0, 2, 3)]
+    raw = recipe(moving_sheet(), SMALL).initialize(frames)
+    assert len(np.unique(raw.means, axis=0)) == len(raw) == SMALL.n_gaussians
+    assert np.allclose(raw.splats().opacities, 0.1)
+    apart = np.linalg.norm(raw.means[:, None] - raw.means[None], axis=2)
+    three = np.sort(apart, axis=1)[:, 1:4]
+    assert np.allclose(np.exp(raw.log_scales), np.sqrt((three**2).mean(axis=1))[:, None], rtol=1e-3)
+
+
+def test_the_planes_are_of_a_size_for_a_laptop_and_hold_all_gaussians() -> None:
+    frames = [moving_sheet().read_frame(index) for index in (0, 2, 3)]
+    method = recipe(moving_sheet(), SMALL)
+    raw = method.initialize(frames)
+    motion = method.make_trainer(raw, frames, 50.0).motion
+    assert isinstance(motion, HexplaneMotion)
+    assert sum(value.size for value in motion.arrays().values()) < 5e6
+    assert (motion.box[0] <= raw.means).all()
+    assert (raw.means <= motion.box[1]).all()
+
+
+def test_a_quarter_of_the_steps_is_at_rest_on_the_first_frame() -> None:
+    rest, moving = recipe(moving_sheet(), TrainConfig(method="endogaussian", iterations=3000)).stages
+    assert (rest.steps, rest.moves, rest.first_frame_only) == (1000, False, True)
+    assert (moving.steps, moving.moves, moving.first_frame_only) == (3000, True, False)
