@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.camera import Camera
+from renderer.camera import Camera, FloatArray
+from renderer.clip_options import Split
 
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]
@@ -19,9 +20,9 @@ class ClipError(ValueError):
     """A clip cannot be read: the text says what was expected, what came, and where."""
 
 
-def held_out_frames(count: int) -> tuple[int, ...]:
-    """Frames of a clip of `count` that are held out: (i - 1) % 8 == 0, the split of the field."""
-    return tuple(range(1, count, 8))
+def held_out_frames(count: int, split: Split = "field") -> tuple[int, ...]:
+    """Frames of a clip of `count` that are held out: (i - 1) % 8 == 0, the split of the field, or the odd."""
+    return tuple(range(1, count, 8 if split == "field" else 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +52,23 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
+class SparsePoints:
+    """What structure from motion leaves of the shape: too few points to supervise, enough to start from."""
+
+    positions: FloatArray
+    """(P, 3) in world coordinates."""
+    colors: ByteImage | None = None
+    """(P, 3) RGB, where the file has them."""
+
+
+@dataclass(frozen=True, eq=False)
 class Clip:
     """A readable clip; frames are decoded when they are asked for, never all at once."""
 
     name: str
     path: Path
     format: str
-    """"endonerf", "scared", "images", "video" or "image"."""
+    """"endonerf", "scared", "hamlyn", "stereomis", "structure-from-motion", "images", "video" or "image"."""
     cameras: tuple[Camera, ...]
     """One a frame."""
     read_frame: Callable[[int], Frame]
@@ -71,6 +82,12 @@ class Clip:
     frames_per_second: float | None = None
     notices: tuple[str, ...] = ()
     """One sentence for each oddity met while opening: stray files, inverted masks, burned-in rows."""
+    split: Split = "field"
+    """Which frames are held out."""
+    points: SparsePoints | None = None
+    """Where structure from motion found the tissue, for clips that come with it."""
+    baseline: float | None = None
+    """Between the eyes in the clip's unit, where the pictures are the left ones of calibrated pairs."""
 
     def __len__(self) -> int:
         return len(self.cameras)
@@ -87,7 +104,7 @@ class Clip:
     @property
     def test_indices(self) -> tuple[int, ...]:
         """Frames held out for evaluation."""
-        return held_out_frames(len(self))
+        return held_out_frames(len(self), self.split)
 
     @property
     def train_indices(self) -> tuple[int, ...]:
@@ -96,6 +113,24 @@ class Clip:
     @property
     def camera_is_fixed(self) -> bool:
         return all(camera == self.cameras[0] for camera in self.cameras)
+
+    def every(self, step: int) -> Clip:
+        """The frames 0, step, 2 step, ... as a clip of their own, numbered and timed anew."""
+        kept = range(0, len(self), step)
+
+        def read_frame(index: int) -> Frame:
+            index = range(len(kept))[index]
+            return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
+
+        speed = self.frames_per_second
+        return replace(
+            self,
+            cameras=self.cameras[::step],
+            read_frame=read_frame,
+            read_image=lambda index: self.read_image(kept[index]),
+            labels=self.labels[::step],
+            frames_per_second=speed and speed / step,
+        )
 
     def with_images(self, change: Callable[[ByteImage, Frame], ByteImage], name: str) -> Clip:
         """The same clip with every photo passed through `change`, for example enhanced."""

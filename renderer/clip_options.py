@@ -8,7 +8,9 @@ from annotated_types import Interval, Unit
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-DepthSource = Literal["auto", "measured", "stereo", "brightness", "off"]
+DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "off"]
+
+Split = Literal["field", "even-odd"]
 
 
 @dataclass(
@@ -33,10 +35,17 @@ class ClipOptions:
     field_of_view: Annotated[float, Interval(ge=5.0, le=170.0)] = 60.0
     """Horizontal, in degrees: taken for pictures and videos without calibration."""
     depth: DepthSource = "auto"
-    """Where depth comes from: measured with the clip; matched between left and right pictures; or guessed
-    from brightness, without a scale. Auto: the first of these that the clip has, but never guessed."""
+    """Where depth comes from: measured with the clip; matched between left and right pictures; or, without
+    a scale, taken from monocular maps beside the pictures or guessed from brightness. Auto: the first of
+    these that the clip has, but never a guess."""
+    baseline: Annotated[float, Interval(ge=0.01, le=1000.0), Unit("mm")] | None = None
+    """Between left and right eye, for stereo depth; auto: from the calibration, else lengths are in units
+    of it."""
     frame_step: Annotated[int, Interval(ge=1, le=1000)] | None = None
     """Keep every n-th frame; auto: all, and for SCARED what the field takes for the dataset."""
+    split: Split = "field"
+    """Frames held out of training: every eighth from the second on, as the field does, or the odd ones, as
+    it does for Hamlyn."""
 
 
 DEFAULTS: Final = ClipOptions()

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from renderer import endonerf, frames
+from renderer import endonerf, frames, scared
 from renderer.clip import Clip, ClipError
 from renderer.clip_options import DEFAULTS, ClipOptions
+from renderer.converted_stereomis import is_converted_stereomis, open_converted_stereomis
+from renderer.hamlyn import is_hamlyn, open_hamlyn
 from renderer.pictures import is_picture
+from renderer.stereomis import is_stereomis, open_stereomis
+from renderer.structure_from_motion import is_structure_from_motion, open_structure_from_motion
 
 
 def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
-    """An EndoNeRF folder, a folder of pictures, one picture or a video file.
+    """A folder of any layout that has a reader, a folder of pictures, one picture or a video file.
+
+    Which frames are kept and which of them are held out is the same for every layout: the step and
+    the split of `options`.
 
     Raises:
         ClipError: nothing there, or nothing that can be read; one line that names the path.
@@ -19,11 +27,10 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     if not path.exists():
         raise ClipError(f"expected a clip, got no such file or folder: {path}")
     try:
-        if path.is_dir():
-            return _open_folder(path, options)
-        return _open_file(path, options.field_of_view)
+        clip = _open_folder(path, options) if path.is_dir() else _open_file(path, options.field_of_view)
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
+    return replace(_thinned(clip, options.frame_step), split=options.split)
 
 
 def _open_file(path: Path, field_of_view: float) -> Clip:
@@ -32,7 +39,28 @@ def _open_file(path: Path, field_of_view: float) -> Clip:
 
 
 def _open_folder(path: Path, options: ClipOptions) -> Clip:
+    if scared.is_scared(path):
+        return scared.open_scared(path)
+    if is_structure_from_motion(path):
+        return open_structure_from_motion(path)
+    if is_stereomis(path):
+        return open_stereomis(path, options)
+    if is_hamlyn(path):
+        return open_hamlyn(path, options)
     if endonerf.is_endonerf(path):
-        return endonerf.open_endonerf(path, options)
+        converted = is_converted_stereomis(path)
+        return (open_converted_stereomis if converted else endonerf.open_endonerf)(path, options)
     pictures = path / "images"
     return frames.open_images(pictures if pictures.is_dir() else path, options.field_of_view)
+
+
+def _thinned(clip: Clip, step: int | None) -> Clip:
+    """One frame in `step`; None takes what is usual for the clip."""
+    usual = scared.usual_step(clip.path) if clip.format == "scared" else 1
+    taken = usual if step is None else step
+    if taken == 1:
+        return clip
+    kept = clip.every(taken)
+    whose = ", as the field does here (--frame-step 1 keeps all)" if step is None else ""
+    said = f"one frame in {taken} is kept, {len(kept)} of {len(clip)}{whose}"
+    return replace(kept, notices=(*clip.notices, said))

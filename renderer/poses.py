@@ -1,0 +1,28 @@
+"""Poses as clip files write them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from renderer.camera import FloatArray
+
+
+def pose_matrix(position: FloatArray, xyzw: FloatArray) -> FloatArray:
+    """The (4, 4) matrix of a position (3,) and a quaternion (4,) of any length above 0.
+
+    Raises:
+        ValueError: the quaternion is 0, or a number is not finite.
+    """
+    length = float(np.linalg.norm(xyzw))
+    if not (0 < length < np.inf and np.isfinite(position).all()):
+        given = f"{np.ravel(position).tolist()} and {np.ravel(xyzw).tolist()}"
+        raise ValueError(f"expected a finite position and a quaternion other than 0, got {given}")
+    x, y, z, w = xyzw / length
+    matrix = np.eye(4)
+    matrix[:3, 3] = position
+    matrix[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return matrix
