@@ -1,0 +1,175 @@
+"""Whether the pictures of a clip contradict it when it says that its camera stands still."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import BoolImage, ByteImage, Clip, Frame
+from renderer.rigid import rigid_fit
+
+PICTURE_SHIFT = 0.05
+"""Of the width: a background that moves farther across the picture shows other tissue."""
+RIGID_SHIFT = 0.035
+"""Of its distance: tissue that moves farther as one rigid body is seen by a camera that moves."""
+RIGID_MISFIT = 0.015
+"""Of the distance: misfit up to which a point belongs to the rigid body."""
+
+_WIDTH = 320  # px of the pictures that are looked at
+_MOMENTS = 13
+_FEATURES = 300
+_KEPT = 0.25  # Of the features, or the tracks say nothing.
+_FEWEST = 20
+_DARK, _BRIGHT = 25, 245  # Grey levels of a black surround, and of highlights, which follow the lamp.
+_CLOSING = 1.0  # px between a feature and where tracking it there and back ends.
+
+
+def camera_notice(clip: Clip) -> str | None:
+    """A sentence when the background of a clip with one camera moves as if the camera did, else None.
+
+    Features on the tissue are tracked (Lucas and Kanade, 1981; there and back) through 13 training
+    frames, from the first and from the middle one. Between two of these frames, three in four tracks
+    move by more than PICTURE_SHIFT; or, where depth is measured, four in five fit one rigid motion to
+    RIGID_MISFIT while three in four move by more than RIGID_SHIFT. Tissue that is pulled or breathes
+    deforms and stays below both.
+
+    The bounds were chosen on phantoms of seeds 0 to 3 and on training frames of the pulling clip: at
+    most 0.027 and 0.034 for cameras that stand still, at least 0.041 (rigid) for those that move. A
+    small motion of a camera without depth, or with depth noisier than RIGID_MISFIT, is not noticed.
+    Reads 13 frames: for the start of a training, not for opening a clip.
+
+    Raises:
+        ClipError: a frame cannot be read.
+    """
+    if not clip.camera_is_fixed or len(clip.train_indices) < 2:
+        return None
+    taken = np.unique(np.linspace(0, len(clip.train_indices) - 1, _MOMENTS).round().astype(int))
+    moments = [_moment(clip.read_frame(clip.train_indices[place])) for place in taken]
+    starts = sorted({0, len(moments) // 2})
+    runs = [(moments[start:], _tracks(moments[start:])) for start in starts]
+    across = max((_picture_shift(tracks) for _, tracks in runs), default=0.0)
+    rigid = max((_rigid_shift(seen, tracks) for seen, tracks in runs), default=0.0)
+    if across > PICTURE_SHIFT:
+        moves = f"the background moves by {100 * across:.0f} % of the width of the picture"
+    elif rigid > RIGID_SHIFT:
+        moves = f"the tissue moves as one rigid body, by {100 * rigid:.0f} % of its distance"
+    else:
+        return None
+    return f"the clip says that its camera stands still, but {moves}: poses of the camera are missing"
+
+
+@dataclass(frozen=True, eq=False)
+class _Moment:
+    """A frame made small."""
+
+    grey: ByteImage
+    """(h, _WIDTH), of even brightness and contrast."""
+    usable: BoolImage
+    """(h, _WIDTH), True on lit tissue away from its border."""
+    camera: Camera
+    depth: NDArray[np.float32] | None
+    """As in the frame, at full size."""
+
+
+def _moment(frame: Frame) -> _Moment:
+    width, height = _WIDTH, max(1, round(frame.camera.height * _WIDTH / frame.camera.width))
+    small = cv2.resize(frame.image, (width, height), interpolation=cv2.INTER_AREA)
+    grey = cv2.cvtColor(small, cv2.COLOR_RGB2GRAY)
+    mask = cv2.resize(frame.tissue_mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
+    lit = (mask > 0) & (grey > _DARK) & (grey < _BRIGHT)
+    usable = cv2.erode(lit.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
+    return _Moment(_evened(grey), np.asarray(usable), frame.camera.resized(width, height), frame.depth)
+
+
+def _evened(grey: NDArray[Any]) -> ByteImage:
+    """Local mean and deviation taken out: the lamp moves with the camera, its light is no texture."""
+    level = grey.astype(np.float32)
+    mean = cv2.GaussianBlur(level, (0, 0), 10)
+    spread = np.sqrt(cv2.GaussianBlur((level - mean) ** 2, (0, 0), 10)) + 4
+    return np.asarray(np.clip(128 + 40 * (level - mean) / spread, 0, 255), dtype=np.uint8)
+
+
+def _tracks(moments: list[_Moment]) -> FloatArray:
+    """(M, F, 2) column and row of F features of the first moment, NaN once lost; M ends with too few."""
+    first = moments[0]
+    usable = first.usable.astype(np.uint8)
+    found: Any = cv2.goodFeaturesToTrack(first.grey, _FEATURES, 0.01, 5, mask=usable)
+    if found is None or len(found) < _FEWEST:
+        return np.zeros((0, 0, 2))
+    places = [found[:, 0].astype(np.float64)]
+    for before, after in pairwise(moments):
+        moved = _followed(before.grey, after.grey, places[-1])
+        if np.isfinite(moved[:, 0]).sum() < max(_FEWEST, _KEPT * len(found)):
+            break
+        places.append(moved)
+    return np.stack(places)
+
+
+def _followed(before: ByteImage, after: ByteImage, places: FloatArray) -> FloatArray:
+    """Where the features (F, 2) of one picture are in the next, NaN where that is not certain."""
+    known = np.isfinite(places[:, 0])
+    start = places[known].astype(np.float32)[:, None]
+    window = (15, 15)
+    there, found, _ = cv2.calcOpticalFlowPyrLK(before, after, start, start.copy(), winSize=window)
+    back, found_back, _ = cv2.calcOpticalFlowPyrLK(after, before, there, start.copy(), winSize=window)
+    apart = np.linalg.norm((back - start)[:, 0], axis=1)
+    certain = (found[:, 0] > 0) & (found_back[:, 0] > 0) & (apart < _CLOSING)
+    moved = np.full_like(places, np.nan)
+    moved[np.flatnonzero(known)[certain]] = there[certain, 0]
+    return moved
+
+
+def _pairs(series: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """The points (N, D) known at two of the moments of a series (M, F, D), for every two."""
+    for one, other in combinations(series, 2):
+        both = np.isfinite(one[:, 0]) & np.isfinite(other[:, 0])
+        if both.sum() >= _FEWEST:
+            yield one[both], other[both]
+
+
+def _picture_shift(tracks: FloatArray) -> float:
+    """What three in four tracks move by at least between two moments, in widths of the picture."""
+    return max((_most_move(one, other) for one, other in _pairs(tracks)), default=0.0) / _WIDTH
+
+
+def _rigid_shift(moments: list[_Moment], tracks: FloatArray) -> float:
+    """The same in space, in distances of the tissue, between moments at which it moved as one body."""
+    if moments[0].depth is None or not len(tracks):
+        return 0.0
+    points = np.stack([_lifted(moment, places) for moment, places in zip(moments, tracks, strict=False)])
+    largest = 0.0
+    for one, other in _pairs(points):
+        distance = float(np.median(one[:, 2]))
+        rotation, shift = rigid_fit(one, other)
+        misfit = np.linalg.norm(one @ rotation.T + shift - other, axis=1)
+        if np.quantile(misfit, 0.8) < RIGID_MISFIT * distance:
+            largest = max(largest, _most_move(one, other) / distance)
+    return largest
+
+
+def _lifted(moment: _Moment, places: FloatArray) -> FloatArray:
+    """(F, 3) in camera axes behind the features (F, 2), NaN where lost or without depth."""
+    assert moment.depth is not None
+    camera, depth = moment.camera, moment.depth
+    points = np.full((len(places), 3), np.nan)
+    known = np.flatnonzero(np.isfinite(places[:, 0]))
+    x, y = places[known].T + 0.5
+    scale = depth.shape[1] / camera.width
+    columns = np.clip(x * scale, 0, depth.shape[1] - 1).astype(np.int64)
+    rows = np.clip(y * scale, 0, depth.shape[0] - 1).astype(np.int64)
+    z = depth[rows, columns].astype(np.float64)
+    lifted = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
+    points[known[z > 0]] = lifted[z > 0]
+    return points
+
+
+def _most_move(one: FloatArray, other: FloatArray) -> float:
+    """The distance that three in four points exceed."""
+    return float(np.quantile(np.linalg.norm(other - one, axis=1), 0.25))

@@ -1,0 +1,127 @@
+"""A camera that is said to stand still and does not is noticed; tissue that moves is no camera."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from renderer.camera_motion import camera_notice
+from renderer.clip import Clip, Frame
+from renderer.frames import open_images, open_video
+from renderer.phantom import Phantom, PhantomParams
+from renderer.sources import open_clip
+
+DATA = Path(__file__).resolve().parents[2] / "../shared/data"
+PULLING = DATA / "endonerf/pulling_soft_tissues"
+SINUS = DATA / "clips/sinus_moving_camera"
+LAPAROSCOPY = DATA / "clips/laparoscopy_1280x720.mp4"
+
+SEED = 7
+"""Of none of the phantoms on which the bounds were chosen."""
+
+
+COUNT = 12
+
+
+@cache
+def phantom(camera: Literal["fixed", "moving"], tissue: Literal["moving", "static"]) -> Phantom:
+    params = PhantomParams(n_frames=COUNT, width=160, height=128, seed=SEED, camera=camera, tissue=tissue)
+    return Phantom(params)
+
+
+@cache
+def drawn(scene: Phantom, index: int) -> Frame:
+    return scene.view(index).frame
+
+
+def clip_of(scene: Phantom, *, said_fixed: bool = True, has_depth: bool = True) -> Clip:
+    """A phantom as a clip, with its poses erased when its camera is said to be fixed."""
+    cameras = tuple(scene.camera(0 if said_fixed else index) for index in range(COUNT))
+
+    def read_frame(index: int) -> Frame:
+        frame = replace(drawn(scene, index), camera=cameras[index])
+        return frame if has_depth else replace(frame, depth=None)
+
+    return Clip(
+        name="phantom",
+        path=Path("phantom"),
+        format="endonerf",
+        cameras=cameras,
+        read_frame=read_frame,
+        read_image=lambda index: read_frame(index).image,
+        labels=tuple(map(str, range(COUNT))),
+        has_depth=has_depth,
+        unit="mm",
+    )
+
+
+@pytest.mark.parametrize("tissue", ["moving", "static"])
+def test_a_camera_whose_poses_are_erased_is_noticed(tissue):
+    notice = camera_notice(clip_of(phantom("moving", tissue)))
+    assert notice is not None
+    assert "stands still" in notice
+    assert "\n" not in notice
+
+
+def test_tissue_that_moves_is_no_camera():
+    assert camera_notice(clip_of(phantom("fixed", "moving"))) is None
+
+
+def test_poses_that_are_known_need_no_notice():
+    assert camera_notice(clip_of(phantom("moving", "static"), said_fixed=False)) is None
+
+
+def test_depth_in_other_units_gives_the_same_notice():
+    clip = clip_of(phantom("moving", "static"))
+
+    def in_metres(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        assert frame.depth is not None
+        return replace(frame, depth=frame.depth / np.float32(1000))
+
+    assert camera_notice(replace(clip, read_frame=in_metres)) == camera_notice(clip)
+
+
+def test_nothing_is_said_of_what_cannot_be_tracked():
+    clip = clip_of(phantom("moving", "static"), has_depth=False)
+    rng = np.random.default_rng(0)
+
+    def noise(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        return replace(frame, image=rng.integers(0, 256, frame.image.shape).astype(np.uint8))
+
+    def black(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        return replace(frame, image=np.zeros_like(frame.image))
+
+    assert camera_notice(replace(clip, read_frame=noise)) is None
+    assert camera_notice(replace(clip, read_frame=black)) is None
+    assert camera_notice(clip.every(100)) is None
+
+
+def test_a_view_that_slides_is_noticed_without_depth():
+    clip = clip_of(phantom("fixed", "moving"), has_depth=False)
+    wide = clip.read_frame(0).image
+
+    def slid(index: int) -> Frame:
+        image = np.roll(wide, -2 * index, axis=1)
+        every = np.ones(image.shape[:2], dtype=bool)
+        return Frame(index, index / COUNT, image, clip.cameras[index], every, every)
+
+    notice = camera_notice(replace(clip, read_frame=slid))
+    assert notice is not None
+    assert "14 % of the width" in notice
+
+
+@pytest.mark.data
+@pytest.mark.skipif(not DATA.is_dir(), reason="the real clips are not there")
+def test_real_clips():
+    assert camera_notice(open_clip(PULLING)) is None
+    assert camera_notice(open_images(SINUS)) is not None
+    assert camera_notice(open_clip(SINUS)) is None
+    assert camera_notice(open_video(LAPAROSCOPY)) is not None
