@@ -30,8 +30,8 @@ FLOOR = np.float32(1e-4)
 MAX_U = np.float32(4.0)
 """Beyond, a bump is below exp(-16) = 1.1e-7 of its weight, less than a float32 tells from 0 beside it."""
 LOG2_E = np.float32(np.log2(np.e))
-DEEPEST = np.float32(-126.0)
-"""Of the powers that exp2 takes."""
+FAINTEST = np.float32(-60.0)
+"""Power of two at which a bump ends: fainter ones would make denormal numbers, which are slow."""
 FIRST, LAST = range(2)
 TASK = 64
 """Gaussians that one thread takes at a time."""
@@ -105,7 +105,7 @@ def add_bumps(
                 for c in range(CHANNELS):
                     away, width = now - bumps[j, n, CENTRE, c], bumps[j, n, WIDTH, c]
                     u = away * away / (width * width + FLOOR)
-                    out[n, c] += bumps[j, n, WEIGHT, c] * exp2(max(-LOG2_E * u * u, DEEPEST))
+                    out[n, c] += bumps[j, n, WEIGHT, c] * exp2(max(-LOG2_E * u * u, FAINTEST))
 
 
 @njit(inline="always")
