@@ -36,14 +36,16 @@ def camera_notice(clip: Clip) -> str | None:
 
     Features on the tissue are tracked (Lucas and Kanade, 1981; there and back) through 13 training
     frames, from the first and from the middle one. Between two of these frames, three in four tracks
-    move by more than PICTURE_SHIFT; or, where depth is measured, four in five fit one rigid motion to
+    move by more than PICTURE_SHIFT; or, where depth is known in mm, four in five fit one rigid motion to
     RIGID_MISFIT while three in four move by more than RIGID_SHIFT. Tissue that is pulled or breathes
     deforms and stays below both.
 
-    The bounds were chosen on phantoms of seeds 0 to 3 and on training frames of the pulling clip: at
-    most 0.027 and 0.034 for cameras that stand still, at least 0.041 (rigid) for those that move. A
-    small motion of a camera without depth, or with depth noisier than RIGID_MISFIT, is not noticed.
-    Reads 13 frames: for the start of a training, not for opening a clip.
+    The bounds were chosen on phantoms of seeds 0 to 3 and on training frames of the pulling clip, which
+    reach 0.032 and, as rigid bodies, 0.027 where the camera stands still; rigid bodies reach at least
+    0.041 where it moves; seeds 4 to 7 give 0.034, 0.026 and 0.062. A sinus, a laparoscopy and a fetoscopy with
+    moving cameras reach 0.07 to 0.09 of the width. A small motion of a camera is not noticed without
+    depth, or with depth noisier than RIGID_MISFIT. Reads 13 frames: for the start of a training, not
+    for opening a clip.
 
     Raises:
         ClipError: a frame cannot be read.
@@ -51,7 +53,9 @@ def camera_notice(clip: Clip) -> str | None:
     if not clip.camera_is_fixed or len(clip.train_indices) < 2:
         return None
     taken = np.unique(np.linspace(0, len(clip.train_indices) - 1, _MOMENTS).round().astype(int))
-    moments = [_moment(clip.read_frame(clip.train_indices[place])) for place in taken]
+    # Depth without a unit may be a guess, which is no witness.
+    has_scale = clip.unit == "mm"
+    moments = [_moment(clip.read_frame(clip.train_indices[place]), has_scale) for place in taken]
     starts = sorted({0, len(moments) // 2})
     runs = [(moments[start:], _tracks(moments[start:])) for start in starts]
     across = max((_picture_shift(tracks) for _, tracks in runs), default=0.0)
@@ -75,17 +79,18 @@ class _Moment:
     """(h, _WIDTH), True on lit tissue away from its border."""
     camera: Camera
     depth: NDArray[np.float32] | None
-    """As in the frame, at full size."""
+    """As in the frame, at full size; None where it says nothing."""
 
 
-def _moment(frame: Frame) -> _Moment:
+def _moment(frame: Frame, has_scale: bool) -> _Moment:
     width, height = _WIDTH, max(1, round(frame.camera.height * _WIDTH / frame.camera.width))
     small = cv2.resize(frame.image, (width, height), interpolation=cv2.INTER_AREA)
     grey = cv2.cvtColor(small, cv2.COLOR_RGB2GRAY)
     mask = cv2.resize(frame.tissue_mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
     lit = (mask > 0) & (grey > _DARK) & (grey < _BRIGHT)
     usable = cv2.erode(lit.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
-    return _Moment(_evened(grey), np.asarray(usable), frame.camera.resized(width, height), frame.depth)
+    depth = frame.depth if has_scale else None
+    return _Moment(_evened(grey), np.asarray(usable), frame.camera.resized(width, height), depth)
 
 
 def _evened(grey: NDArray[Any]) -> ByteImage:

@@ -53,7 +53,10 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     reader = _Reader(tuple(images.values()), masks, depth, camera, options.mask_polarity == "tissue")
     if masks and options.mask_polarity == "auto":
         refuse_inverted(reader.sample, len(images), "tool", path / "gt_masks")
-    said = [] if depth else ["no gt_depth/ and no depth/: the shape is not measured"]
+    parts = ["images", *(["gt_masks"] if masks else []), *([folder] if folder else [])]
+    said = [stray for part in parts for stray in strays(images, path / part)]
+    if not depth:
+        said.append("no gt_depth/ and no depth/: the shape is not measured")
     if not masks:
         said.append("no gt_masks/: every pixel is taken for tissue")
     return Clip(
@@ -66,7 +69,7 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         labels=tuple(entry.name for entry in images.values()),
         has_depth=bool(depth),
         unit="mm" if depth else "scene units",
-        notices=(*strays(images, path / "images"), *said),
+        notices=tuple(said),
     )
 
 

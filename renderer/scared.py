@@ -74,6 +74,7 @@ def open_scared(path: Path) -> Clip:
         for lens, pose in zip(lenses, poses, strict=True)
     )
     reader = _Reader(tuple(images.values()), depth, folder == _POINTS, lenses, cameras)
+    loose = strays(images, data / _PICTURES) + (strays(images, data / folder) if folder else [])
     return Clip(
         name=_name(data),
         path=path,
@@ -84,7 +85,7 @@ def open_scared(path: Path) -> Clip:
         labels=tuple(entry.name for entry in images.values()),
         has_depth=bool(depth),
         unit="mm",
-        notices=(*strays(images, data / _PICTURES), *_said_of_depth(folder)),
+        notices=(*loose, *_said_of_depth(folder)),
         baseline=lenses[0].baseline,
     )
 

@@ -76,6 +76,11 @@ def test_poses_that_are_known_need_no_notice():
     assert camera_notice(clip_of(phantom("moving", "static"), said_fixed=False)) is None
 
 
+def test_depth_that_may_be_a_guess_is_no_witness():
+    clip = clip_of(phantom("moving", "static"))
+    assert camera_notice(replace(clip, unit="scene units")) is None
+
+
 def test_depth_in_other_units_gives_the_same_notice():
     clip = clip_of(phantom("moving", "static"))
 

@@ -64,6 +64,13 @@ def test_failed_matches_are_no_measurement(folder):
     assert (read > 0).sum() == (depth[:, LEFT_COLUMNS:] > 0).sum() - 2
 
 
+def test_strays_are_reported_and_not_paired(folder):
+    shutil.copy(folder / "gt_masks/000001.png", folder / "gt_masks/000077.png")
+    clip = open_clip(folder)
+    assert len(clip) == COUNT
+    assert clip.notices == ("gt_masks/ holds files that belong to no frame: 000077.png",)
+
+
 def test_odd_frames_are_held_out_only_when_asked_for(folder):
     assert open_clip(folder).test_indices == (1, 9)
     clip = open_clip(folder, ClipOptions(split="even-odd"))
