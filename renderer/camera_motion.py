@@ -42,10 +42,10 @@ def camera_notice(clip: Clip) -> str | None:
 
     The bounds were chosen on phantoms of seeds 0 to 3 and on training frames of the pulling clip, which
     reach 0.032 and, as rigid bodies, 0.027 where the camera stands still; rigid bodies reach at least
-    0.041 where it moves; seeds 4 to 7 give 0.034, 0.026 and 0.062. A sinus, a laparoscopy and a fetoscopy with
-    moving cameras reach 0.07 to 0.09 of the width. A small motion of a camera is not noticed without
-    depth, or with depth noisier than RIGID_MISFIT. Reads 13 frames: for the start of a training, not
-    for opening a clip.
+    0.041 where it moves. Seeds 4 to 7 give 0.034, 0.029 and 0.062. A sinus, a laparoscopy and a
+    fetoscopy with moving cameras reach 0.07 to 0.09 of the width. A small motion of a camera is not
+    noticed without depth, or with depth noisier than RIGID_MISFIT. Reads 13 frames: for the start of a
+    training, not for opening a clip.
 
     Raises:
         ClipError: a frame cannot be read.
