@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -44,8 +45,27 @@ class Eyes:
 
 
 def look(index: int = 0, **params: object) -> Eyes:
-    asked = PhantomParams(**params)  # type: ignore[arg-type]
-    left, right = Phantom(asked).view(index).frame, RightEye(asked).view(index).frame
+    return _seen(*_scene(PhantomParams(**params)), index)  # type: ignore[arg-type]
+
+
+def write_eyes(folder: Path, left: str, right: str, count: int = 1, **params: object) -> list[Eyes]:
+    """Writes `count` moments; `left` and `right` are paths with a place for the number, {:06d}."""
+    moments = [look(index, n_frames=count, **params) for index in range(count)]
+    for index, eyes in enumerate(moments):
+        for pattern, frame in ((left, eyes.left), (right, eyes.right)):
+            path = folder / pattern.format(index)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(frame.image).save(path)
+    return moments
+
+
+@cache
+def _scene(params: PhantomParams) -> tuple[Phantom, RightEye]:
+    return Phantom(params), RightEye(params)
+
+
+def _seen(phantom: Phantom, right_eye: RightEye, index: int) -> Eyes:
+    left, right = phantom.view(index).frame, right_eye.view(index).frame
     assert left.depth is not None
     assert right.depth is not None
     tissue = left.tissue_mask
@@ -55,14 +75,3 @@ def look(index: int = 0, **params: object) -> Eyes:
     same = np.abs(np.take_along_axis(right.depth, columns, axis=1) - left.depth) < 1
     seen = tissue & (there >= 0) & same
     return Eyes(left, right, disparity, seen, tissue & ~seen)
-
-
-def write_eyes(folder: Path, left: str, right: str, count: int = 2, **params: object) -> list[Eyes]:
-    """Writes `count` moments; `left` and `right` are paths with a place for the number, {:06d}."""
-    moments = [look(index, n_frames=max(count, 1), **params) for index in range(count)]
-    for index, eyes in enumerate(moments):
-        for pattern, frame in ((left, eyes.left), (right, eyes.right)):
-            path = folder / pattern.format(index)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(frame.image).save(path)
-    return moments
