@@ -24,7 +24,11 @@ from pydantic_core import to_jsonable_python
 from app.atomic import write_bytes
 from app.errors import UserError
 from renderer.endonerf import FOLDERS, POSES, is_endonerf
+from renderer.hamlyn import is_hamlyn
 from renderer.pictures import is_picture
+from renderer.scared import is_scared
+from renderer.stereomis import is_stereomis
+from renderer.structure_from_motion import is_structure_from_motion
 
 NOTICE = "Research use only. Not a medical device."
 KEYWORD = "vesselsplat"
@@ -82,12 +86,18 @@ def digest(path: Path) -> str:
     return manifest.hexdigest()
 
 
+LAYOUTS = (is_scared, is_structure_from_motion, is_stereomis, is_hamlyn)
+"""Whose folders hold nothing but the clip."""
+
+
 def _files(folder: Path) -> list[Path]:
     """What a clip is read from; links that lead nowhere are no files."""
     if is_endonerf(folder):
         poses = folder / POSES
         parts = [folder / name for name in FOLDERS if (folder / name).is_dir()]
         return [path for part in parts for path in _pictures(part)] + [poses] * poses.is_file()
+    if any(is_layout(folder) for is_layout in LAYOUTS):
+        return [path for path in folder.rglob("[!.]*") if path.is_file()]
     images = folder / "images"
     return _pictures(images if images.is_dir() else folder) or _visible(folder)
 

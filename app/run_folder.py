@@ -94,7 +94,7 @@ class RunRecord:
     @property
     def test_indices(self) -> tuple[int, ...]:
         """The frames held out of training, as `Clip.test_indices`, without the clip."""
-        return held_out_frames(self.clip.frames)
+        return held_out_frames(self.clip.frames, self.clip.options.split)
 
     def time(self, index: int) -> float:
         """The time of frame `index`, in [0, 1)."""

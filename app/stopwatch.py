@@ -33,7 +33,7 @@ class Stopwatch:
         whole, deformation, sorting = 1000 * np.median(laps, axis=0)
         parts = {"deformation": deformation, "projection_sort": sorting}
         return drawn, {name: float(ms) for name, ms in parts.items()} | {
-            "raster": float(whole - deformation - sorting)
+            "raster": max(0.0, float(whole - deformation - sorting))
         }
 
     def _lap(self, frame: Frame) -> tuple[Drawn, tuple[float, float, float]]:

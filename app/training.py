@@ -18,6 +18,7 @@ from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
 from app.utf8 import require_utf8
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.camera_motion import camera_notice
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
@@ -70,20 +71,28 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         yield _finished_before(run)
         return
     try:
-        yield from _train(record, run, input_clip(clip, record))
+        yield from _train(record, run, input_clip(clip, record), _notices(clip))
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
 
 
-def _train(record: RunRecord, run: RunFolder, clip: Clip) -> Generator[TrainEvent, None, None]:
+def _notices(clip: Clip) -> tuple[str, ...]:
+    """What is odd about the clip, as it is and for reconstruction."""
+    moves = camera_notice(clip)
+    return (*clip.notices, moves) if moves else clip.notices
+
+
+def _train(
+    record: RunRecord, run: RunFolder, clip: Clip, notices: tuple[str, ...]
+) -> Generator[TrainEvent, None, None]:
     for event in train(clip, record.config, folder=run.path, resume=run.is_run):
         # A clip that cannot be trained on has failed by now: nothing is left behind for it.
         if not run.is_run:
             run.create(record)
         if isinstance(event, Finished):
             run.save_model(event.model)
-        notices = [Warned(notice) for notice in clip.notices] if isinstance(event, Started) else []
-        for told in (event, *notices):
+        warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
+        for told in (event, *warnings):
             if not isinstance(told, Snapshot):
                 facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
                 run.log(told, **facts)

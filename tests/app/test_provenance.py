@@ -28,6 +28,7 @@ from app.provenance import (
     strict_json,
     write_png,
 )
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 
 TEXTS = st.dictionaries(st.text(max_size=20), st.text(max_size=50) | st.integers() | st.none(), max_size=5)
@@ -136,3 +137,16 @@ def test_a_source_tells_neither_path_nor_user(tmp_path: Path) -> None:
     assert str(tmp_path) not in text
     assert f"/{getpass.getuser()}" not in text
     assert '"clip.bin"' in text
+
+
+def test_the_digest_of_a_scared_folder_is_of_all_that_it_holds(tmp_path: Path) -> None:
+    write_phantom(tmp_path, PhantomParams(n_frames=2, width=64, height=48), layout="scared")
+    before = digest(tmp_path)
+    changed = [path for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    assert len({path.parent.name for path in changed}) >= 3
+    for path in changed:
+        content = path.read_bytes()
+        path.write_bytes(content + b" ")
+        assert digest(tmp_path) != before, path
+        path.write_bytes(content)
+    assert digest(tmp_path) == before
