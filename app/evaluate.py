@@ -202,7 +202,7 @@ def measure_frame(
     render, photo, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
     original = clip.read_image(frame.index)
     vessels = vessel_mask(original, tissue_mask=mask)
-    pair = None if frame.depth is None else (drawn.depth, frame.depth)
+    pair = None if frame.measured_depth is None else (drawn.depth, frame.measured_depth)
     return FrameMeasures(
         index=frame.index,
         label=clip.labels[frame.index],

@@ -64,7 +64,8 @@ def measured(
         drawn = render(model.at(frame.time), frame.camera, near=near_plane(model, frame.camera))
         picture = np.rint(np.clip(drawn.image, 0, 1) * 255) / 255
         photo, mask = frame.image / 255.0, frame.evaluation_mask
-        depth = np.zeros_like(drawn.depth) if frame.depth is None else frame.depth
+        known = frame.measured_depth
+        depth = np.zeros_like(drawn.depth) if known is None else known
         rows.append(
             (
                 psnr(picture, photo, mask),

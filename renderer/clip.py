@@ -42,6 +42,13 @@ class Frame:
     """(H, W), True = pixel counted by the metrics."""
     depth: NDArray[np.float32] | None = None
     """(H, W) along +z in the clip's unit; 0 = no measurement. None when the clip has no depth."""
+    depth_is_guess: bool = False
+    """Known up to scale and shift of its inverse at best: no depth is measured against it."""
+
+    @property
+    def measured_depth(self) -> NDArray[np.float32] | None:
+        """What depth errors are measured against."""
+        return None if self.depth_is_guess else self.depth
 
     @property
     def depth_mask(self) -> BoolImage:

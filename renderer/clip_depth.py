@@ -69,7 +69,7 @@ def _brightness(clip: Clip, options: ClipOptions) -> Clip:
 
 def _off(clip: Clip, options: ClipOptions) -> Clip:
     def read_frame(index: int) -> Frame:
-        return replace(clip.read_frame(index), depth=None)
+        return replace(clip.read_frame(index), depth=None, depth_is_guess=False)
 
     return replace(clip, read_frame=read_frame, has_depth=False) if clip.has_depth else clip
 

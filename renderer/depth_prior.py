@@ -70,7 +70,7 @@ def with_guessed_depth(clip: Clip, guess: Guess, notice: str) -> Clip:
 
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
-        return replace(frame, depth=compression(guess(frame)))
+        return replace(frame, depth=compression(guess(frame)), depth_is_guess=True)
 
     return replace(
         clip, read_frame=read_frame, has_depth=True, unit="scene units", notices=(*clip.notices, notice)

@@ -7,10 +7,12 @@ from pathlib import Path
 
 from renderer import endonerf, frames, scared
 from renderer.clip import Clip, ClipError
+from renderer.clip_depth import with_depth
 from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.converted_stereomis import is_converted_stereomis, open_converted_stereomis
 from renderer.hamlyn import is_hamlyn, open_hamlyn
 from renderer.pictures import is_picture
+from renderer.stereo_pairs import is_stereo_folder, open_stereo_folder
 from renderer.stereomis import is_stereomis, open_stereomis
 from renderer.structure_from_motion import is_structure_from_motion, open_structure_from_motion
 
@@ -28,9 +30,9 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         raise ClipError(f"expected a clip, got no such file or folder: {path}")
     try:
         clip = _open_folder(path, options) if path.is_dir() else _open_file(path, options.field_of_view)
+        return with_depth(replace(_thinned(clip, options.frame_step), split=options.split), options)
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
-    return replace(_thinned(clip, options.frame_step), split=options.split)
 
 
 def _open_file(path: Path, field_of_view: float) -> Clip:
@@ -50,6 +52,8 @@ def _open_folder(path: Path, options: ClipOptions) -> Clip:
     if endonerf.is_endonerf(path):
         converted = is_converted_stereomis(path)
         return (open_converted_stereomis if converted else endonerf.open_endonerf)(path, options)
+    if is_stereo_folder(path):
+        return open_stereo_folder(path, options.field_of_view)
     pictures = path / "images"
     return frames.open_images(pictures if pictures.is_dir() else path, options.field_of_view)
 

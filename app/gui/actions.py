@@ -325,6 +325,6 @@ def why_not_reconstruct(state: AppState) -> str:
     """What a reconstruction still lacks, in a sentence; empty when it can start."""
     if state.clip is None:
         return "Open a clip first."
-    if not state.clip.has_depth:
-        return "This clip has no measured depth, which a reconstruction starts from."
+    if not state.clip.has_depth and state.clip.points is None:
+        return "This clip has no depth to start from. Started with --depth brightness, the app guesses it."
     return ""

@@ -26,13 +26,14 @@ class TrainFrame:
     n_colors: int
     """Supervised pixels."""
     n_depths: int
+    depth_is_guess: bool
 
 
 def train_frame(frame: Frame) -> TrainFrame:
     """A frame at its own resolution. Only tissue is supervised, and depth only where it is measured."""
     depth = np.zeros(frame.tissue_mask.shape, np.float32) if frame.depth is None else frame.depth
     depth = np.where(frame.depth_mask, depth, np.float32(0.0))
-    return _padded(frame.time, frame.camera, frame.image, frame.tissue_mask, depth)
+    return _padded(frame.time, frame.camera, frame.image, frame.tissue_mask, depth, frame.depth_is_guess)
 
 
 def halved(frame: TrainFrame) -> TrainFrame:
@@ -45,7 +46,8 @@ def halved(frame: TrainFrame) -> TrainFrame:
     depth = _masked_mean(depth_values, (depth_values > 0).astype(np.float32), half)
     tissue = cv2.resize(mask, half, interpolation=cv2.INTER_AREA) >= 0.5
     camera = frame.camera.resized(*half)
-    return _padded(frame.time, camera, np.rint(colors).astype(np.uint8), tissue, np.where(tissue, depth, 0.0))
+    bytes_, known = np.rint(colors).astype(np.uint8), np.where(tissue, depth, 0.0)
+    return _padded(frame.time, camera, bytes_, tissue, known, frame.depth_is_guess)
 
 
 def _masked_mean(
@@ -67,6 +69,7 @@ def _padded(
     colors: NDArray[np.uint8],
     mask: NDArray[np.bool_],
     depth: NDArray[np.float32],
+    depth_is_guess: bool,
 ) -> TrainFrame:
     rows, columns = -(-camera.height // TILE), -(-camera.width // TILE)
     below, beside = rows * TILE - camera.height, columns * TILE - camera.width
@@ -82,4 +85,5 @@ def _padded(
         tile_wanted=tiles,
         n_colors=int(mask.sum()),
         n_depths=int((depth > 0).sum()),
+        depth_is_guess=depth_is_guess,
     )

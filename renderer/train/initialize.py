@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import ClipError, Frame
+from renderer.clip import ClipError, Frame, SparsePoints
 from renderer.raw_gaussians import RawGaussians
+from renderer.sparse_depth import depth_between
 from renderer.train.config import TrainConfig
 
 Float32Array = NDArray[np.float32]
 
 # Depth at both ends of a frame's range is stereo error more often than tissue.
 LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 0.1, 99.9
+
+
+def with_points(frames: Sequence[Frame], points: SparsePoints | None) -> list[Frame]:
+    """The frames to start from: those without depth get what is between the sparse points they see."""
+    if points is None:
+        return list(frames)
+    return [
+        frame
+        if frame.depth is not None
+        else replace(frame, depth=depth_between(points.positions, frame.camera, frame.tissue_mask))
+        for frame in frames
+    ]
 
 
 def scene_size(frames: Sequence[Frame]) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from renderer.alignment import aligned
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.cpu import Rasterizer
 from renderer.rasterize.tiles import (
@@ -32,6 +33,9 @@ COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, SQUARED_ERROR = range(4)
 N_SUMS = 4
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 BYTE = np.float32(1.0 / 255.0)
+GUESS_STEP = 4
+"""Every so many rows and columns of a guessed depth are compared with what is drawn."""
+FEWEST_GUESSES = 50
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,14 +82,31 @@ def picture_loss(rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights
     per_inverse = weights.inverse_depth * size / max(frame.n_depths, 1)
     rows = np.empty((frame.color_mask.shape[0], N_SUMS))
     loss, extra = _extra_terms(rasterizer, frame, weights, size)
+    depth = _fitted(rasterizer.planes, frame) if frame.depth_is_guess else frame.depth
     masked_loss(
-        rasterizer.planes, frame.colors, frame.color_mask, frame.depth, rasterizer.wanted,
+        rasterizer.planes, frame.colors, frame.color_mask, depth, rasterizer.wanted,
         weights.color * per_color, per_depth, per_inverse, extra, rasterizer.adjoint, rows,
     )  # fmt: skip
     sums = rows.sum(axis=0)
     loss += weights.color * per_color * sums[COLOR_LOSS]
     loss += per_depth * sums[DEPTH_LOSS] + per_inverse * sums[INVERSE_LOSS]
     return Measured(float(loss), float(per_color * sums[SQUARED_ERROR]))
+
+
+def _fitted(planes: NDArray[np.float32], frame: TrainFrame) -> NDArray[np.float32]:
+    """A guessed depth, its inverse scaled and shifted to what is drawn: only its shape supervises."""
+    sparse = slice(None, None, GUESS_STEP), slice(None, None, GUESS_STEP)
+    guess, light = frame.depth[sparse], ONE - planes[LEFT][sparse]
+    drawn = (guess > 0) & (light > HALF)
+    nothing = np.zeros_like(frame.depth)
+    if np.count_nonzero(drawn) < FEWEST_GUESSES:
+        return nothing
+    inverse_guess = ONE / np.where(guess > 0, guess, ONE)
+    inverse_drawn = light / np.where(drawn, planes[PLANE_DEPTH][sparse], ONE)
+    scale, shift = aligned(inverse_guess, inverse_drawn, drawn)
+    inverse = np.float32(scale) / np.where(frame.depth > 0, frame.depth, ONE) + np.float32(shift)
+    usable = (frame.depth > 0) & (inverse > 0) & (scale > 0)
+    return np.where(usable, ONE / np.where(usable, inverse, ONE), nothing)
 
 
 def _extra_terms(

@@ -14,6 +14,7 @@ import numpy as np
 
 from renderer.clip import Clip, ClipError
 from renderer.metrics import psnr
+from renderer.near_plane import NEAR_SHARE
 from renderer.rasterize.cpu import render
 from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import TrainConfig
@@ -29,10 +30,10 @@ from renderer.train.events import (
 )
 from renderer.train.frames import TrainFrame, halved, train_frame
 from renderer.train.guards import LossWatch
-from renderer.train.initialize import scene_size
+from renderer.train.initialize import scene_size, with_points
 from renderer.train.losses import Measured
 from renderer.train.methods import recipe_for
-from renderer.train.model import NEAR_SHARE, TrainModel
+from renderer.train.model import TrainModel
 from renderer.train.recipe import Recipe, Stage
 
 PROGRESS_SECONDS = 0.25
@@ -61,12 +62,13 @@ def train(
     require_depth(clip)
     fit, held_out = split(clip, config)
     frames = [clip.read_frame(index) for index in fit]
-    size = scene_size(frames)
+    seeds = with_points(frames, clip.points)
+    size = scene_size(seeds)
     recipe = recipe_for(clip, config)
-    raw = recipe.initialize(frames)
-    model = TrainModel(raw, recipe.make_trainer(raw, frames, size), recipe, size)
+    raw = recipe.initialize(seeds)
+    model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size)
     pool = _Pool([train_frame(frame) for frame in frames], config.seed)
-    del frames
+    del frames, seeds
     start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)
     yield Started(start, recipe.iterations, len(model), omissions(clip, config))
 
@@ -96,8 +98,11 @@ def train(
 
 def require_depth(clip: Clip) -> None:
     """Raises ClipError before any frame is read in vain."""
-    if not clip.has_depth:
-        raise ClipError(f"reconstruction expects measured depth, and this clip has none: {clip.path}")
+    if not clip.has_depth and clip.points is None:
+        raise ClipError(
+            "reconstruction expects depth, and this clip has none "
+            f"(--depth brightness guesses it, without a scale): {clip.path}"
+        )
 
 
 def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, ...]]:

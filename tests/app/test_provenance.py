@@ -140,13 +140,14 @@ def test_a_source_tells_neither_path_nor_user(tmp_path: Path) -> None:
 
 
 def test_the_digest_of_a_scared_folder_is_of_all_that_it_holds(tmp_path: Path) -> None:
-    write_phantom(tmp_path, PhantomParams(n_frames=2, width=64, height=48), layout="scared")
-    before = digest(tmp_path)
-    changed = [path for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    folder = tmp_path / "clip"
+    write_phantom(folder, PhantomParams(n_frames=2, width=64, height=48), layout="scared")
+    before = digest(folder)
+    changed = [path for path in sorted(folder.rglob("*")) if path.is_file()]
     assert len({path.parent.name for path in changed}) >= 3
     for path in changed:
         content = path.read_bytes()
         path.write_bytes(content + b" ")
-        assert digest(tmp_path) != before, path
+        assert digest(folder) != before, path
         path.write_bytes(content)
-    assert digest(tmp_path) == before
+    assert digest(folder) == before
