@@ -269,14 +269,19 @@ def test_a_frame_without_evaluated_pixels_does_not_count(
         assert report["mean"][name] == measured[name]
 
 
-def test_photos_without_depth_are_refused(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+def test_photos_without_depth_are_refused_until_it_may_be_guessed(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     photos = tmp_path / "photos"
     photos.mkdir()
     for path in sorted((clip_path / "images").iterdir())[:3]:
         shutil.copy(path, photos)
     call = vesselsplat("train", photos, "--run", tmp_path / "run", "--input", "enhanced")
     assert call.code == 2
-    assert "expects measured depth" in call.error
+    assert "--depth brightness" in call.error
+    guess = ("--depth", "brightness", "--iterations", "10")
+    assert vesselsplat("train", photos, "--run", tmp_path / "guessed", *guess).code == 0
+    report = json.loads(vesselsplat("evaluate", tmp_path / "guessed", "--json").out)
+    assert report["mean"]["psnr"] > 10
+    assert report["mean"]["depth_rmse_mm"] is None
 
 
 def test_a_clip_that_changed_is_not_evaluated(
