@@ -178,9 +178,9 @@ class RunFolder:
         return [event for line in text.split("\n") if (event := _parsed(line))]
 
     def omitted(self) -> tuple[Omission, ...]:
-        """What the run left out, as it said when it started."""
-        started = [event["omitted"] for event in self.events() if event["event"] == "Started"]
-        return tuple(Omission(**omission) for omission in started[-1]) if started else ()
+        """What the run left out, as it said when it started last and when it finished."""
+        told = {event["event"]: event.get("omitted", []) for event in self.events()}
+        return tuple(Omission(**each) for name in ("Started", "Finished") for each in told.get(name, []))
 
     def train_seconds(self) -> float | None:
         """Training time of the finished run, None when it was not logged."""

@@ -113,6 +113,12 @@ class Rasterizer:
         )  # fmt: skip
         return self.blend_records()
 
+    @property
+    def reaches_wanted(self) -> BoolArray:
+        """(N,) True: the splat touches a wanted tile in the last `forward`."""
+        reaches: BoolArray = np.diff(self._slot_starts) > 0
+        return reaches
+
     def blend_records(self) -> int:
         """Sort, bin and blend the records as they stand."""
         entries = count_entries(

@@ -67,6 +67,8 @@ class Finished:
     iteration: int
     seconds: float
     model: DynamicGaussians
+    omitted: tuple[Omission, ...] = ()
+    """What the end of training found to be unneeded."""
 
 
 TrainEvent = Started | Progress | Snapshot | Evaluated | Warned | Finished

@@ -36,12 +36,25 @@ def train_frame(frame: Frame) -> TrainFrame:
     return _padded(frame.time, frame.camera, frame.image, frame.tissue_mask, depth, frame.depth_is_guess)
 
 
-def halved(frame: TrainFrame) -> TrainFrame:
-    """The frame at half resolution: means over the supervised pixels of each 2x2 block."""
+def tissue_tiles(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(tile rows, tile columns) of a mask (H, W), True = some pixel of the tile is True."""
+    below, beside = (-length % TILE for length in mask.shape)
+    padded = np.pad(mask, ((0, below), (0, beside)))
+    rows, columns = (length // TILE for length in padded.shape)
+    tiles: NDArray[np.bool_] = np.logical_or.reduce(padded.reshape(rows, TILE, columns, TILE), axis=(1, 3))
+    return tiles
+
+
+def halved(frame: TrainFrame, has_masks: bool = True) -> TrainFrame:
+    """The frame at half resolution: means over each 2x2 block, of supervised pixels where it has masks."""
     width, height = frame.camera.width, frame.camera.height
     half = (max(width // 2, 1), max(height // 2, 1))
     mask = frame.color_mask[:height, :width].astype(np.float32)
-    colors = _masked_mean(frame.colors[:height, :width].astype(np.float32), mask, half)
+    colors = frame.colors[:height, :width].astype(np.float32)
+    if has_masks:
+        colors = _masked_mean(colors, mask, half)
+    else:
+        colors = cv2.resize(colors, half, interpolation=cv2.INTER_AREA).astype(np.float32)
     depth_values = frame.depth[:height, :width]
     depth = _masked_mean(depth_values, (depth_values > 0).astype(np.float32), half)
     tissue = cv2.resize(mask, half, interpolation=cv2.INTER_AREA) >= 0.5
@@ -75,14 +88,13 @@ def _padded(
     below, beside = rows * TILE - camera.height, columns * TILE - camera.width
     mask = np.pad(mask, ((0, below), (0, beside)))
     depth = np.pad(depth.astype(np.float32), ((0, below), (0, beside)))
-    tiles: NDArray[np.bool_] = np.logical_or.reduce(mask.reshape(rows, TILE, columns, TILE), axis=(1, 3))
     return TrainFrame(
         time=time,
         camera=camera,
         colors=np.pad(colors, ((0, below), (0, beside), (0, 0))),
         color_mask=mask,
         depth=depth,
-        tile_wanted=tiles,
+        tile_wanted=tissue_tiles(mask),
         n_colors=int(mask.sum()),
         n_depths=int((depth > 0).sum()),
         depth_is_guess=depth_is_guess,

@@ -69,8 +69,10 @@ class TrainModel:
         now = self._motion.moved(self.raw, frame.time) if moves else self.raw
         splats = now.splats()
         rasterizer = self._rasterizer(frame)
-        wanted = None if self._recipe.losses.takes_whole_picture else frame.tile_wanted
-        rasterizer.forward(splats, frame.camera, NEAR_SHARE * self._size, wanted)
+        whole = self._recipe.every_tile or self._recipe.losses.takes_whole_picture
+        rasterizer.forward(
+            splats, frame.camera, NEAR_SHARE * self._size, None if whole else frame.tile_wanted
+        )
         measured = picture_loss(rasterizer, frame, self._recipe.losses, self._size)
         by, seen = _by_raw(rasterizer.backward(splats), splats), rasterizer.visible
         self.trouble.not_finite += leave_out_broken(by, seen)

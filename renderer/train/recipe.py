@@ -71,6 +71,8 @@ class Recipe:
     losses: LossWeights
     density: DensityControl | None = None
     """None: as many Gaussians as there were at first."""
+    every_tile: bool = False
+    """Draw tiles without tissue too, which no loss looks at."""
     sh_degree: int = 0
     """Of the spherical harmonics at the end, 0 to 3: one more every sixth of the run."""
 

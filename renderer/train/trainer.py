@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from renderer.clip import Clip, ClipError
+from renderer.gaussians import DynamicGaussians
 from renderer.metrics import psnr
 from renderer.near_plane import NEAR_SHARE
 from renderer.rasterize.cpu import render
@@ -34,7 +35,9 @@ from renderer.train.initialize import scene_size, with_points
 from renderer.train.losses import Measured
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
+from renderer.train.needs import decide
 from renderer.train.recipe import Recipe, Stage
+from renderer.train.unseen import without_unseen
 
 PROGRESS_SECONDS = 0.25
 SNAPSHOT_SECONDS = 1.0
@@ -64,13 +67,14 @@ def train(
     frames = [clip.read_frame(index) for index in fit]
     seeds = with_points(frames, clip.points)
     size = scene_size(seeds)
-    recipe = recipe_for(clip, config)
+    needs = decide(clip, frames, config)
+    recipe = recipe_for(config, needs)
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size)
-    pool = _Pool([train_frame(frame) for frame in frames], config.seed)
+    pool = _Pool([train_frame(frame) for frame in frames], config.seed, needs.has_masks)
     del frames, seeds
     start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)
-    yield Started(start, recipe.iterations, len(model), omissions(clip, config))
+    yield Started(start, recipe.iterations, len(model), needs.omitted)
 
     meter, watch = _Meter(recipe, seconds), LossWatch()
     for iteration in range(start, recipe.iterations):
@@ -91,9 +95,13 @@ def train(
             yield Snapshot(done, model.snapshot())
     for notice in model.trouble.notices():
         yield Warned(notice)
+    gaussians: DynamicGaussians = model.gaussians
+    omitted: tuple[Omission, ...] = ()
+    if "unseen" not in config.keep:
+        gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size)
     if held_out:
-        yield Evaluated(recipe.iterations, held_out_psnr(model, clip, held_out, size))
-    yield Finished(recipe.iterations, meter.seconds, model.gaussians)
+        yield Evaluated(recipe.iterations, held_out_psnr(gaussians, clip, held_out, size))
+    yield Finished(recipe.iterations, meter.seconds, gaussians, omitted)
 
 
 def require_depth(clip: Clip) -> None:
@@ -126,25 +134,12 @@ def fingerprint(clip: Clip, config: TrainConfig) -> str:
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
 
 
-def omissions(clip: Clip, config: TrainConfig) -> tuple[Omission, ...]:
-    """What this clip and this method leave out."""
-    left_out = [
-        Omission("tiles without tissue", "no pixel of them is supervised", "their share of the raster"),
-        Omission("moments of unseen Gaussians and of far control values", "no gradient", "most of Adam"),
-    ]
-    view = "one camera: no view dependence" if clip.camera_is_fixed else "not in this version"
-    left_out.append(Omission("spherical harmonics", view, "45 of 59 numbers a Gaussian"))
-    if config.method == "static":
-        left_out.append(Omission("deformation", "the method is static", "all motion and colour curves"))
-    return tuple(left_out)
-
-
-def held_out_psnr(model: TrainModel, clip: Clip, indices: tuple[int, ...], size: float) -> float:
+def held_out_psnr(gaussians: DynamicGaussians, clip: Clip, indices: tuple[int, ...], size: float) -> float:
     """Mean PSNR in dB over the frames, masked over all pixels, 8-bit rounded."""
     values = []
     for index in indices:
         frame = clip.read_frame(index)
-        picture = render(model.gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size).image
+        picture = render(gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size).image
         rounded = np.rint(np.clip(picture, 0, 1) * 255) / 255
         values.append(psnr(rounded, frame.image / 255.0, frame.evaluation_mask))
     return float(np.mean(values))
@@ -164,17 +159,17 @@ def _resumed(model: TrainModel, folder: Path, clip: Clip, config: TrainConfig) -
 class _Pool:
     """The frames to fit, at the resolutions that are asked for."""
 
-    def __init__(self, full: list[TrainFrame], seed: int) -> None:
-        self._full, self._seed = full, seed
+    def __init__(self, full: list[TrainFrame], seed: int, has_masks: bool) -> None:
+        self.full, self._seed, self._has_masks = full, seed, has_masks
         self._half: list[TrainFrame] = []
 
     def frame(self, iteration: int, stage: Stage) -> TrainFrame:
         """For one step."""
         if stage.half and not self._half:
-            self._half = [halved(frame) for frame in self._full]
+            self._half = [halved(frame, self._has_masks) for frame in self.full]
         elif not stage.half:
             self._half = []
-        frames = self._half if stage.half else self._full
+        frames = self._half if stage.half else self.full
         return frame_of(iteration, frames[:1] if stage.first_frame_only else frames, self._seed)
 
 

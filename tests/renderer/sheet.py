@@ -11,6 +11,8 @@ from renderer.clip import Clip, Frame
 from renderer.rasterize.cpu import render
 from renderer.splats import Splats
 from renderer.train.config import TrainConfig
+from renderer.train.needs import Needs, decide
+from renderer.train.trainer import split
 
 SIZE = (48, 32)
 N_FRAMES = 12
@@ -57,3 +59,9 @@ def moving_sheet(unit: float = 1.0, shift: float = 6.0) -> Clip:
 SMALL = TrainConfig(
     iterations=300, n_gaussians=500, n_controls=7, node_columns=5, checkpoint_every=40, hold_out=True
 )
+
+
+def needs_of(clip: Clip, config: TrainConfig) -> Needs:
+    """As training decides them."""
+    fit, _ = split(clip, config)
+    return decide(clip, [clip.read_frame(index) for index in fit], config)

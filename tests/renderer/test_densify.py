@@ -15,7 +15,7 @@ from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.losses import LossWeights, picture_loss
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
-from tests.renderer.sheet import SMALL, moving_sheet
+from tests.renderer.sheet import SMALL, moving_sheet, needs_of
 
 CAMERA = Camera(50.0, 50.0, 24.0, 16.0, 48, 32)
 
@@ -124,7 +124,7 @@ def test_a_model_grows_learns_and_goes_on_from_its_state() -> None:
     frames = [clip.read_frame(index) for index in (0, 2, 3)]
     views = [train_frame(frame) for frame in frames]
     config = replace(SMALL, n_gaussians=150, iterations=400)
-    plain = recipe_for(clip, config)
+    plain = recipe_for(config, needs_of(clip, config))
     recipe = replace(plain, density=DensityControl(start=40, every=20, gradient=1e-3, most=600))
 
     def fresh() -> TrainModel:

@@ -14,11 +14,12 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished
 from renderer.train.methods.endogaussian import recipe
 from renderer.train.trainer import train
-from tests.renderer.sheet import moving_sheet
+from tests.renderer.sheet import moving_sheet, needs_of
 
 SMALL = TrainConfig(
     method="endogaussian", iterations=150, n_gaussians=500, checkpoint_every=60, hold_out=True
 )
+NEEDS = needs_of(moving_sheet(), SMALL)
 
 
 def held_out_psnr(config: TrainConfig, unit: float = 1.0) -> float:
@@ -30,9 +31,9 @@ def held_out_psnr(config: TrainConfig, unit: float = 1.0) -> float:
 def test_motion_is_learned(monkeypatch: pytest.MonkeyPatch) -> None:
     """The same in all but the motion, and for as long, is far from as good."""
     moving = held_out_psnr(SMALL)
-    method = recipe(moving_sheet(), SMALL)
+    method = recipe(SMALL, NEEDS)
     at_rest = replace(method, stages=tuple(replace(stage, moves=False) for stage in method.stages))
-    monkeypatch.setattr(trainer, "recipe_for", lambda clip, config: at_rest)
+    monkeypatch.setattr(trainer, "recipe_for", lambda config, needs: at_rest)
     assert moving > held_out_psnr(SMALL) + 1
 
 
@@ -58,7 +59,7 @@ def test_a_run_that_goes_on_in_either_stage_ends_as_one_that_was_not_interrupted
 
 def test_gaussians_are_drawn_once_each_and_reach_their_neighbours() -> None:
     frames = [moving_sheet().read_frame(index) for index in (0, 2, 3)]
-    raw = recipe(moving_sheet(), SMALL).initialize(frames)
+    raw = recipe(SMALL, NEEDS).initialize(frames)
     assert len(np.unique(raw.means, axis=0)) == len(raw) == SMALL.n_gaussians
     assert np.allclose(raw.splats().opacities, 0.1)
     apart = np.linalg.norm(raw.means[:, None] - raw.means[None], axis=2)
@@ -68,7 +69,7 @@ def test_gaussians_are_drawn_once_each_and_reach_their_neighbours() -> None:
 
 def test_the_planes_are_of_a_size_for_a_laptop_and_hold_all_gaussians() -> None:
     frames = [moving_sheet().read_frame(index) for index in (0, 2, 3)]
-    method = recipe(moving_sheet(), SMALL)
+    method = recipe(SMALL, NEEDS)
     raw = method.initialize(frames)
     motion = method.make_trainer(raw, frames, 50.0).motion
     assert isinstance(motion, HexplaneMotion)
@@ -78,6 +79,6 @@ def test_the_planes_are_of_a_size_for_a_laptop_and_hold_all_gaussians() -> None:
 
 
 def test_a_quarter_of_the_steps_is_at_rest_on_the_first_frame() -> None:
-    rest, moving = recipe(moving_sheet(), TrainConfig(method="endogaussian", iterations=3000)).stages
+    rest, moving = recipe(TrainConfig(method="endogaussian", iterations=3000), NEEDS).stages
     assert (rest.steps, rest.moves, rest.first_frame_only) == (1000, False, True)
     assert (moving.steps, moving.moves, moving.first_frame_only) == (3000, True, False)

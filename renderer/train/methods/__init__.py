@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
-from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.methods import deform3dgs, endogaussian, static, vesselsplat
+from renderer.train.needs import Needs
 from renderer.train.recipe import Recipe
+from renderer.train.still_trainer import StillTrainer
 
-RECIPES: dict[Method, Callable[[Clip, TrainConfig], Recipe]] = {
+RECIPES: dict[Method, Callable[[TrainConfig, Needs], Recipe]] = {
     "vesselsplat": vesselsplat.recipe,
     "deform3dgs": deform3dgs.recipe,
     "endogaussian": endogaussian.recipe,
@@ -17,6 +19,9 @@ RECIPES: dict[Method, Callable[[Clip, TrainConfig], Recipe]] = {
 }
 
 
-def recipe_for(clip: Clip, config: TrainConfig) -> Recipe:
-    """The method that `config` asks for, as this clip needs it."""
-    return RECIPES[config.method](clip, config)
+def recipe_for(config: TrainConfig, needs: Needs) -> Recipe:
+    """The method that `config` asks for, as a clip needs it."""
+    recipe = replace(RECIPES[config.method](config, needs), every_tile="tiles" in config.keep)
+    if needs.moves or needs.recolors:
+        return recipe
+    return replace(recipe, make_trainer=lambda raw, frames, size: StillTrainer())

@@ -8,7 +8,7 @@ for, they are free of the unit. Departures:
 * depth is expected depth, moves Gaussians along the view, and is supervised where it is measured alone;
   published: not divided by alpha, no gradient to z, unknown depth taken for near tissue;
 * the moments of bumps that do not count at a frame's time rest; published: they decay;
-* spherical harmonics of degree 0, all that a fixed camera can show; published: up to degree 3;
+* spherical harmonics for a moving camera alone; published: for every camera;
 * every frame once an epoch; published: drawn with replacement;
 * no reset of opacities; published: at the last step.
 """
@@ -18,13 +18,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from renderer.clip import Clip, Frame
+from renderer.clip import Frame
 from renderer.deformation.fdm import FlexibleMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.flexible_trainer import FlexibleRates, FlexibleTrainer
 from renderer.train.fusion import fused
 from renderer.train.losses import LossWeights
+from renderer.train.needs import Needs
 from renderer.train.rates import Rate, RowRates
 from renderer.train.recipe import Recipe, Stage
 
@@ -38,7 +39,7 @@ PER_COLOR = 0.28209479177387814
 """RGB by the harmonic coefficient of degree 0, whose rate is published."""
 
 
-def recipe(clip: Clip, config: TrainConfig) -> Recipe:
+def recipe(config: TrainConfig, needs: Needs) -> Recipe:
     """Uses `iterations`, `n_gaussians` and `seed`; all else is as published."""
 
     def make_trainer(raw: RawGaussians, frames: Sequence[Frame], size: float) -> FlexibleTrainer:
@@ -58,6 +59,7 @@ def recipe(clip: Clip, config: TrainConfig) -> Recipe:
             harmonics=Rate.constant(2.5e-3 / 20),
         ),
         stages=(Stage(config.iterations),),
+        sh_degree=needs.sh_degree,
         losses=LossWeights(inverse_depth=1 / MILLIMETRES),
     )
 

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from renderer.clip import Clip, Frame
+from renderer.clip import Frame
 from renderer.deformation.heads import Heads
 from renderer.deformation.hexplane import LANES, Layout
 from renderer.deformation.hexplane_motion import HexplaneMotion
@@ -19,6 +19,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.hexplane_trainer import HexplaneRates, HexplaneTrainer
 from renderer.train.initialize import round_gaussians, sampled
 from renderer.train.losses import LossWeights
+from renderer.train.needs import Needs
 from renderer.train.neighbours import neighbour_distances
 from renderer.train.rates import Rate, RowRates
 from renderer.train.recipe import Recipe, Stage
@@ -37,7 +38,7 @@ SH_DC = 0.28209479
 """Colour that a spherical harmonic coefficient of degree 0 makes: its rate becomes one of colours."""
 
 
-def recipe(clip: Clip, config: TrainConfig) -> Recipe:
+def recipe(config: TrainConfig, needs: Needs) -> Recipe:
     """Of the configuration only the steps with motion, the seed and the number of Gaussians matter."""
     coarse = round(config.iterations * COARSE_SHARE)
     steps = coarse + config.iterations
@@ -58,6 +59,7 @@ def recipe(clip: Clip, config: TrainConfig) -> Recipe:
             harmonics=Rate.constant(1.25e-4),
         ),
         stages=(Stage(coarse, moves=False, first_frame_only=True), Stage(config.iterations)),
+        sh_degree=needs.sh_degree,
         losses=LossWeights(
             inverse_depth=1 / MILLIMETRES,
             image_variation=0.03,

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from functools import partial
 
-from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 from renderer.train.initialize import sampled
 from renderer.train.methods.vesselsplat import losses, row_rates, stages
+from renderer.train.needs import Needs
 from renderer.train.recipe import Recipe
 from renderer.train.still_trainer import StillTrainer
 
 
-def recipe(clip: Clip, config: TrainConfig) -> Recipe:
+def recipe(config: TrainConfig, needs: Needs) -> Recipe:
     """`vesselsplat` without its motion."""
     return Recipe(
         initialize=partial(sampled, config=config),
         make_trainer=lambda raw, frames, size: StillTrainer(),
-        rates=row_rates(config),
+        rates=row_rates(config, needs),
         stages=stages(config),
-        losses=losses(config),
+        losses=losses(config, needs),
+        sh_degree=needs.sh_degree,
     )

@@ -1,0 +1,148 @@
+"""What a clip needs of a reconstruction, decided once from its data before training, and what it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from renderer.clip import Clip, Frame
+from renderer.deformation.spline import MIN_CONTROLS, controls_for
+from renderer.harmonics import BANDS
+from renderer.train.config import TrainConfig
+from renderer.train.events import Omission
+from renderer.train.frames import tissue_tiles
+from renderer.train.stillness import Stillness, stillness
+
+STILL, STILL_TO_A_MOVING_CAMERA = 0.5, 1.0
+"""Displacements in pixels that no deformation is made for. A lamp that moves with the camera shifts shading
+by up to 0.5, and tissue that moves shifts by 2 or more: 6 phantoms of each kind. The pulling clip: 2.4."""
+SAME_COLOR = 0.5
+"""Grey levels that no curve is made for. Phantoms with tissue and camera at rest: at most 0.3; others: 3."""
+FRAMES_PER_CONTROL_AT_REST = 2
+"""Colours of tissue at rest follow the lamp, which turns faster than tissue: on held-out training frames of
+three phantoms 0.5 dB better than 3.7 frames, and better than with a deformation."""
+RAW_NUMBERS = 14
+"""Of a Gaussian without harmonics and motion."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Needs:
+    """What is trained, and what is left out."""
+
+    sh_degree: int
+    """0 to 3."""
+    moves: bool
+    """Gaussians are displaced over time."""
+    recolors: bool
+    """Colours follow curves in time, where the method has such."""
+    n_controls: int
+    """Control values of a curve."""
+    has_depth: bool
+    """There is depth to compare with."""
+    has_masks: bool
+    """Some pixel is not tissue."""
+    omitted: tuple[Omission, ...] = ()
+
+
+def decide(clip: Clip, frames: Sequence[Frame], config: TrainConfig) -> Needs:
+    """From the frames to fit, in the order of time; a run that is resumed decides the same again."""
+    measured = Stillness(0.0, 0.0) if config.method == "static" else stillness(frames)
+    moves = _moves(clip, measured, config)
+    recolors = _recolors(clip, measured, config)
+    needs = Needs(
+        sh_degree=_sh_degree(clip, recolors, config),
+        moves=moves,
+        recolors=recolors,
+        n_controls=_n_controls(clip, moves, config),
+        has_depth="depth" in config.keep or any(frame.depth_mask.any() for frame in frames),
+        has_masks="masks" in config.keep or not all(frame.tissue_mask.all() for frame in frames),
+    )
+    return replace(needs, omitted=tuple(_omitted(clip, frames, config, needs, measured)))
+
+
+def _moves(clip: Clip, measured: Stillness, config: TrainConfig) -> bool:
+    if config.method == "static" or "deformation" in config.leave_out:
+        return False
+    bound = STILL if clip.camera_is_fixed else STILL_TO_A_MOVING_CAMERA
+    return "deformation" in config.keep or measured.displacement > bound
+
+
+def _recolors(clip: Clip, measured: Stillness, config: TrainConfig) -> bool:
+    if config.method != "vesselsplat" or "color_curves" in config.leave_out:
+        return False
+    return "color_curves" in config.keep or measured.recoloring > SAME_COLOR
+
+
+def _sh_degree(clip: Clip, recolors: bool, config: TrainConfig) -> int:
+    if config.sh_degree is not None:
+        return config.sh_degree
+    if "harmonics" in config.keep:
+        return len(BANDS) - 1
+    return 0 if clip.camera_is_fixed or recolors else len(BANDS) - 1
+
+
+def _n_controls(clip: Clip, moves: bool, config: TrainConfig) -> int:
+    if config.n_controls is not None:
+        return config.n_controls
+    if "controls" in config.keep:
+        return max(MIN_CONTROLS, len(clip))
+    return controls_for(len(clip)) if moves else max(MIN_CONTROLS, len(clip) // FRAMES_PER_CONTROL_AT_REST)
+
+
+def _omitted(
+    clip: Clip, frames: Sequence[Frame], config: TrainConfig, needs: Needs, measured: Stillness
+) -> Iterator[Omission]:
+    """In words and numbers."""
+    harmonics = 3 * (BANDS[-1] - BANDS[needs.sh_degree])
+    if harmonics:
+        saves = f"{harmonics} of {RAW_NUMBERS + 3 * BANDS[-1]} numbers a Gaussian"
+        yield Omission("harmonics", _why_no_harmonics(clip, config), saves)
+    curve = f"{3 * needs.n_controls} numbers a Gaussian"
+    if not needs.moves:
+        yield Omission("deformation", _why_no_deformation(clip, config, measured), _motion_of(config, curve))
+    if not needs.recolors and config.method == "vesselsplat":
+        asked = "color_curves" in config.leave_out
+        why = "as asked" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
+        yield Omission("color curves", why, curve)
+    if needs.recolors or (needs.moves and config.method == "vesselsplat"):
+        yield from _of_curves(clip, needs)
+    if not needs.has_depth:
+        yield Omission("depth loss", "no depth is measured", "a term of the loss")
+    if not needs.has_masks:
+        yield Omission("mask maths", "no pixel is masked", "masked means where frames are halved")
+    if "tiles" not in config.keep:
+        share = 1 - float(np.mean([tissue_tiles(frame.tissue_mask).mean() for frame in frames]))
+        yield Omission("tiles without tissue", "nothing is supervised there", f"{share:.0%} of the tiles")
+
+
+def _of_curves(clip: Clip, needs: Needs) -> Iterator[Omission]:
+    """Most numbers of a curve do not count at any one time."""
+    fewer = len(clip) - needs.n_controls
+    if fewer > 0:
+        why = f"a curve needs one each {len(clip) / needs.n_controls:.1f} frames"
+        yield Omission("control values", why, f"{fewer} of {len(clip)} a curve")
+    if needs.n_controls > MIN_CONTROLS:
+        saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} a curve and step"
+        yield Omission("moments of far control values", "they have no gradient", saves)
+
+
+def _why_no_harmonics(clip: Clip, config: TrainConfig) -> str:
+    if config.sh_degree is not None:
+        return f"degree {config.sh_degree} was asked for"
+    return "the camera is fixed" if clip.camera_is_fixed else "colour curves follow the lamp"
+
+
+def _why_no_deformation(clip: Clip, config: TrainConfig, measured: Stillness) -> str:
+    if config.method == "static":
+        return "the method is static"
+    if "deformation" in config.leave_out:
+        return "as asked"
+    return f"tissue moves by {measured.displacement:.2f} px"
+
+
+def _motion_of(config: TrainConfig, curve: str) -> str:
+    """What the motion of a method consists of."""
+    kinds = {"deform3dgs": "510 numbers a Gaussian", "endogaussian": "the planes and their heads"}
+    return kinds.get(config.method, curve)
