@@ -14,7 +14,7 @@ from PIL import Image
 from app.atomic import write_bytes
 from app.errors import UserError
 from app.provenance import encode_png, write_sidecar
-from renderer.pictures import SUFFIXES, is_picture, natural_key
+from renderer.readers.pictures import SUFFIXES, is_picture, natural_key
 
 ArrayImage = NDArray[Any]
 

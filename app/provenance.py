@@ -23,12 +23,12 @@ from pydantic_core import to_jsonable_python
 
 from app.atomic import write_bytes
 from app.errors import UserError
-from renderer.endonerf import FOLDERS, POSES, is_endonerf
-from renderer.hamlyn import is_hamlyn
-from renderer.pictures import is_picture
-from renderer.scared import is_scared
-from renderer.stereomis import is_stereomis
-from renderer.structure_from_motion import is_structure_from_motion
+from renderer.readers.endonerf import FOLDERS, POSES, is_endonerf
+from renderer.readers.hamlyn import is_hamlyn
+from renderer.readers.pictures import is_picture
+from renderer.readers.scared import is_scared
+from renderer.readers.stereomis import is_stereomis
+from renderer.readers.structure_from_motion import is_structure_from_motion
 
 NOTICE = "Research use only. Not a medical device."
 KEYWORD = "vesselsplat"

@@ -24,8 +24,8 @@ from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from renderer.camera import Camera
 from renderer.clip import held_out_frames
-from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.gaussians import DynamicGaussians
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, TrainEvent
 

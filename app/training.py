@@ -20,7 +20,7 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera_motion import camera_notice
 from renderer.clip import ByteImage, Clip, Frame
-from renderer.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
-from renderer.rigid import rigid_fit
+from renderer.readers.rigid import rigid_fit
 
 PICTURE_SHIFT = 0.05
 """Of the width: a background that moves farther across the picture shows other tissue."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
-from renderer.clip_options import Split
+from renderer.readers.clip_options import Split
 
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]

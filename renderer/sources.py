@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from renderer import endonerf, frames, scared
 from renderer.clip import Clip, ClipError
-from renderer.clip_depth import with_depth
-from renderer.clip_options import DEFAULTS, ClipOptions
-from renderer.converted_stereomis import is_converted_stereomis, open_converted_stereomis
-from renderer.hamlyn import is_hamlyn, open_hamlyn
-from renderer.pictures import is_picture
-from renderer.stereo_pairs import is_stereo_folder, open_stereo_folder
-from renderer.stereomis import is_stereomis, open_stereomis
-from renderer.structure_from_motion import is_structure_from_motion, open_structure_from_motion
+from renderer.depth.clip_depth import with_depth
+from renderer.depth.stereo_pairs import is_stereo_folder, open_stereo_folder
+from renderer.readers import endonerf, frames, scared
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
+from renderer.readers.hamlyn import is_hamlyn, open_hamlyn
+from renderer.readers.pictures import is_picture
+from renderer.readers.stereomis import is_stereomis, open_stereomis
+from renderer.readers.structure_from_motion import is_structure_from_motion, open_structure_from_motion
 
 
 def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:

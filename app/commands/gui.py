@@ -8,7 +8,7 @@ from pathlib import Path
 from app.arguments import add_fields, parameters
 from app.display import has_display
 from app.errors import UserError
-from renderer.clip_options import EVERY_OPTION, ClipOptions
+from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:

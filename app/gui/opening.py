@@ -12,9 +12,9 @@ from app.run_folder import RunFolder, RunRecord
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
-from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 from renderer.train.events import Progress
 

@@ -18,8 +18,8 @@ from app.methods import Look
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from enhance import EnhanceParams
 from renderer.clip import Clip
-from renderer.clip_options import DEFAULTS, ClipOptions
 from renderer.gaussians import DynamicGaussians
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Omission, Progress, Started
 

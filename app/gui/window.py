@@ -33,7 +33,7 @@ from app.gui.update import Channels, update
 from app.gui.viewport import ProcessorViewport, Viewport, make_viewport
 from app.job import TrainingJob
 from assets import phantom_path
-from renderer.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 IDLE_FPS = 9.0
 BUSY_FPS = 25.0

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ClipError, Frame, SparsePoints
+from renderer.depth.sparse_depth import depth_between
 from renderer.raw_gaussians import RawGaussians
-from renderer.sparse_depth import depth_between
 from renderer.train.config import TrainConfig
 
 Float32Array = NDArray[np.float32]

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from renderer.alignment import aligned
+from renderer.depth.alignment import aligned
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.cpu import Rasterizer
 from renderer.rasterize.tiles import (

@@ -269,7 +269,9 @@ def test_a_frame_without_evaluated_pixels_does_not_count(
         assert report["mean"][name] == measured[name]
 
 
-def test_photos_without_depth_are_refused_until_it_may_be_guessed(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+def test_photos_without_depth_are_refused_until_it_may_be_guessed(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
     photos = tmp_path / "photos"
     photos.mkdir()
     for path in sorted((clip_path / "images").iterdir())[:3]:
@@ -310,6 +312,26 @@ def test_train_prints_one_json_object(clip_path: Path, tmp_path: Path, vesselspl
         "train", clip_path, "--run", tmp_path / "run", "--iterations", 3, "--seed", 2, "--json", "--resume"
     )
     assert json.loads(again.out)["omitted"] == summary["omitted"]
+    again = vesselsplat(
+        "train", clip_path, "--run", tmp_path / "run", "--iterations", 3, "--seed", 2, "--resume"
+    )
+    _, *table = again.out.splitlines()
+    columns = [("left out", "why", "saves"), *(tuple(each.values()) for each in summary["omitted"])]
+    places = {tuple(line.index(cell) for cell in cells) for line, cells in zip(table, columns, strict=True)}
+    assert len(places) == 1
+
+
+def test_what_is_forced_back_is_not_left_out_and_can_be_resumed(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    flags = ("--run", tmp_path / "run", "--iterations", 3, "--sh-degree", 3, "--keep", "harmonics", "tiles")
+    call = vesselsplat("train", clip_path, *flags, "--json")
+    assert json.loads(call.out)["config"]["keep"] == ["harmonics", "tiles"]
+    left_out = {each["what"] for each in json.loads(call.out)["omitted"]}
+    assert not {"harmonics", "tiles without tissue"} & left_out
+    assert RunFolder(tmp_path / "run").model().raw.harmonics.shape[1] == 15
+    again = vesselsplat("train", clip_path, *flags, "--json", "--resume")
+    assert (again.code, json.loads(again.out)["omitted"]) == (0, json.loads(call.out)["omitted"])
 
 
 def test_the_only_frame_of_a_clip_is_said_to_be_its_training_frame(tmp_path: Path, vesselsplat: Cli) -> None:

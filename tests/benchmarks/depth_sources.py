@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 
 from renderer.clip import Frame
-from renderer.depth_prior import depth_from_brightness
-from renderer.endonerf import open_endonerf
+from renderer.depth.depth_prior import depth_from_brightness
+from renderer.depth.sparse_depth import depth_between
+from renderer.depth.stereo import disparity, feature_shifts
 from renderer.phantom import Phantom, PhantomParams
-from renderer.pictures import read_rgb, read_stored
-from renderer.sparse_depth import depth_between
-from renderer.stereo import disparity, feature_shifts
+from renderer.readers.endonerf import open_endonerf
+from renderer.readers.pictures import read_rgb, read_stored
 from tests.renderer.eyes import BASELINE, look
 
 DATA = Path(__file__).resolve().parents[2] / "../shared/data"

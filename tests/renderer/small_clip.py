@@ -9,7 +9,7 @@ import pytest
 
 from renderer.camera import Camera
 from renderer.clip import ClipError, Frame
-from renderer.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 
 WIDTH, HEIGHT, COUNT = 64, 48, 10

@@ -17,10 +17,10 @@ from renderer.camera import Camera
 from renderer.clip import ClipError
 from renderer.metrics import psnr
 from renderer.phantom import Phantom, PhantomParams, View, write_phantom
-from renderer.phantom_surface import grow_surface
-from renderer.phantom_tools import Capsule, hit_tools
-from renderer.phantom_vessels import grow_vessels
-from renderer.scared import BASELINE
+from renderer.phantom.surface import grow_surface
+from renderer.phantom.tools import Capsule, hit_tools
+from renderer.phantom.vessels import grow_vessels
+from renderer.readers.scared import BASELINE
 from renderer.sources import open_clip
 
 N = 12

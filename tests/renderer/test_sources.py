@@ -11,7 +11,7 @@ from PIL import Image
 
 from assets import phantom_path
 from renderer.clip import ClipError
-from renderer.clip_options import ClipOptions
+from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 
 

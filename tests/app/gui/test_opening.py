@@ -18,9 +18,9 @@ from app.run_folder import ClipRecord, RunFolder, RunRecord
 from app.training import TrainRequest
 from assets import phantom_path
 from renderer.clip import ClipError
-from renderer.clip_options import ClipOptions
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress

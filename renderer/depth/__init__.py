@@ -1,0 +1,1 @@
+"""Depth for clips without measured depth: stereo pairs, guesses, sparse points."""

@@ -1,0 +1,84 @@
+"""Where the depth of a clip comes from: its files, its right pictures, or a guess that was asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+from renderer.clip import Clip, ClipError, Frame
+from renderer.depth.depth_prior import depth_from_brightness, with_guessed_depth
+from renderer.depth.monocular import FOLDERS, monocular_guess, monocular_maps
+from renderer.depth.stereo_pairs import right_pictures, with_stereo_depth
+from renderer.readers.clip_options import ClipOptions, DepthSource
+
+BY_BRIGHTNESS: Final = (
+    "depth is guessed from brightness (a lamp at the camera): shapes are coarse and lengths have no scale"
+)
+BY_MAPS: Final = "depth is taken from monocular maps: lengths have no scale"
+
+
+def with_depth(clip: Clip, options: ClipOptions) -> Clip:
+    """The clip as opened, with depth from where `options.depth` says; frames are worked out when read.
+
+    "auto" keeps depth that the files have, else matches stereo pairs where there are any and they
+    are rectified; it never guesses. Every other source replaces what the files have. A guess is in
+    "scene units" and says so in a notice.
+
+    Raises:
+        ClipError: the source asked for is not there or does not fit; one line that names the path.
+    """
+    return _SOURCES[options.depth](clip, options)
+
+
+def _auto(clip: Clip, options: ClipOptions) -> Clip:
+    if clip.has_depth:
+        return clip
+    try:
+        rights = right_pictures(clip)
+        return with_stereo_depth(clip, rights, options.baseline) if rights else clip
+    except ClipError as error:
+        return replace(clip, notices=(*clip.notices, f"no stereo depth: {error}"))
+
+
+def _measured(clip: Clip, options: ClipOptions) -> Clip:
+    if not clip.has_depth:
+        raise ClipError(f"expected measured depth, got a clip without: {clip.path}")
+    return clip
+
+
+def _stereo(clip: Clip, options: ClipOptions) -> Clip:
+    rights = right_pictures(clip)
+    if not rights:
+        raise ClipError(f"expected right pictures beside the left ones, got none: {clip.path}")
+    return with_stereo_depth(clip, rights, options.baseline)
+
+
+def _monocular(clip: Clip, options: ClipOptions) -> Clip:
+    maps = monocular_maps(clip)
+    if not maps:
+        raise ClipError(
+            f"expected a folder {' or '.join(FOLDERS)} beside the pictures, got none: {clip.path}"
+        )
+    return with_guessed_depth(clip, monocular_guess(clip, maps), BY_MAPS)
+
+
+def _brightness(clip: Clip, options: ClipOptions) -> Clip:
+    return with_guessed_depth(clip, depth_from_brightness, BY_BRIGHTNESS)
+
+
+def _off(clip: Clip, options: ClipOptions) -> Clip:
+    def read_frame(index: int) -> Frame:
+        return replace(clip.read_frame(index), depth=None, depth_is_guess=False)
+
+    return replace(clip, read_frame=read_frame, has_depth=False) if clip.has_depth else clip
+
+
+_SOURCES: Final[dict[DepthSource, Callable[[Clip, ClipOptions], Clip]]] = {
+    "auto": _auto,
+    "measured": _measured,
+    "stereo": _stereo,
+    "monocular": _monocular,
+    "brightness": _brightness,
+    "off": _off,
+}

@@ -1,0 +1,112 @@
+"""Maps of inverse depth that a network has made of single pictures, in a folder beside these."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import BoolImage, Clip, ClipError, Frame
+from renderer.depth.alignment import aligned
+from renderer.depth.depth_prior import Guess
+from renderer.readers.numbered_files import beside
+from renderer.readers.pictures import is_picture, read_stored
+
+FOLDERS = ("monodepth", "depth_dam")
+
+_STRIDE = 4  # Of the pixels that a map is aligned by.
+_SMALLEST = 0.01
+"""Of the median of the reference: smaller inverse depths tell nothing and are none."""
+
+Float32Image = NDArray[np.float32]
+
+
+def monocular_maps(clip: Clip) -> tuple[Path, ...]:
+    """One map a frame, by the last number in the names; empty without a folder of them.
+
+    The folder lies in that of the clip or beside the pictures.
+
+    Raises:
+        ClipError: a folder that lacks maps for some frames.
+    """
+    places = (clip.path, clip.path.parent)
+    folder = next((place / name for place in places for name in FOLDERS if (place / name).is_dir()), None)
+    if folder is None:
+        return ()
+    numbers = [re.findall(r"\d+", Path(label).stem) for label in clip.labels]
+    if not all(numbers):
+        raise ClipError(
+            f"expected pictures with numbers in their names for the maps, got others: {clip.path}"
+        )
+    return beside((int(found[-1]) for found in numbers), folder, _is_map)
+
+
+def monocular_guess(clip: Clip, maps: tuple[Path, ...]) -> Guess:
+    """Depth by the maps, one a frame: the inverse of each, aligned to that of the first training frame.
+
+    monodepth/ holds pictures whose first channel is normalised disparity, depth_dam/ arrays (.npy) of
+    it; 0 = none. Such maps are right up to a scale and a shift that differ between frames; tissue that
+    stays in place tells both (`aligned`), so that the scene does not breathe.
+
+    The guess raises ClipError for a file that is no map.
+    """
+    first = clip.train_indices[0]
+
+    @lru_cache(1)
+    def reference() -> tuple[Float32Image, BoolImage]:
+        found = read_inverse_depth(maps[first], clip.size)
+        known = clip.read_frame(first).tissue_mask & (found > 0)
+        if not known.any():
+            raise ClipError(f"expected inverse depth on the tissue, got none: {maps[first]}")
+        return found, known
+
+    def guess(frame: Frame) -> Float32Image:
+        wanted, known = reference()
+        found = read_inverse_depth(maps[frame.index], clip.size)
+        fitted = _fitted(found, wanted, known & frame.tissue_mask & (found > 0))
+        valid = (found > 0) & (fitted > _SMALLEST * np.median(wanted[known]))
+        return np.where(valid, 1 / np.where(valid, fitted, 1), 0).astype(np.float32)
+
+    return guess
+
+
+def _fitted(found: Float32Image, wanted: Float32Image, both: BoolImage) -> Float32Image:
+    some = (slice(None, None, _STRIDE), slice(None, None, _STRIDE))
+    if not both[some].any():
+        return found
+    scale, shift = aligned(found[some], wanted[some], both[some])
+    return np.asarray(scale * found + shift, dtype=np.float32)
+
+
+def read_inverse_depth(path: Path, size: tuple[int, int]) -> Float32Image:
+    """Inverse depth (H, W) of a .npy or picture file, resampled to `size` (width, height); 0 = none.
+
+    Raises:
+        ClipError: no map, or one that cannot be read.
+    """
+    stored = _array(path) if path.suffix == ".npy" else read_stored(path)
+    plane = stored[:, :, 0] if stored.ndim == 3 and path.suffix != ".npy" else np.squeeze(stored)
+    if plane.ndim != 2 or plane.dtype.kind not in "fiu":
+        raise ClipError(f"expected one number a pixel, got {stored.dtype} {stored.shape}: {path}")
+    values = plane.astype(np.float32)
+    values = np.where(np.isfinite(values) & (values > 0), values, np.float32(0))
+    if values.shape == (size[1], size[0]):
+        return values
+    share = cv2.resize((values > 0).astype(np.float32), size, interpolation=cv2.INTER_LINEAR)
+    resized = cv2.resize(values, size, interpolation=cv2.INTER_LINEAR)
+    return np.where(share > 1 - 1e-3, resized, np.float32(0))
+
+
+def _array(path: Path) -> NDArray[np.generic]:
+    try:
+        return np.asarray(np.load(path, allow_pickle=False))
+    except (OSError, ValueError, EOFError) as error:
+        raise ClipError(f"expected a numpy array of inverse depth, got an unreadable file: {path}") from error
+
+
+def _is_map(path: Path) -> bool:
+    return is_picture(path) or (path.suffix == ".npy" and not path.name.startswith("."))

@@ -1,0 +1,206 @@
+"""Clips whose every picture has one of the right eye beside it: which belong together, and their depth."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import Clip, ClipError, Frame
+from renderer.depth.stereo import disparity, feature_shifts
+from renderer.readers.frames import open_images
+from renderer.readers.numbered_files import listed
+from renderer.readers.pictures import common_size, is_picture, read_rgb
+
+LARGEST_VERTICAL_OFFSET = 1.5
+"""Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified."""
+
+_FEWEST_FEATURES = 20
+_REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same one again.
+_LEFT = re.compile(r"left|(?<=[\d_])l$", re.IGNORECASE)
+_RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT", "l": "r", "L": "R"}
+
+
+@dataclass(frozen=True)
+class _Rig:
+    """Depth of a rectified pair is focal length * baseline / disparity."""
+
+    baseline: float
+    unit: str
+
+
+def right_name(name: str) -> str | None:
+    """What the file or folder of the right eye is called; None when `name` is not one of the left.
+
+    left, Left and LEFT become right; l and L at the end of the stem, after a digit or "_", become r;
+    EndoNeRF's images/ goes with images_right/.
+    """
+    if name == "images":
+        return "images_right"
+    stem, suffix = Path(name).stem, Path(name).suffix
+    swapped, count = _LEFT.subn(lambda found: _RIGHT.get(found[0], "right"), stem, count=1)
+    return swapped + suffix if count else None
+
+
+def is_stereo_folder(path: Path) -> bool:
+    """Whether the folder holds left and right pictures side by side, or in two folders."""
+    return _left_folder(path) is not None or bool(_paired_names(entry.name for entry in path.iterdir()))
+
+
+def open_stereo_folder(path: Path, field_of_view: float) -> Clip:
+    """The left pictures of a folder as a clip; `with_stereo_depth` makes use of the right ones.
+
+    Raises:
+        ClipError: nothing that can be read, as `open_images`.
+    """
+    lefts = _left_folder(path)
+    if lefts is None:
+        return _left_half(open_images(path, field_of_view))
+    return replace(open_images(lefts, field_of_view), path=path, name=path.resolve().name)
+
+
+def right_pictures(clip: Clip) -> tuple[Path, ...]:
+    """The right eye's picture of every frame, found beside the left one's; empty without any.
+
+    Raises:
+        ClipError: some frames have a right picture and others none.
+    """
+    if not clip.path.is_dir():
+        return ()
+    for folder in _picture_folders(clip.path, clip.labels[0]):
+        partners = [_partner(folder, name) for name in clip.labels]
+        found = tuple(path for path in partners if path is not None)
+        if len(found) == len(partners):
+            return found
+        if found:
+            lacking = [name for name, path in zip(clip.labels, partners, strict=True) if path is None]
+            counts = f"{len(found)} right pictures for {len(partners)} left ones"
+            raise ClipError(f"expected stereo pairs, got {counts}, none for {listed(lacking)}: {folder}")
+    return ()
+
+
+def with_stereo_depth(clip: Clip, rights: tuple[Path, ...], baseline: float | None) -> Clip:
+    """The clip with depth matched between its pictures and `rights`, one a frame, when a frame is read.
+
+    Depth is focal length * baseline / disparity. The baseline is `baseline` in mm, else that of the
+    clip, else 1: then lengths are in units of it. The first pair is looked at to see that its pictures
+    are of one scene and rectified.
+
+    Raises:
+        ClipError: sizes that differ, pictures that do not match, that look swapped, or whose rows are
+            apart by more than LARGEST_VERTICAL_OFFSET; or a camera that moves by known lengths with a
+            baseline that is not known.
+    """
+    size = common_size(rights)
+    if size != clip.size:
+        wanted = f"{clip.size[0]}x{clip.size[1]} as the left one"
+        raise ClipError(f"expected a right picture of {wanted}, got {size[0]}x{size[1]}: {rights[0]}")
+    _judge(clip, rights[0])
+    rig = _rig(clip, baseline)
+
+    @lru_cache(_REMEMBERED)
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        found = disparity(frame.image, read_rgb(rights[index]))
+        return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
+
+    said = (*clip.notices, _said(rig))
+    return replace(clip, read_frame=read_frame, has_depth=True, unit=rig.unit, notices=said)
+
+
+def _depth(found: NDArray[np.float32], product: float) -> NDArray[np.float32]:
+    known = found > 0
+    return np.where(known, product / np.where(known, found, 1), 0).astype(np.float32)
+
+
+def _rig(clip: Clip, baseline: float | None) -> _Rig:
+    if baseline is not None:
+        return _Rig(baseline, "mm")
+    if clip.baseline is not None:
+        return _Rig(clip.baseline, clip.unit)
+    if not clip.camera_is_fixed:
+        hint = "expected a baseline for a camera that moves, got none (--baseline gives it in mm)"
+        raise ClipError(f"{hint}: {clip.path}")
+    return _Rig(1.0, "scene units")
+
+
+def _said(rig: _Rig) -> str:
+    by = "depth is matched between left and right pictures"
+    if rig.unit == "mm":
+        return f"{by}, {rig.baseline:.4g} mm apart"
+    return f"{by} that are an unknown way apart: lengths have no scale (--baseline gives it in mm)"
+
+
+def _judge(clip: Clip, right: Path) -> None:
+    """Raises ClipError unless the first two pictures look like a rectified pair."""
+    shifts = feature_shifts(clip.read_image(0), read_rgb(right))
+    where = f"{clip.labels[0]} and {right.name}: {clip.path}"
+    if len(shifts) < _FEWEST_FEATURES:
+        raise ClipError(
+            f"expected a stereo pair, got pictures with {len(shifts)} features in common, {where}"
+        )
+    across, down = np.median(shifts[:, 0]), np.median(np.abs(shifts[:, 1]))
+    if down > LARGEST_VERTICAL_OFFSET:
+        limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
+        raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
+    if across <= 0:
+        shift = f"the right one shows things {-across:.0f} px farther right"
+        raise ClipError(f"expected a left and a right picture, got them swapped, {shift}, {where}")
+
+
+def _left_folder(path: Path) -> Path | None:
+    folders = {entry.name: entry for entry in _subfolders(path)}
+    paired = _paired_names(name for name in folders if name != "images")
+    return folders[paired[0]] if paired else None
+
+
+def _paired_names(names: Iterable[str]) -> list[str]:
+    """Those of the left eye whose right ones are there too, sorted."""
+    known = set(names)
+    return sorted(name for name in known if right_name(name) in known)
+
+
+def _left_half(clip: Clip) -> Clip:
+    """The clip with the left pictures alone."""
+    lefts = _paired_names(clip.labels)
+    places = [clip.labels.index(name) for name in clip.labels if name in lefts]
+    strays = sorted({*clip.labels} - {*lefts} - {right_name(name) for name in lefts})
+    said = (f"left out, of no stereo pair: {listed(strays)}",) if strays else ()
+
+    def read_frame(index: int) -> Frame:
+        index = range(len(places))[index]
+        return replace(clip.read_frame(places[index]), index=index, time=index / len(places))
+
+    return replace(
+        clip,
+        cameras=tuple(clip.cameras[place] for place in places),
+        labels=tuple(clip.labels[place] for place in places),
+        read_frame=read_frame,
+        read_image=lambda index: clip.read_image(places[index]),
+        notices=(*clip.notices, *said),
+    )
+
+
+def _picture_folders(path: Path, label: str) -> Iterator[Path]:
+    """`path` and the folders in it, or in its data/, that hold the picture called `label`."""
+    folders = (path, *_subfolders(path), *_subfolders(path / "data"))
+    return (folder for folder in folders if (folder / label).is_file())
+
+
+def _subfolders(path: Path) -> list[Path]:
+    return sorted(entry for entry in path.iterdir() if entry.is_dir()) if path.is_dir() else []
+
+
+def _partner(folder: Path, name: str) -> Path | None:
+    """The right picture: beside the left one, or by either name in the folder of the right eye."""
+    whole = folder.resolve()
+    other_folder, other_name = right_name(whole.name), right_name(name)
+    places = [whole / other_name] if other_name else []
+    if other_folder:
+        places += [whole.with_name(other_folder) / each for each in (name, other_name) if each]
+    return next((path for path in places if path.is_file() and is_picture(path)), None)

@@ -1,0 +1,91 @@
+"""StereoMIS as Deform3DGS (Yang et al., MICCAI 2024) converts it: EndoNeRF's layout with other contents."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from renderer.clip import Clip, ClipError, Frame
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.depth_maps import within
+from renderer.readers.endonerf import POSES, open_endonerf
+from renderer.readers.numbered_files import numbered
+from renderer.readers.pictures import common_size
+from renderer.readers.tool_masks import Sample, marks_tissue
+
+FARTHEST = 250.0
+"""Depth in mm beyond which the conversion keeps none."""
+
+_SAMPLES = 4
+
+
+def is_converted_stereomis(path: Path) -> bool:
+    """Whether an EndoNeRF folder has a principal point where the layout has the size of the pictures.
+
+    A size that is a whole fraction of the pictures' may also be meant as one: then the masks, which
+    mark tissue here, decide.
+    """
+    lens = _said(path)
+    if lens is None:
+        return False
+    width, height = _size(path)
+    cy, cx, _ = lens
+    if not (1.5 < width / cx < 3 and 1.5 < height / cy < 3):
+        return False
+    may_be_size = cx.is_integer() and cy.is_integer() and abs(width * cy - height * cx) < 0.005 * width * cy
+    return not may_be_size or marks_tissue(_samples(path, DEFAULTS))
+
+
+def open_converted_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+    """Opens a folder in EndoNeRF's layout whose masks mark tissue and whose poses hold (cy, cx, focal).
+
+    Masks that clearly mark tools are read as such. Depth, whole mm in 8 bits, is known in (0, FARTHEST].
+    The rest is as `open_endonerf` says.
+
+    Raises:
+        ClipError: as `open_endonerf`.
+    """
+    lens = _said(path)
+    if lens is None:
+        raise ClipError(f"expected a principal point and a focal length in {POSES}, got none: {path}")
+    polarity = options.mask_polarity
+    if polarity == "auto":
+        inverted = [replace(sample, marked=~sample.marked) for sample in _samples(path, options)]
+        polarity = "tool" if marks_tissue(inverted) else "tissue"
+    clip = open_endonerf(path, replace(options, mask_polarity=polarity))
+    cy, cx, focal = lens
+    cameras = tuple(replace(camera, fx=focal, fy=focal, cx=cx, cy=cy) for camera in clip.cameras)
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        depth = None if frame.depth is None else within(frame.depth, 0, FARTHEST)
+        return replace(frame, camera=cameras[frame.index], depth=depth)
+
+    said = f"{POSES} holds a principal point, as StereoMIS when converted: masks are taken to mark {polarity}"
+    others = [notice for notice in clip.notices if not notice.startswith(POSES)]
+    return replace(clip, format="stereomis", cameras=cameras, read_frame=read_frame, notices=(*others, said))
+
+
+def _said(path: Path) -> tuple[float, float, float] | None:
+    """The last column of the first pose, where it holds three numbers above 0."""
+    try:
+        first = np.load(path / POSES, allow_pickle=False)[0]
+        values = np.asarray(first[:15], dtype=np.float64).reshape(3, 5)[:, 4]
+    except (OSError, ValueError, EOFError, IndexError, TypeError):
+        return None  # `open_endonerf` says what is wrong with the file.
+    one, two, three = (float(value) for value in values)
+    return (one, two, three) if np.isfinite(values).all() and values.min() > 0 else None
+
+
+def _size(path: Path) -> tuple[int, int]:
+    return common_size([next(iter(numbered(path / "images").values()))])
+
+
+def _samples(path: Path, options: ClipOptions) -> list[Sample]:
+    """A few frames of the folder with what their masks mark."""
+    clip = open_endonerf(path, replace(options, mask_polarity="tool", bottom_rows=0))
+    places = np.unique(np.linspace(0, len(clip) - 1, _SAMPLES).astype(int))
+    frames = [clip.read_frame(int(place)) for place in places]
+    return [Sample(frame.image, ~frame.tissue_mask, frame.depth) for frame in frames]

@@ -1,0 +1,335 @@
+"""EndoNeRF folders: images, depth, masks, gt_masks and poses_bounds.npy (Wang et al., MICCAI 2022)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from renderer.camera import Camera
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
+from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
+
+POSES = "poses_bounds.npy"
+FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
+FINE_STEPS = 32
+"""Steps per millimetre of the PNGs in depth_fine/."""
+
+OUTLIER = 3.0
+"""Depth beyond this many times a frame's median, or below its inverse, is a failed match."""
+
+_SAMPLES = 4
+_LISTED = 5
+
+Matrix = NDArray[np.float64]
+
+
+def is_endonerf(path: Path) -> bool:
+    """Whether the folder holds images/ and a sign that it is more than a folder of pictures."""
+    signs = (POSES, "depth", "masks")
+    return (path / "images").is_dir() and any((path / sign).exists() for sign in signs)
+
+
+def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+    """Opens a folder in EndoNeRF layout; frames are decoded when they are asked for.
+
+    Files are paired by the last number in their names. depth/ holds millimetres along z in 8-bit,
+    16-bit or float pictures, 0 = none, and so is depth far from the frame's median (OUTLIER);
+    depth_fine/ (1/32 mm, 16 bit), which `write_endonerf` adds, is preferred. Without masks every
+    pixel is tissue; without depth the clip has none.
+
+    `Frame.tissue_mask` is the complement of masks without burned-in rows. `Frame.evaluation_mask`
+    follows `options.evaluation_masks` and keeps the rows as the files have them, so that figures
+    stay comparable with published ones.
+
+    Raises:
+        ClipError: parts that are missing or do not agree, masks that look inverted, bad poses.
+    """
+    rows = _load_poses(path / POSES)
+    files, notices = _pair(path, options)
+    size = common_size(entry for series in files.all_series() for entry in series)
+    cameras, pose_notices = _read_cameras(path, rows, len(files.images), options.pose_convention, size)
+    reader = _Reader(files, cameras, marked_is_tissue=options.mask_polarity == "tissue", bottom_rows=0)
+    count = len(cameras)
+    samples = [reader.sample(i) for i in np.unique(np.linspace(0, count - 1, _SAMPLES).astype(int))]
+    mask_notices = _judge_masks(path, samples, options) if files.masks else []
+    dead = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
+    if dead >= size[1]:
+        raise ClipError(f"bottom_rows is {dead}, the pictures have {size[1]} rows: {path}")
+    if dead:
+        mask_notices.append(f"the last {dead} rows are burned in and not supervised")
+    reader = _Reader(files, cameras, reader.marked_is_tissue, dead)
+    return Clip(
+        name=path.resolve().name,
+        path=path,
+        format="endonerf",
+        cameras=cameras,
+        read_frame=reader.frame,
+        read_image=reader.image,
+        labels=tuple(entry.name for entry in files.images),
+        has_depth=bool(files.depth),
+        unit="mm" if files.depth else "scene units",
+        notices=(*notices, *pose_notices, *mask_notices),
+    )
+
+
+@dataclass(frozen=True)
+class _Files:
+    """One path a frame, in the order of frame numbers; empty where the clip has none."""
+
+    images: tuple[Path, ...]
+    depth: tuple[Path, ...]
+    depth_steps: int
+    masks: tuple[Path, ...]
+    evaluation: tuple[Path, ...]
+
+    def all_series(self) -> tuple[tuple[Path, ...], ...]:
+        return self.images, self.depth, self.masks, self.evaluation
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    files: _Files
+    cameras: tuple[Camera, ...]
+    marked_is_tissue: bool
+    bottom_rows: int
+
+    def image(self, index: int) -> ByteImage:
+        return read_rgb(self.files.images[index])
+
+    def depth(self, index: int) -> NDArray[np.float32] | None:
+        if not self.files.depth:
+            return None
+        path = self.files.depth[index]
+        stored = read_stored(path)
+        if stored.ndim != 2:
+            raise ClipError(f"expected depth in one channel, got {stored.shape[2]}: {path}")
+        depth = stored.astype(np.float32) / np.float32(self.files.depth_steps)
+        return _plausible(np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(0)))
+
+    def tissue(self, paths: tuple[Path, ...], index: int) -> BoolImage:
+        if not paths:
+            return np.ones((self.cameras[0].height, self.cameras[0].width), dtype=bool)
+        return np.equal(marked_pixels(read_stored(paths[index])), self.marked_is_tissue)
+
+    def sample(self, index: int) -> Sample:
+        marked = np.equal(self.tissue(self.files.masks, index), self.marked_is_tissue)
+        return Sample(self.image(index), marked, self.depth(index))
+
+    def frame(self, index: int) -> Frame:
+        index = range(len(self.cameras))[index]
+        tissue = self.tissue(self.files.masks, index)
+        same = self.files.evaluation == self.files.masks
+        evaluation = tissue.copy() if same else self.tissue(self.files.evaluation, index)
+        tissue[tissue.shape[0] - self.bottom_rows :] = False
+        time = index / len(self.cameras)
+        camera = self.cameras[index]
+        return Frame(index, time, self.image(index), camera, tissue, evaluation, self.depth(index))
+
+
+def _plausible(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """`depth` with failed stereo matches set to 0: a single pixel at 1574 mm outweighs a frame at 70."""
+    measured = depth[depth > 0]
+    if not measured.size:
+        return depth
+    median = np.median(measured)
+    return np.where((depth < OUTLIER * median) & (depth * OUTLIER > median), depth, np.float32(0))
+
+
+def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:
+    """The files of every frame in the order of frame numbers, and what is worth saying about them."""
+    notices = _stray_notices(path)
+    images = _numbered(path / "images")
+    if not images:
+        raise ClipError(f"expected numbered pictures in images/, got none: {path}")
+    fine = _paired(path, "depth_fine", images)
+    depth = fine or _paired(path, "depth", images)
+    masks = _paired(path, "masks", images) or _paired(path, "gt_masks", images)
+    if not depth:
+        notices.append("no depth/: the shape is not measured")
+    if not masks:
+        notices.append("no masks/: every pixel is taken for tissue")
+    evaluation = masks
+    if options.evaluation_masks == "gt_masks":
+        evaluation = _paired(path, "gt_masks", images)
+        if not evaluation:
+            raise ClipError(f"expected gt_masks/ for the evaluation, got no such folder: {path}")
+    ordered = tuple(images[number] for number in sorted(images))
+    return _Files(ordered, depth, FINE_STEPS if fine else 1, masks, evaluation), notices
+
+
+def _paired(path: Path, name: str, images: dict[int, Path]) -> tuple[Path, ...]:
+    """The files of a folder that belong to the images, in their order; none when it is not there."""
+    if not (path / name).is_dir():
+        return ()
+    found = _numbered(path / name)
+    _agree(path, "images", images, name, found)
+    _agree(path, name, found, "images", images)
+    return tuple(found[number] for number in sorted(images))
+
+
+def _numbered(folder: Path) -> dict[int, Path]:
+    """Pictures by the last number of their stem."""
+    found: dict[int, Path] = {}
+    for entry in sorted(folder.iterdir()):
+        number = _frame_number(entry)
+        if number is None:
+            continue
+        if number in found:
+            both = f"{found[number].name} and {entry.name}"
+            raise ClipError(f"expected one file a frame, got two for number {number}, {both}: {folder}")
+        found[number] = entry
+    return found
+
+
+def _frame_number(entry: Path) -> int | None:
+    digits = re.findall(r"\d+", entry.stem)
+    return int(digits[-1]) if digits and is_picture(entry) else None
+
+
+def _stray_notices(path: Path) -> list[str]:
+    notices = []
+    for folder in (path / name for name in FOLDERS if (path / name).is_dir()):
+        visible = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
+        strays = [entry.name for entry in visible if _frame_number(entry) is None]
+        if strays:
+            notices.append(f"{folder.name}/ holds files that belong to no frame: {_listed(strays)}")
+    return notices
+
+
+def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: dict[int, Path]) -> None:
+    missing = [str(number) for number in sorted(found.keys() - others.keys())]
+    if missing:
+        counts = f"{name}/ has {len(found)} frames but {other}/ has {len(others)}"
+        raise ClipError(f"{counts}: {other}/ lacks number {_listed(missing)}: {path}")
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+    return ", ".join(names[:_LISTED]) + more
+
+
+def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:
+    """Refuses masks whose polarity cannot be meant; returns what is worth saying."""
+    share = marked_share(samples)
+    percent = f"{100 * share:.0f} % of the picture"
+    if options.mask_polarity == "auto" and share > 0.999:
+        raise ClipError(
+            f"masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "
+            f"(--mask-polarity tissue): {path}"
+        )
+    if options.mask_polarity == "auto" and marks_tissue(samples):
+        expected = f"expected masks/ with 255 = tool, got what looks like 255 = tissue ({percent})"
+        hint = "set mask_polarity (--mask-polarity tissue, or tool if they are right)"
+        raise ClipError(f"{expected}; {hint}: {path}")
+    if options.mask_polarity != "tissue" and share > 0.5:
+        return [f"masks/ marks {percent} as tool"]
+    return []
+
+
+def _read_cameras(
+    path: Path, rows: Matrix, count: int, convention: str, size: tuple[int, int]
+) -> tuple[tuple[Camera, ...], list[str]]:
+    if len(rows) != count:
+        counts = f"images/ has {count} files but {POSES} has {len(rows)} frames"
+        raise ClipError(f"{counts}: {path}")
+    matrices = rows[:, :15].reshape(-1, 3, 5)
+    poses = _to_opencv(matrices[:, :, :4], convention)
+    spin = poses[:, :, :3]
+    if np.abs(spin @ spin.transpose(0, 2, 1) - np.eye(3)).max() > 1e-3:
+        raise ClipError(f"expected rotations in the poses, got matrices that are none: {path / POSES}")
+    lens, notices = _lens(matrices[0, :, 4], size, path / POSES)
+    if np.abs(matrices[:, :, :4] - np.eye(3, 4)).max() > 1e-9:
+        notices.append(f"the camera moves or is turned: poses read as {convention} camera-to-world")
+    square = np.tile(np.eye(4), (count, 1, 1))
+    square[:, :3] = poses
+    return tuple(lens.moved(np.linalg.inv(pose).astype(np.float64)) for pose in square), notices
+
+
+def _load_poses(path: Path) -> Matrix:
+    if not path.is_file():
+        raise ClipError(f"expected {POSES}, got no such file: {path}")
+    try:
+        rows = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise ClipError(f"expected a numpy array of poses, got an unreadable file: {path}") from error
+    if rows.ndim != 2 or rows.shape[1] != 17 or rows.dtype.kind not in "fiu":
+        raise ClipError(f"expected poses of shape (frames, 17), got {rows.dtype} {rows.shape}: {path}")
+    if not np.isfinite(rows[:, :15]).all():
+        raise ClipError(f"expected finite poses, got NaN or infinity: {path}")
+    return np.asarray(rows, dtype=np.float64)
+
+
+def _to_opencv(poses: Matrix, convention: str) -> Matrix:
+    """Camera-to-world (N, 3, 4) with columns right, down, forward, centre."""
+    right, second, third, centre = np.moveaxis(poses, 2, 0)
+    columns = {
+        "opencv": (right, second, third, centre),
+        "opengl": (right, -second, -third, centre),  # Columns: right, up, backward.
+        "llff": (second, right, -third, centre),  # Columns: down, right, backward.
+    }
+    return np.stack(columns[convention], axis=2)
+
+
+def _lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list[str]]:
+    """Intrinsics from (H, W, focal), at the size of the pictures."""
+    width, height = size
+    said_height, said_width, focal = (float(value) for value in said)
+    if min(said_height, said_width, focal) <= 0:
+        raise ClipError(f"expected positive height, width and focal length, got {tuple(said)}: {path}")
+    camera = Camera(focal, focal, width / 2, height / 2, width, height)
+    if (said_height, said_width) == (height, width):
+        return camera, []
+    text = f"{POSES} says {said_width:g}x{said_height:g}, the pictures are {width}x{height}"
+    across, down = width / said_width, height / said_height
+    whole = said_height.is_integer() and said_width.is_integer()
+    if whole and abs(across / down - 1) < 0.005:
+        scaled = Camera(focal * across, focal * down, width / 2, height / 2, width, height)
+        return scaled, [f"{text}: focal length scaled by {across:g}"]
+    if 1.5 < across < 3 and 1.5 < down < 3:
+        # The StereoMIS converter writes (cy, cx, focal) where the layout has (H, W, focal).
+        centred = Camera(focal, focal, said_width, said_height, width, height)
+        return centred, [f"{text}: taken for the principal point"]
+    raise ClipError(f"{text}: {path}")
+
+
+def write_endonerf(folder: Path, frames: Iterable[Frame]) -> None:
+    """Writes frames that have depth in EndoNeRF layout into `folder`, creating it.
+
+    masks/ is the complement of tissue_mask, gt_masks/ of evaluation_mask; depth/ holds whole
+    millimetres as in the wild, depth_fine/ the same in 1/32 mm (error at most 1/64 mm, up to
+    2047 mm). Poses are OpenCV camera-to-world.
+
+    Raises:
+        ClipError: a frame without depth.
+        OSError: the folder cannot be written.
+    """
+    rows = []
+    for frame in frames:
+        if frame.depth is None:
+            raise ClipError(f"expected depth in every frame, frame {frame.index} has none: {folder}")
+        pictures: dict[str, NDArray[Any]] = {
+            "images/{}.color.png": frame.image,
+            "depth/{}.depth.png": np.rint(frame.depth).astype(np.uint16),
+            "depth_fine/{}.depth.png": np.rint(frame.depth * FINE_STEPS).astype(np.uint16),
+            "masks/{}.mask.png": np.where(frame.tissue_mask, 0, 255).astype(np.uint8),
+            "gt_masks/{}.mask.png": np.where(frame.evaluation_mask, 0, 255).astype(np.uint8),
+        }
+        for pattern, picture in pictures.items():
+            path = folder / pattern.format(f"frame-{frame.index:06d}")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(picture).save(path, compress_level=9)
+        camera, measured = frame.camera, frame.depth[frame.depth > 0]
+        lens = np.array([camera.height, camera.width, camera.fx])
+        pose = np.column_stack([camera.world_from_camera[:3], lens])
+        bounds = (measured.min(), measured.max()) if measured.size else (0.0, 0.0)
+        rows.append(np.append(pose.ravel(), bounds))
+    np.save(folder / POSES, np.array(rows, dtype=np.float64))

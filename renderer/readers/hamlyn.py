@@ -1,0 +1,125 @@
+"""Clips of the Hamlyn set in the layout of ForPlane (Yang et al., 2023)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.depth_maps import DepthMap, plausible, read_map
+from renderer.readers.endonerf import POSES
+from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted
+from renderer.readers.number_tables import read_table
+from renderer.readers.numbered_files import beside, numbered, strays
+from renderer.readers.pictures import common_size, read_rgb
+from renderer.readers.tool_masks import Sample
+
+LEFT_COLUMNS = 40
+"""Columns at the left without stereo depth: cut off, as the field does."""
+
+INTRINSICS = "intrinsics.txt"
+
+
+def is_hamlyn(path: Path) -> bool:
+    """Whether the folder holds images/ and intrinsics.txt, but no poses."""
+    has_poses = (path / POSES).exists()
+    return (path / "images").is_dir() and (path / INTRINSICS).is_file() and not has_poses
+
+
+def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+    """Opens a folder with images/, intrinsics.txt, gt_masks/ and gt_depth/ or depth/.
+
+    The camera is that of intrinsics.txt (3, 3), whose principal point counts from the centre of the
+    first pixel, for the whole pictures; LEFT_COLUMNS are cut off pictures, masks and depth alike and
+    the principal point moves by as many. It stands still. What is not zero in gt_masks/ is a tool;
+    depth is in mm along z, 0 and what is far from the frame's median is no measurement. Nothing is
+    resampled. The field trains on even frames and tests on odd ones: `options.split` "even-odd".
+
+    Raises:
+        ClipError: parts that are missing or do not agree, masks that look inverted, bad intrinsics.
+    """
+    images = numbered(path / "images")
+    masks = beside(images, path / "gt_masks") if (path / "gt_masks").is_dir() else ()
+    folder = next((name for name in ("gt_depth", "depth") if (path / name).is_dir()), None)
+    depth = beside(images, path / folder) if folder else ()
+    width, height = common_size((*images.values(), *masks, *depth))
+    if width <= LEFT_COLUMNS:
+        raise ClipError(f"expected pictures wider than {LEFT_COLUMNS} px, got {width}x{height}: {path}")
+    camera = _camera(path / INTRINSICS, width, height)
+    reader = _Reader(tuple(images.values()), masks, depth, camera, options.mask_polarity == "tissue")
+    if masks and options.mask_polarity == "auto":
+        refuse_inverted(reader.sample, len(images), "tool", path / "gt_masks")
+    parts = ["images", *(["gt_masks"] if masks else []), *([folder] if folder else [])]
+    said = [stray for part in parts for stray in strays(images, path / part)]
+    if not depth:
+        said.append("no gt_depth/ and no depth/: the shape is not measured")
+    if not masks:
+        said.append("no gt_masks/: every pixel is taken for tissue")
+    return Clip(
+        name=path.resolve().name,
+        path=path,
+        format="hamlyn",
+        cameras=(camera,) * len(images),
+        read_frame=reader.frame,
+        read_image=reader.image,
+        labels=tuple(entry.name for entry in images.values()),
+        has_depth=bool(depth),
+        unit="mm" if depth else "scene units",
+        notices=tuple(said),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    images: tuple[Path, ...]
+    masks: tuple[Path, ...]
+    depth_files: tuple[Path, ...]
+    camera: Camera
+    marked_is_tissue: bool
+
+    def image(self, index: int) -> ByteImage:
+        return np.ascontiguousarray(read_rgb(self.images[index])[:, LEFT_COLUMNS:])
+
+    def depth(self, index: int) -> DepthMap | None:
+        if not self.depth_files:
+            return None
+        return plausible(read_map(self.depth_files[index])[:, LEFT_COLUMNS:])
+
+    def marked(self, index: int) -> BoolImage:
+        size = self.camera.width + LEFT_COLUMNS, self.camera.height
+        return read_nonzero(self.masks[index], size)[:, LEFT_COLUMNS:]
+
+    def tissue(self, index: int) -> BoolImage:
+        if not self.masks:
+            return np.ones((self.camera.height, self.camera.width), dtype=bool)
+        return np.equal(self.marked(index), self.marked_is_tissue)
+
+    def sample(self, index: int) -> Sample:
+        return Sample(self.image(index), self.marked(index), self.depth(index))
+
+    def frame(self, index: int) -> Frame:
+        index = range(len(self.images))[index]
+        time, tissue = index / len(self.images), self.tissue(index)
+        image, depth = self.image(index), self.depth(index)
+        return Frame(index, time, image, self.camera, tissue, tissue.copy(), depth)
+
+
+def _camera(path: Path, width: int, height: int) -> Camera:
+    """The camera of pictures whose left columns are cut off."""
+    k = _intrinsics(path)
+    # OpenCV counts from the centre of the first pixel, which here is at 0.5.
+    cx, cy = k[0, 2] + 0.5 - LEFT_COLUMNS, k[1, 2] + 0.5
+    return Camera(float(k[0, 0]), float(k[1, 1]), float(cx), float(cy), width - LEFT_COLUMNS, height)
+
+
+def _intrinsics(path: Path) -> FloatArray:
+    matrix = read_table(path)
+    if matrix.shape != (3, 3):
+        raise ClipError(f"expected a 3x3 matrix, got shape {matrix.shape}: {path}")
+    if min(matrix[0, 0], matrix[1, 1]) <= 0 or np.abs(matrix[2] - (0, 0, 1)).max() > 1e-9:
+        raise ClipError(f"expected intrinsics fx 0 cx, 0 fy cy, 0 0 1, got {matrix.tolist()}: {path}")
+    return matrix

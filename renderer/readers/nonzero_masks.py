@@ -1,0 +1,48 @@
+"""Masks of which every value but 0 is set, and the check that they mark what their layout says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from renderer.clip import BoolImage, ClipError
+from renderer.readers.pictures import read_stored
+from renderer.readers.tool_masks import Sample, marks_tissue
+
+Marked = Literal["tool", "tissue"]
+
+_SAMPLES = 4
+
+
+def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
+    """(H, W) for `size` (width, height), True where the file is not 0; alpha does not count.
+
+    A mask of the same shape and another size is resampled by its nearest pixel. Raises ClipError
+    when the file is no picture or of another shape.
+    """
+    stored = read_stored(path)
+    levels = stored if stored.ndim == 2 else stored[:, :, :3].max(axis=2)
+    height, width = levels.shape
+    if abs(width * size[1] - height * size[0]) > 0.005 * width * size[1]:
+        wanted = f"a mask of the shape of the pictures, {size[0]}x{size[1]}"
+        raise ClipError(f"expected {wanted}, got {width}x{height}: {path}")
+    marked = (levels != 0).astype(np.uint8)
+    return np.asarray(cv2.resize(marked, size, interpolation=cv2.INTER_NEAREST_EXACT) > 0)
+
+
+def refuse_inverted(sample: Callable[[int], Sample], count: int, marked: Marked, masks: Path) -> None:
+    """Raises ClipError when the masks of a clip of `count` frames look like the opposite of `marked`."""
+    places = np.unique(np.linspace(0, count - 1, _SAMPLES).astype(int))
+    samples = [sample(int(place)) for place in places]
+    other: Marked = "tissue" if marked == "tool" else "tool"
+    if other == "tool":
+        samples = [replace(one, marked=~one.marked) for one in samples]
+    if marks_tissue(samples):
+        expected = f"expected non-zero = {marked}, got what looks like non-zero = {other}"
+        hint = f"set mask_polarity (--mask-polarity {other}, or {marked} if they are right)"
+        raise ClipError(f"{expected}; {hint}: {masks}")

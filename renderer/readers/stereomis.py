@@ -1,0 +1,137 @@
+"""Sequences of StereoMIS (Hayoz et al., 2023) as their preprocessing leaves them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted
+from renderer.readers.number_tables import read_table
+from renderer.readers.numbered_files import listed, numbered
+from renderer.readers.pictures import common_size, is_picture, read_rgb
+from renderer.readers.poses import pose_matrix
+from renderer.readers.rectification import read_rectified
+from renderer.readers.tool_masks import Sample
+
+CALIBRATION, TRAJECTORY = "StereoCalibration.ini", "groundtruth.txt"
+METRE = 1000.0
+"""In mm: positions of groundtruth.txt are in metres."""
+
+
+def is_stereomis(path: Path) -> bool:
+    """Whether the folder holds StereoCalibration.ini."""
+    return (path / CALIBRATION).is_file()
+
+
+def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+    """Opens a sequence with StereoCalibration.ini and rectified pictures NNNNNNl.png, NNNNNNr.png.
+
+    The pictures lie in video_frames/ or in the folder itself; the left ones are the frames. Their
+    camera is that of the rectification, see `read_rectified`. groundtruth.txt has a line "number x y z
+    qx qy qz qw" a frame, camera-to-world in metres and OpenCV axes; without it the camera stands still.
+    In masks/NNNNNNl.png what is not zero is tissue; frames without a mask are left out, as Deform3DGS
+    does. There is no measured depth.
+
+    Raises:
+        ClipError: parts that are missing or do not agree, masks that look inverted, a bad calibration.
+    """
+    folder = path / "video_frames" if (path / "video_frames").is_dir() else path
+    images = _lefts(folder)
+    masks = numbered(path / "masks", _is_left) if (path / "masks").is_dir() else {}
+    kept = [number for number in images if number in masks or not masks]
+    if not kept:
+        raise ClipError(f"expected a mask of the number of a picture, got none: {path / 'masks'}")
+    size = common_size(images[number] for number in kept)
+    rectified = read_rectified(path / CALIBRATION, size)
+    poses = _poses(path / TRAJECTORY, kept) if (path / TRAJECTORY).is_file() else []
+    cameras = tuple(rectified.camera.moved(pose) for pose in poses) or (rectified.camera,) * len(kept)
+    ordered = tuple(images[number] for number in kept)
+    reader = _Reader(
+        ordered, tuple(masks[number] for number in kept if masks), cameras, options.mask_polarity != "tool"
+    )
+    if masks and options.mask_polarity == "auto":
+        refuse_inverted(reader.sample, len(kept), "tissue", path / "masks")
+    return Clip(
+        name=path.resolve().name,
+        path=path,
+        format="stereomis",
+        cameras=cameras,
+        read_frame=reader.frame,
+        read_image=reader.image,
+        labels=tuple(entry.name for entry in ordered),
+        has_depth=False,
+        unit="mm",
+        notices=_notices(images, kept, bool(masks), bool(poses)),
+        baseline=rectified.baseline,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    images: tuple[Path, ...]
+    masks: tuple[Path, ...]
+    cameras: tuple[Camera, ...]
+    marked_is_tissue: bool
+
+    def image(self, index: int) -> ByteImage:
+        return read_rgb(self.images[index])
+
+    def marked(self, index: int) -> BoolImage:
+        return read_nonzero(self.masks[index], (self.cameras[index].width, self.cameras[index].height))
+
+    def sample(self, index: int) -> Sample:
+        return Sample(self.image(index), self.marked(index), None)
+
+    def frame(self, index: int) -> Frame:
+        index = range(len(self.images))[index]
+        camera, time = self.cameras[index], index / len(self.images)
+        every = np.ones((camera.height, camera.width), dtype=bool)
+        tissue = np.equal(self.marked(index), self.marked_is_tissue) if self.masks else every
+        return Frame(index, time, self.image(index), camera, tissue, tissue.copy())
+
+
+def _lefts(folder: Path) -> dict[int, Path]:
+    if not any(_is_left(entry) for entry in folder.iterdir()):
+        wanted = "pictures NNNNNNl.png, as the preprocessing takes them from the video"
+        raise ClipError(f"expected {wanted}, got none: {folder}")
+    return numbered(folder, _is_left)
+
+
+def _is_left(path: Path) -> bool:
+    return is_picture(path) and re.fullmatch(r"\d+l", path.stem) is not None
+
+
+def _poses(path: Path, numbers: list[int]) -> list[FloatArray]:
+    """World-to-camera matrices in mm of the frames of these numbers."""
+    rows = read_table(path)
+    if rows.shape[1] != 8:
+        raise ClipError(f"expected lines of number x y z qx qy qz qw, got {rows.shape[1]} numbers: {path}")
+    found = {round(row[0]): row[1:] for row in rows}
+    missing = [str(number) for number in numbers if number not in found]
+    if missing:
+        raise ClipError(f"expected a pose for every frame, got none for number {listed(missing)}: {path}")
+    return [_camera_from_world(found[number], number, path) for number in numbers]
+
+
+def _camera_from_world(row: FloatArray, number: int, path: Path) -> FloatArray:
+    try:
+        return np.linalg.inv(pose_matrix(METRE * row[:3], row[3:])).astype(np.float64)
+    except ValueError as error:
+        raise ClipError(f"frame {number}: {error}: {path}") from error
+
+
+def _notices(images: dict[int, Path], kept: list[int], masks: bool, poses: bool) -> tuple[str, ...]:
+    said = []
+    if len(kept) < len(images):
+        said.append(f"{len(images) - len(kept)} of {len(images)} frames have no mask and are left out")
+    if not masks:
+        said.append("no masks/: every pixel is taken for tissue")
+    if not poses:
+        said.append(f"no {TRAJECTORY}: the camera is taken to stand still")
+    return tuple(said)

@@ -1,0 +1,141 @@
+"""Folders of structure from motion as Liu et al. (CVPR 2020) publish them: pictures, poses, sparse points."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.number_tables import read_table
+from renderer.readers.numbered_files import listed, numbered
+from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
+from renderer.readers.point_ply import read_points
+from renderer.readers.poses import pose_matrix
+from renderer.readers.tool_masks import marked_pixels
+
+POSES, INTRINSICS, VIEWS = "motion.yaml", "camera_intrinsics_per_view", "visible_view_indexes"
+POINTS, MASK = "structure.ply", "undistorted_mask"
+
+_NUMBER = r"\s*([-+.\deE]+)\s*"
+_POSE = re.compile(
+    r"poses\[(\d+)\]:\s*position:\s*" + "".join(f"{axis}:{_NUMBER}" for axis in "xyz")
+    + r"orientation:\s*" + "".join(f"{axis}:{_NUMBER}" for axis in "xyzw")
+)  # fmt: skip
+
+
+def is_structure_from_motion(path: Path) -> bool:
+    """Whether the folder holds motion.yaml and camera_intrinsics_per_view."""
+    return (path / POSES).is_file() and (path / INTRINSICS).is_file()
+
+
+def open_structure_from_motion(path: Path) -> Clip:
+    """Opens a folder of undistorted pictures with their poses; `Clip.points` holds structure.ply.
+
+    motion.yaml has the camera-to-world pose (position, quaternion xyzw, OpenCV axes) of each view
+    that was registered, in the order of the picture numbers in visible_view_indexes; pictures that
+    were not registered are left out. camera_intrinsics_per_view has fx, fy, cx, cy for all views or
+    for each, the principal point from the centre of the first pixel. undistorted_mask is set where
+    the endoscope sees. The scale is arbitrary and there is no dense depth.
+
+    Raises:
+        ClipError: parts that are missing or do not agree.
+    """
+    numbers = _views(path / VIEWS)
+    poses = _poses(path / POSES, len(numbers))
+    pictures = numbered(path)
+    images = _pictures_of(pictures, numbers, path)
+    mask_file = next((entry for entry in sorted(path.glob(f"{MASK}.*")) if is_picture(entry)), None)
+    width, height = common_size((*images, *((mask_file,) if mask_file else ())))
+    cameras = tuple(
+        Camera(fx, fy, cx + 0.5, cy + 0.5, width, height, np.linalg.inv(pose).astype(np.float64))
+        for (fx, fy, cx, cy), pose in zip(_intrinsics(path / INTRINSICS, len(numbers)), poses, strict=True)
+    )
+    every = np.ones((height, width), dtype=bool)
+    seen = marked_pixels(read_stored(mask_file)) if mask_file else every
+    reader = _Reader(images, cameras, seen)
+    return Clip(
+        name=path.resolve().name,
+        path=path,
+        format="structure-from-motion",
+        cameras=cameras,
+        read_frame=reader.frame,
+        read_image=reader.image,
+        labels=tuple(entry.name for entry in images),
+        has_depth=False,
+        unit="scene units",
+        notices=_notices(pictures, numbers, mask_file),
+        points=read_points(path / POINTS),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    images: tuple[Path, ...]
+    cameras: tuple[Camera, ...]
+    seen: BoolImage
+
+    def image(self, index: int) -> ByteImage:
+        return read_rgb(self.images[index])
+
+    def frame(self, index: int) -> Frame:
+        index = range(len(self.images))[index]
+        time = index / len(self.images)
+        return Frame(index, time, self.image(index), self.cameras[index], self.seen, self.seen)
+
+
+def _pictures_of(pictures: dict[int, Path], numbers: list[int], path: Path) -> tuple[Path, ...]:
+    missing = [str(number) for number in numbers if number not in pictures]
+    if missing:
+        raise ClipError(f"expected a picture of every view in {VIEWS}, got none of {listed(missing)}: {path}")
+    return tuple(pictures[number] for number in numbers)
+
+
+def _notices(pictures: dict[int, Path], numbers: list[int], mask: Path | None) -> tuple[str, ...]:
+    known = set(numbers)
+    loose = [entry.name for number, entry in pictures.items() if number not in known]
+    said = [f"left out, of views without a pose: {listed(loose)}"] if loose else []
+    if mask is None:
+        said.append(f"no {MASK}: every pixel is taken for tissue")
+    return (*said, "the scale is that of structure from motion, not millimetres")
+
+
+def _poses(path: Path, count: int) -> list[FloatArray]:
+    """Camera-to-world matrices (4, 4) in the order of their numbers."""
+    found = {
+        int(pose[0]): pose[1:] for pose in _POSE.findall(path.read_text(encoding="utf-8", errors="replace"))
+    }
+    if sorted(found) != list(range(count)):
+        raise ClipError(f"expected poses 0 to {count - 1}, as many as views, got {len(found)}: {path}")
+    return [_pose(found[number], number, path) for number in range(count)]
+
+
+def _pose(words: tuple[str, ...], number: int, path: Path) -> FloatArray:
+    try:
+        values = np.array(words, dtype=np.float64)
+        return pose_matrix(values[:3], values[3:])
+    except ValueError as error:
+        raise ClipError(f"pose {number}: {error}: {path}") from error
+
+
+def _intrinsics(path: Path, count: int) -> list[tuple[float, ...]]:
+    """fx, fy, cx, cy of each view."""
+    values = read_table(path)
+    if values.size not in (4, 4 * count):
+        raise ClipError(
+            f"expected fx, fy, cx, cy once or for {count} views, got {values.size} numbers: {path}"
+        )
+    rows = [tuple(map(float, row)) for row in values.reshape(-1, 4)]
+    return rows if len(rows) == count else rows * count
+
+
+def _views(path: Path) -> list[int]:
+    """Numbers of the pictures whose views were registered."""
+    numbers = read_table(path).ravel()
+    views = [int(number) for number in numbers]
+    if (numbers != views).any() or min(views) < 0 or len(set(views)) < len(views):
+        raise ClipError(f"expected the numbers of the views, whole and each once, got others: {path}")
+    return views
