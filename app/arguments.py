@@ -79,10 +79,9 @@ def _options(hint: Any) -> dict[str, Any]:
     parts = _alternatives(hint)
     if bool in parts:
         return {"action": argparse.BooleanOptionalAction}
-    choices = [str(value) for part in parts if get_origin(part) is Literal for value in get_args(part)]
-    if choices:
-        return {"metavar": "|".join(choices)}
     several = any(get_origin(part) is tuple for part in parts)
+    if choices := _choices(hint):
+        return {"metavar": "NAME", "nargs": "+"} if several else {"metavar": "|".join(choices)}
     number = "F" if float in parts else "N"
     metavar = f"{AUTO}|{number}" if type(None) in parts else number
     return {"metavar": metavar, "nargs": "+"} if several else {"metavar": metavar}
@@ -97,15 +96,24 @@ def _alternatives(hint: Any) -> list[Any]:
     return [plain for part in get_args(hint) for plain in _alternatives(part)]
 
 
+def _choices(hint: Any) -> list[str]:
+    """The words that a field takes, one or several of them."""
+    inner = [get_args(part)[0] if get_origin(part) is tuple else part for part in _alternatives(hint)]
+    return [str(value) for part in inner if get_origin(part) is Literal for value in get_args(part)]
+
+
 def _help(field: FieldInfo) -> str:
     parts = [" ".join((field.description or "").split())]
+    if isinstance(field.default, tuple) and (choices := _choices(field.annotation)):
+        parts.append(f"[{', '.join(choices)}]")
     for mark in dict.fromkeys([*field.metadata, *marks(field.annotation)]):
         if isinstance(mark, Interval):
             parts.append(f"[{mark.ge} to {mark.le}]")
         elif isinstance(mark, Unit):
             parts.append(f"in {mark.unit}")
     default = field.default if isinstance(field.default, tuple) else (field.default,)
-    parts.append("default " + " ".join(AUTO if value is None else str(value) for value in default))
+    if default:
+        parts.append("default " + " ".join(AUTO if value is None else str(value) for value in default))
     return " ".join(part for part in parts if part).replace("%", "%%")
 
 

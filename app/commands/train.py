@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,9 @@ from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.run_folder import RunFolder
 from app.training import PRESETS, TrainRequest, run_training
-from renderer.clip_options import EVERY_OPTION, ClipOptions
+from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Progress, Warned
+from renderer.train.events import Evaluated, Finished, Omission, Progress, Warned
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +36,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         default=argparse.SUPPRESS,
         help="with --input enhanced: the paper's method (default), or the own preset `vessel`",
     )
-    add_fields(parser, TrainConfig, ("iterations", "seed"))
+    add_fields(parser, TrainConfig, ("iterations", "seed", "sh_degree", "keep", "leave_out"))
     add_fields(parser, ClipOptions, EVERY_OPTION)
     parser.add_argument(
         "--device", choices=("auto", "cpu", "cuda"), default="auto", help="what computes (default auto)"
@@ -75,8 +76,16 @@ def run(flags: argparse.Namespace) -> None:
     else:
         done = f"{finished.iteration} iterations in {finished.seconds:.1f} s"
         sys.stdout.write(f"{flags.run}: {len(finished.model)} Gaussians, {done}\n")
-        for omission in summary["omitted"]:
-            sys.stdout.write(f"left out: {omission.what} ({omission.why}), saves {omission.saves}\n")
+        sys.stdout.write(_table(summary["omitted"]))
+
+
+def _table(omissions: Sequence[Omission]) -> str:
+    """What was left out, why, and what that saves, in columns; empty when nothing was."""
+    if not omissions:
+        return ""
+    rows = [("left out", "why", "saves"), *((each.what, each.why, each.saves) for each in omissions)]
+    first, second, _ = (max(len(cell) for cell in column) for column in zip(*rows, strict=True))
+    return "".join(f"{what:{first}}  {why:{second}}  {saves}\n" for what, why, saves in rows)
 
 
 def _look(flags: argparse.Namespace) -> Look:

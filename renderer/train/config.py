@@ -74,3 +74,8 @@ class TrainConfig:
     """Keep training frames with index % 8 == 5 out and evaluate on them: for choosing settings."""
     checkpoint_every: Annotated[int, Interval(ge=1, le=1_000_000)] = 500
     """Steps between checkpoints."""
+
+    def __post_init__(self) -> None:
+        for part in self.leave_out:
+            if part in self.keep:
+                raise ValueError(f"expected {part} either kept or left out, got both")

@@ -105,16 +105,16 @@ def _omitted(
     if not needs.recolors and config.method == "vesselsplat":
         asked = "color_curves" in config.leave_out
         why = "as asked" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
-        yield Omission("color curves", why, curve)
+        yield Omission("colour curves", why, curve)
     if needs.recolors or (needs.moves and config.method == "vesselsplat"):
         yield from _of_curves(clip, needs)
     if not needs.has_depth:
         yield Omission("depth loss", "no depth is measured", "a term of the loss")
     if not needs.has_masks:
-        yield Omission("mask maths", "no pixel is masked", "masked means where frames are halved")
-    if "tiles" not in config.keep:
-        share = 1 - float(np.mean([tissue_tiles(frame.tissue_mask).mean() for frame in frames]))
-        yield Omission("tiles without tissue", "nothing is supervised there", f"{share:.0%} of the tiles")
+        yield Omission("mask maths", "no pixel is masked", "weights in halving frames")
+    share = 1 - float(np.mean([tissue_tiles(frame.tissue_mask).mean() for frame in frames]))
+    if share > 0 and "tiles" not in config.keep:
+        yield Omission("tiles without tissue", "no photo to compare with", f"{share:.0%} of the tiles")
 
 
 def _of_curves(clip: Clip, needs: Needs) -> Iterator[Omission]:
@@ -125,7 +125,7 @@ def _of_curves(clip: Clip, needs: Needs) -> Iterator[Omission]:
         yield Omission("control values", why, f"{fewer} of {len(clip)} a curve")
     if needs.n_controls > MIN_CONTROLS:
         saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} a curve and step"
-        yield Omission("moments of far control values", "they have no gradient", saves)
+        yield Omission("moments of far controls", "they have no gradient", saves)
 
 
 def _why_no_harmonics(clip: Clip, config: TrainConfig) -> str:

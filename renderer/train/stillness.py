@@ -73,6 +73,8 @@ def _pairs(frames: Sequence[Frame]) -> Iterator[tuple[Frame, Frame]]:
 
 def _compared(first: Frame, second: Frame) -> tuple[float, float] | None:
     """Displacement and change of colour between two frames; None where there is too little to measure."""
+    if first.camera != second.camera and (first.depth is None or second.depth is None):
+        return None
     columns, rows, seen = _correspondence(first, second)
     there = np.asarray(cv2.remap(second.image, columns, rows, cv2.INTER_LINEAR))
     for image in (first.image, there):
