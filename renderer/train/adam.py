@@ -47,6 +47,25 @@ def update_rows(
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
+def coast_taps(
+    controls: NDArray[np.float32],  # (N, K, C), updated
+    first: NDArray[np.float32],  # (N, K, C), updated
+    second: NDArray[np.float32],  # (N, K, C), updated
+    start: int,
+    rates: NDArray[np.float32],  # (K,)
+) -> None:
+    """The published update, with gradient 0, of all control values but the four that start at `start`."""
+    for n in prange(controls.shape[0]):
+        for k in range(controls.shape[1]):
+            if start <= k < start + 4:
+                continue
+            for c in range(controls.shape[2]):
+                controls[n, k, c], first[n, k, c], second[n, k, c] = _update(
+                    controls[n, k, c], np.float32(0.0), first[n, k, c], second[n, k, c], rates[k]
+                )
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
 def update_taps(
     controls: NDArray[np.float32],  # (N, K, C), updated
     gradients: NDArray[np.float32],  # (N, C), by the curves' values

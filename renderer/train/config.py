@@ -10,7 +10,9 @@ from pydantic.dataclasses import dataclass
 
 Method = Literal["vesselsplat", "deform3dgs", "endogaussian", "static"]
 
-Part = Literal["harmonics", "deformation", "color_curves", "controls", "depth", "masks", "tiles", "unseen"]
+Part = Literal[
+    "harmonics", "deformation", "color_curves", "controls", "moments", "depth", "masks", "tiles", "unseen"
+]
 """What a clip may not need."""
 
 

@@ -75,7 +75,10 @@ class TrainModel:
         )
         measured = picture_loss(rasterizer, frame, self._recipe.losses, self._size)
         by, seen = _by_raw(rasterizer.backward(splats), splats), rasterizer.visible
+        reached = seen.copy()
         self.trouble.not_finite += leave_out_broken(by, seen)
+        if self._recipe.every_moment:
+            seen |= ~reached
         self._update(by, seen, iteration)
         if moves:
             self._motion.update(frame.time, by, seen, iteration)

@@ -107,7 +107,7 @@ def _omitted(
         why = "as asked" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
         yield Omission("colour curves", why, curve)
     if needs.recolors or (needs.moves and config.method == "vesselsplat"):
-        yield from _of_curves(clip, needs)
+        yield from _of_curves(clip, config, needs)
     if not needs.has_depth:
         yield Omission("depth loss", "no depth is measured", "a term of the loss")
     if not needs.has_masks:
@@ -117,13 +117,13 @@ def _omitted(
         yield Omission("tiles without tissue", "no photo to compare with", f"{share:.0%} of the tiles")
 
 
-def _of_curves(clip: Clip, needs: Needs) -> Iterator[Omission]:
+def _of_curves(clip: Clip, config: TrainConfig, needs: Needs) -> Iterator[Omission]:
     """Most numbers of a curve do not count at any one time."""
     fewer = len(clip) - needs.n_controls
     if fewer > 0:
         why = f"a curve needs one each {len(clip) / needs.n_controls:.1f} frames"
         yield Omission("control values", why, f"{fewer} of {len(clip)} a curve")
-    if needs.n_controls > MIN_CONTROLS:
+    if needs.n_controls > MIN_CONTROLS and "moments" not in config.keep:
         saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} a curve and step"
         yield Omission("moments of far controls", "they have no gradient", saves)
 

@@ -73,6 +73,8 @@ class Recipe:
     """None: as many Gaussians as there were at first."""
     every_tile: bool = False
     """Draw tiles without tissue too, which no loss looks at."""
+    every_moment: bool = False
+    """What has no gradient in a step goes on by its moments, as Adam is published; else it rests."""
     sh_degree: int = 0
     """Of the spherical harmonics at the end, 0 to 3: one more every sixth of the run."""
 

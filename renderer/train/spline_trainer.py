@@ -11,7 +11,7 @@ from renderer.deformation.nodes import Attachment, gather_gradients
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.raw_gaussians import Arrays, RawGaussians
-from renderer.train.adam import corrected_rate, update_taps
+from renderer.train.adam import coast_taps, corrected_rate, update_taps
 from renderer.train.rates import Rate
 from renderer.train.recipe import BoolArray
 
@@ -27,6 +27,8 @@ class SplineRates:
     opacity: Rate
     smoothing: Rate
     """Share by which a control value is pulled to the mean of its neighbours in time, each step."""
+    every_moment: bool = False
+    """Control values far from a frame's time go on by their moments; else they rest."""
 
 
 class SplineTrainer:
@@ -51,12 +53,14 @@ class SplineTrainer:
     def update(self, time: float, by: RawGaussians, seen: BoolArray, iteration: int) -> None:
         """See MotionTrainer; bias corrections count the updates of each control value."""
         start, weights = spline_taps(time, self.motion.n_controls)
-        self._tap_steps[start : start + 4] += 1
-        corrections = np.array(
-            [corrected_rate(1.0, int(steps)) for steps in self._tap_steps[start : start + 4]]
-        )
-        by_nodes, touched = self._gathered(by.means)
         rates = self._rates
+        active = slice(start, start + 4)
+        moved = slice(None) if rates.every_moment else active
+        self._tap_steps[moved] += 1
+        corrections = np.ones(self.motion.n_controls)
+        corrections[moved] = [corrected_rate(1.0, int(steps)) for steps in self._tap_steps[moved]]
+        by_nodes, touched = self._gathered(by.means)
+        touched |= rates.every_moment
         smoothing = rates.smoothing.at(iteration)
         for name, gradient, wanted, rate in (
             ("position_controls", by.means, seen, rates.position),
@@ -64,10 +68,13 @@ class SplineTrainer:
             ("opacity_controls", by.opacity_logits[:, None], seen, rates.opacity),
             ("node_controls", by_nodes, touched, rates.position),
         ):
+            controls, first, second = getattr(self.motion, name), self._first[name], self._second[name]
+            corrected = (corrections * rate.at(iteration)).astype(np.float32)
             update_taps(
-                getattr(self.motion, name), gradient, self._first[name], self._second[name], wanted,
-                start, weights, (corrections * rate.at(iteration)).astype(np.float32), smoothing,
-            )  # fmt: skip
+                controls, gradient, first, second, wanted, start, weights, corrected[active], smoothing
+            )
+            if rates.every_moment:
+                coast_taps(controls, first, second, start, corrected)
 
     def _gathered(self, by_means: NDArray[np.float32]) -> tuple[NDArray[np.float32], BoolArray]:
         by_nodes = np.empty((len(self.motion.node_controls), 3), np.float32)

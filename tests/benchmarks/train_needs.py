@@ -52,6 +52,7 @@ PAIRS = {
     "color_curves": _as_needed("fixed", "static", keep=("color_curves",)),
     "lamp": _as_needed("moving", "static", keep=("harmonics",)),
     "controls": _as_needed("fixed", "moving", keep=("controls",)),
+    "moments": _as_needed("fixed", "moving", keep=("moments",)),
     "tiles": _as_needed("fixed", "moving", keep=("tiles",)),
 }
 """By name; `lamp`: harmonics beside colour curves, where the lamp moves with the camera."""

@@ -132,6 +132,28 @@ def test_tiles_and_control_values_are_forced_back() -> None:
     assert recipe_for(config, needs_of(clip, config)).every_tile
 
 
+def test_moments_are_forced_back() -> None:
+    """Far from a frame's time a control value rests, or goes on as Adam is published."""
+    clip = moving_sheet()
+    far = []
+    for keep in ((), ("moments",)):
+        config = replace(SMALL, n_controls=8, keep=keep)
+        assert ("moments of far controls" in what(needs_of(clip, config))) == (not keep)
+        frames = [clip.read_frame(index) for index in (0, 11)]
+        recipe = recipe_for(config, needs_of(clip, config))
+        raw = recipe.initialize(frames)
+        model = TrainModel(raw, recipe.make_trainer(raw, frames, 50.0), recipe, 50.0)
+        model.step(train_frame(frames[0]), 0)
+        first = model.snapshot().motion
+        model.step(train_frame(frames[1]), 1)
+        last = model.gaussians.motion
+        assert isinstance(first, SplineMotion)
+        assert isinstance(last, SplineMotion)
+        far.append(last.position_controls[:, :4] - first.position_controls[:, :4])
+    assert not far[0].any()
+    assert far[1].any()
+
+
 def test_what_moves_can_be_left_out_all_the_same() -> None:
     moving = moving_sheet()
     assert needs_of(moving, SMALL).moves

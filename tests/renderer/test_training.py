@@ -12,7 +12,7 @@ from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import Rasterizer, render
 from renderer.splats import Splats
-from renderer.train.adam import corrected_rate, update_rows, update_taps
+from renderer.train.adam import coast_taps, corrected_rate, update_rows, update_taps
 from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Started
@@ -223,6 +223,27 @@ def test_only_the_active_control_values_move() -> None:
     assert (controls[0, 2:6, 0] < 0).all()
     assert not controls[0, [0, 1, 6, 7]].any()
     assert not controls[1].any()
+
+
+def test_far_control_values_coast_as_adam_is_published() -> None:
+    """Five steps with a gradient, then five without, of one value; in float64 with no special case."""
+    controls = np.zeros((1, 6, 1), np.float32)
+    first, second = np.zeros_like(controls), np.zeros_like(controls)
+    weights, seen = np.full(4, 0.25, np.float32), np.array([True])
+    value = m = v = 0.0
+    for step in range(1, 11):
+        gradient = 2.0 * step if step <= 5 else 0.0
+        rate = corrected_rate(0.1, step)
+        if step <= 5:
+            by = np.full((1, 1), 4 * gradient, np.float32)
+            update_taps(controls, by, first, second, seen, 0, weights, np.full(4, rate, np.float32), 0.0)
+            active = controls[0, 2:].copy()
+        else:
+            coast_taps(controls, first, second, 2, np.full(6, rate, np.float32))
+        m, v = 0.9 * m + 0.1 * gradient, 0.999 * v + 0.001 * gradient**2
+        value -= 0.1 * (m / (1 - 0.9**step)) / np.sqrt(v / (1 - 0.999**step))
+    assert np.allclose(controls[0, :2, 0], value, rtol=1e-5)
+    assert np.array_equal(controls[0, 2:], active)
 
 
 def test_progress_ends_at_the_last_step_with_no_time_left() -> None:

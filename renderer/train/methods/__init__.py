@@ -21,7 +21,11 @@ RECIPES: dict[Method, Callable[[TrainConfig, Needs], Recipe]] = {
 
 def recipe_for(config: TrainConfig, needs: Needs) -> Recipe:
     """The method that `config` asks for, as a clip needs it."""
-    recipe = replace(RECIPES[config.method](config, needs), every_tile="tiles" in config.keep)
+    recipe = replace(
+        RECIPES[config.method](config, needs),
+        every_tile="tiles" in config.keep,
+        every_moment="moments" in config.keep,
+    )
     if needs.moves or needs.recolors:
         return recipe
     return replace(recipe, make_trainer=lambda raw, frames, size: StillTrainer())

@@ -72,6 +72,7 @@ def _spline_rates(config: TrainConfig, size: float) -> SplineRates:
         color=falling(config.color_motion_rate),
         opacity=falling(0.0),
         smoothing=falling(config.smoothing),
+        every_moment="moments" in config.keep,
     )
 
 
