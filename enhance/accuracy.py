@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from statistics import median
+from functools import partial
 from time import perf_counter
 from typing import Any, Final, Literal
 
@@ -12,20 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.enhancer import Enhancer
+from enhance.guided_filter import Window, Windows, window, window_on
 from enhance.image import AnyImage, full_scale
 from enhance.params import EnhanceParams
+from enhance.pipeline import enhance
 from enhance.reference import enhance_reference
 
-Group = Literal["subsample", "nearest", "scales", "arithmetic", "left out", "kept in"]
+Group = Literal["subsample", "sampling", "scales", "arithmetic", "left out", "kept in"]
 EXACT: Final = EnhanceParams(omit_below=0.0)
 SUBSETS: Final = ((4,), (16,), (64,), (4, 16), (4, 64), (16, 64), (4, 16, 64))
-OMISSIONS: Final[tuple[tuple[str, dict[str, Any]], ...]] = (
-    ("P = 0", {"p": 0.0}),
-    ("P = 0.002", {"p": 0.002}),
-    ("P = 1/2, 0, 0", {"p": (0.5, 0.0, 0.0)}),
-    ("eps = 1e-6", {"eps": 1e-6}),
-    ("z = 1", {"z": 1.0}),
+OMISSIONS: Final[tuple[tuple[str, dict[str, Any], dict[str, Any]], ...]] = (
+    ("P = 0", {"p": 0.0}, {"p": 1e-30}),
+    ("P = 1/2, 0, 0", {"p": (0.5, 0.0, 0.0)}, {"p": (0.5, 1e-30, 1e-30)}),
+    ("P = 0.001", {"p": 0.001}, {}),
+    ("P = 0.002", {"p": 0.002}, {}),
+    ("P = 1/2, 1/2, 0.003", {"p": (0.5, 0.5, 0.003)}, {}),
+    ("P = 1/2", {"p": 0.5}, {}),
+    ("z = 1", {"z": 1.0}, {"z": 1 - 1e-7}),
 )
+"""What is set so that something may be left out, and what keeps it in though it changes nothing."""
 
 
 @dataclass(frozen=True)
@@ -48,22 +54,34 @@ class Row:
 def accuracy(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
     """Rows for an RGB image.
 
-    "subsample", "nearest" and "scales" are measured against float64 without subsampling, with three scales;
+    "subsample", "sampling" and "scales" are measured against float64 without subsampling, with three scales;
     "arithmetic" against float64 with the same subsampling. Bytes are compared with bytes, floats and 16 bits
-    unrounded. "left out" compares what `omit_below` leaves out with "kept in", the row after it.
+    unrounded. "sampling" is what the product does not do: all windows on one grid; widths rounded to whole
+    pixels of it; variances of block means; V decimated. "left out" compares what `omit_below` leaves out with
+    "kept in", the row after it.
     """
     truth = _reference(image, replace(EXACT, subsample=1))
     for subsample in (1, 2, 4, 8):
         params = replace(EXACT, subsample=subsample)
         yield _row("subsample", f"s = {subsample}", image, params, truth, repeats)
-    for subsample in (2, 4, 8):
-        error = np.abs(_nearest(image, subsample).astype(np.float64) - np.rint(truth))
-        yield _summary("nearest", f"s = {subsample}", error, None, None)
+    yield from _samplings(image, truth, repeats)
     for radii in SUBSETS:
         params = replace(EXACT, radii=radii)
         yield _row("scales", " + ".join(map(str, radii)), image, params, truth, repeats)
     yield from _arithmetic(image, repeats)
     yield from _omissions(image, repeats)
+
+
+def _samplings(image: NDArray[np.uint8], truth: NDArray[np.float64], repeats: int) -> Iterator[Row]:
+    for subsample in (2, 4, 8):
+        params = replace(EXACT, subsample=subsample)
+        name = f"s = {subsample}, one grid"
+        yield _row("sampling", name, image, params, truth, repeats, _Sampled(_on_one_grid))
+    yield _row("sampling", "s = 2, rounded widths", image, EXACT, truth, repeats, _Sampled(_rounded))
+    changed = {"s = 2, means alone": _means_alone(image, 2)}
+    changed |= {f"s = {s}, nearest": _nearest(image, s) for s in (2, 4, 8)}
+    for name, result in changed.items():
+        yield _summary("sampling", name, np.abs(result.astype(np.float64) - np.rint(truth)), None, None)
 
 
 def _arithmetic(image: NDArray[np.uint8], repeats: int) -> Iterator[Row]:
@@ -79,13 +97,16 @@ def _arithmetic(image: NDArray[np.uint8], repeats: int) -> Iterator[Row]:
 
 
 def _omissions(image: NDArray[np.uint8], repeats: int) -> Iterator[Row]:
-    """On float32, where an error is not hidden by rounding."""
+    """Errors on float32, where rounding does not hide them; times on bytes, in turn."""
     pixels = image / np.float32(255)
-    for name, change in OMISSIONS:
+    for name, change, kept in OMISSIONS:
         params = replace(EnhanceParams(), **change)
-        whole, whole_ms, _ = _timed(pixels, replace(params, omit_below=0.0), repeats)
-        lean, lean_ms, bound = _timed(pixels, params, repeats)
-        error = 255 * np.abs(lean.astype(np.float64) - whole)
+        full = replace(params, omit_below=0.0, **kept)
+        lean, whole = enhance(pixels, params), enhance(pixels, full)
+        error = 255 * np.abs(lean.image.astype(np.float64) - whole.image)
+        bound = sum(omission.error for omission in lean.omitted)
+        works = [partial(_frame, Enhancer(), image, one) for one in (params, full)]
+        lean_ms, whole_ms = _times(works, repeats)
         yield _summary("left out", name, error, bound, lean_ms)
         yield _summary("kept in", name, np.zeros_like(error), None, whole_ms)
 
@@ -97,31 +118,68 @@ def _row(
     params: EnhanceParams,
     truth: NDArray[np.float64],
     repeats: int,
+    enhancer: Enhancer | None = None,
 ) -> Row:
-    result, milliseconds, _ = _timed(image, params, repeats)
+    work = partial(_frame, enhancer or Enhancer(), image, params)
+    result, (milliseconds,) = work(), _times([work], repeats)
     levels = result.astype(np.float64) * (255 / full_scale(result.dtype))
     error = np.abs(levels - (np.rint(truth) if result.dtype == np.uint8 else truth))
     return _summary(group, setting, error, None, milliseconds)
 
 
-def _timed(image: AnyImage, params: EnhanceParams, repeats: int) -> tuple[AnyImage, float, float]:
-    """The result, median milliseconds of a stream of such images, and the bound on what is left out."""
-    enhancer, taken = Enhancer(), []
+def _frame(enhancer: Enhancer, image: AnyImage, params: EnhanceParams) -> AnyImage:
+    """The next of a stream of such images."""
     enhancer.show(image)
-    result = enhancer.enhance(params)
-    for _ in range(repeats):
-        start = perf_counter()
-        enhancer.show(image)
-        result = enhancer.enhance(params)
-        taken.append(1000 * (perf_counter() - start))
-    return result.image, median(taken), sum(omission.error for omission in result.omitted)
+    return enhancer.enhance(params).image
+
+
+def _times(works: Sequence[Callable[[], object]], repeats: int) -> list[float]:
+    """Median milliseconds of each; they take turns, so that a busy machine slows them alike."""
+    taken = np.empty((repeats + 1, len(works)))
+    for row in taken:
+        for index, work in enumerate(works):
+            start = perf_counter()
+            work()
+            row[index] = 1000 * (perf_counter() - start)
+    return [float(one) for one in np.median(taken[1:], axis=0)]
+
+
+class _Sampled(Enhancer):
+    """With other windows than the product's."""
+
+    def __init__(self, window: Callable[[int, float, int], Window]) -> None:
+        super().__init__()
+        self._window = window
+
+    def _windows(self, params: EnhanceParams) -> Windows:
+        return tuple(self._window(radius, params.eps, params.subsample) for radius in params.radii)
+
+
+def _on_one_grid(radius: int, eps: float, subsample: int) -> Window:
+    return window_on(radius, eps, subsample, coarse=False)
+
+
+def _rounded(radius: int, eps: float, subsample: int) -> Window:
+    """Of r / s whole pixels on each side, halves up."""
+    one = window(radius, eps, subsample)
+    return replace(one, whole=max(1, math.floor(one.whole + one.part + 0.5)), part=0.0)
+
+
+def _means_alone(image: NDArray[np.uint8], subsample: int) -> AnyImage:
+    enhancer = Enhancer()
+    enhancer.show(image)
+    for plane in enhancer._surveyed(subsample).low:
+        plane[1] = 0
+    return enhancer.enhance(replace(EXACT, subsample=subsample)).image
 
 
 def _nearest(image: NDArray[np.uint8], subsample: int) -> AnyImage:
-    """With V decimated to the middle pixel of each block; the first pass leaves the block's mean."""
+    """With the middle pixel of each block in place of its mean and variance."""
     enhancer = Enhancer()
     enhancer.show(image)
-    enhancer._surveyed(subsample).low[:] = _decimated(image, subsample)
+    low = enhancer._surveyed(subsample).low
+    for plane, size in zip(low, (subsample, 2 * subsample), strict=True):
+        plane[0], plane[1] = _decimated(image, size), 0
     return enhancer.enhance(replace(EXACT, subsample=subsample)).image
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from functools import cached_property, partial
+from typing import Any, Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from enhance import brightness, needs, saturation
 from enhance.chunk import BINS, BLOCK
-from enhance.guided_filter import WindowModels, Windows, shrunk_radius
+from enhance.guided_filter import Grids, Window, WindowModels, Windows, window
 from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
 from enhance.kernels import (
     FROM_LOGARITHM,
@@ -30,10 +32,10 @@ from enhance.survey import survey
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
 
+SPARSE: Final = 32
+"""One row of so many tells of most scales that they cannot be left out."""
+
 NO_VALUES: Final = np.empty((0, 0), np.float32)
-NO_MODELS: Final = np.empty((0, 2, 1, 1), np.float32)
-UNMEASURED: Final = Statistics(level=0.0, z=1.0, saturation_mean=0.0, sigmas=(), p=(), scope="image")
-"""For a pass that only measures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,52 +58,59 @@ class _Survey:
     """What the first pass finds."""
 
     subsample: int
-    low: Float32Image
-    """Block means of V."""
+    low: Grids
+    """(2, h, w) mean and variance of V in each block."""
     histogram: NDArray[np.int64]
     """(256,) of V over the kept pixels."""
     chroma: float
     """Sum of S over the kept pixels."""
 
-    @property
+    @cached_property
     def count(self) -> int:
         return int(self.histogram.sum())
+
+    @cached_property
+    def mean(self) -> float:
+        """Of V, in [0, 1]."""
+        return float(self.histogram @ np.arange(BINS)) / (255 * max(self.count, 1))
 
     def range(self, rounding: float) -> tuple[float, float]:
         """Darkest and brightest V counted, widened by what rounding hides, in grey levels."""
         levels = np.flatnonzero(self.histogram)
         return max(levels[0] - rounding, 0) / 255, min(levels[-1] + rounding, 255) / 255
 
-    @property
-    def mean(self) -> float:
-        """Of V, in [0, 1]."""
-        return float(self.histogram @ np.arange(BINS)) / (255 * max(self.count, 1))
+
+class _Moments(NamedTuple):
+    """Of a scale's Q over the kept pixels, as in Tally."""
+
+    mean: float
+    squares: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Moments:
-    """(n_scales,) of each scale's Q over the kept pixels, as in Tally."""
+@dataclass(frozen=True)
+class _Scale:
+    """What a scale's E is made from."""
 
-    windows: Windows
-    means: NDArray[np.float64]
-    squares: NDArray[np.float64]
+    window: Window
+    p: float | None
+    """None: of the logarithm of its ratio, which is the same for every P."""
 
 
 @dataclass(frozen=True)
 class _Made:
     """What V* is made from."""
 
-    windows: Windows
     z: float
-    p: tuple[float, ...]
-    left_out: tuple[bool, ...]
+    scales: tuple[_Scale | None, ...]
+    """None: left out."""
 
 
 class Enhancer:
     """Show it an image, then enhance that as often as the parameters change.
 
-    A moved d-factor leaves V* as it is; a moved z or P does not filter again; a moved radius filters one
-    scale. The memory for all that stays from image to image. Not to be used from two threads at once.
+    A moved d-factor leaves V* as it is; a moved z or P does not filter again; a moved radius filters and
+    measures one scale. The memory for all that stays from image to image. Not to be used from two threads at
+    once.
     """
 
     def __init__(self, live: LiveStatistics | None = None) -> None:
@@ -112,12 +121,12 @@ class Enhancer:
         self._shown: _Shown | None = None
         self._survey: _Survey | None = None
         self._models = WindowModels()
-        self._moments: _Moments | None = None
-        self._reaches: tuple[Windows, tuple[float, ...]] | None = None
+        self._moments: dict[Window, _Moments] = {}
+        self._reaches: dict[Window, float] = {}
         self._made: _Made | None = None
-        self._values_from: _Made | None = None
+        self._values_of: _Made | None = None
         self._values = NO_VALUES
-        self._kept_from: _Made | None = None
+        self._kept_of: list[_Scale | None] = []
         self._kept = np.empty((0, 0, 0), np.float32)
 
     def show(self, image: AnyImage, tissue_mask: AnyImage | None = None) -> None:
@@ -131,8 +140,8 @@ class Enhancer:
         if tissue_mask is not None or picture.alpha is not None:
             keep = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
         self._shown = _Shown(picture, _interleaved(picture), keep)
-        self._survey = self._moments = self._reaches = None
-        self._made = self._values_from = self._kept_from = None
+        self._survey = self._made = self._values_of = None
+        self._moments, self._reaches, self._kept_of = {}, {}, []
         self._models.forget()
         self._before = self._last
 
@@ -144,28 +153,26 @@ class Enhancer:
         Raises:
             ImageError: statistics that cannot be used, or no pixel to measure.
         """
+        windows = self._windows(params)
         if statistics is not None:
-            return self._draw(params, statistics.resolved(params), tight=True)
+            return self._draw(params, windows, statistics.resolved(params), tight=True)
         if params.p is not None:
             self._last = self._statistics(params, ())
-            return self._draw(params, self._last, tight=True)
-        if self._is_measured(params):
-            self._last = self._statistics(params, self.tally(params).sigmas)
-            return self._draw(params, self._last)
-        # P is 1/2 on nearly every image: draw with that, which measures Q on the way.
-        likely = self._statistics(params, (LIKELY_SIGMA,) * len(params.radii))
-        drawn = self._draw(params, likely, measure=True)
-        self._last = used = self._statistics(params, self.tally(params).sigmas)
-        return replace(drawn, statistics=used) if used.p == likely.p else self._draw(params, used)
+            return self._draw(params, windows, self._last, tight=True)
+        # P is 1/2 on nearly every image: draw with that, which measures on the way what is not known of Q.
+        unknown = [one not in self._moments for one in windows]
+        likely = self._statistics(params, windows)
+        drawn = self._draw(params, windows, likely, unknown)
+        self._last = used = self._statistics(params, windows) if any(unknown) else likely
+        return replace(drawn, statistics=used) if used.p == likely.p else self._draw(params, windows, used)
 
     def tally(self, params: EnhanceParams) -> Tally:
         """Sums over the kept pixels of the image that is shown, to be pooled with those of others."""
-        seen = self._surveyed(params.subsample)
-        if self._moments is None or self._moments.windows != _windows(params):
-            nothing = (True,) * len(params.radii)
-            self._render(params, UNMEASURED, nothing, measure=True)
-        assert self._moments is not None
-        return Tally(seen.count, seen.histogram, seen.chroma, self._moments.means, self._moments.squares)
+        windows = self._windows(params)
+        unknown = [one not in self._moments for one in windows]
+        if any(unknown):
+            self._render(params, windows, _Made(1.0, (None,) * len(windows)), 0.0, unknown)
+        return self._known(params, windows)
 
     @property
     def _now(self) -> _Shown:
@@ -173,144 +180,175 @@ class Enhancer:
             raise ImageError("expected an image to be shown before it is enhanced")
         return self._shown
 
-    def _is_measured(self, params: EnhanceParams) -> bool:
-        return self._moments is not None and self._moments.windows == _windows(params)
+    def _windows(self, params: EnhanceParams) -> Windows:
+        return tuple(window(radius, params.eps, params.subsample) for radius in params.radii)
 
     def _surveyed(self, subsample: int) -> _Survey:
         """The first pass; only the low resolution depends on a parameter."""
         if self._survey is None or self._survey.subsample != subsample:
             now = self._now
             rows, columns = (-(-size // subsample) for size in now.pixels.shape[:2])
-            low, blocks = np.empty((rows, columns), np.float32), -(-rows // BLOCK)
+            half = ((rows + 1) // 2, (columns + 1) // 2) if subsample > 1 else (0, 0)
+            low = Grids(np.empty((2, rows, columns), np.float32), np.empty((2, *half), np.float32))
+            blocks = -(-rows // BLOCK)
             histograms, chroma = np.empty((blocks, BINS), np.int64), np.empty(blocks)
-            survey(now.pixels, now.keep, np.float32(now.full), subsample, low, histograms, chroma)
+            survey(now.pixels, now.keep, np.float32(now.full), subsample, *low, histograms, chroma)
             self._survey = _Survey(subsample, low, histograms.sum(axis=0), float(chroma.sum()))
         return self._survey
 
-    def _statistics(self, params: EnhanceParams, sigmas: tuple[float, ...]) -> Statistics:
-        """Those of the shown image with these sigmas, smoothed if the stream is live."""
+    def _known(self, params: EnhanceParams, windows: Windows) -> Tally:
+        """What is measured so far, and the likely deviation of each scale of which Q is not."""
         seen = self._surveyed(params.subsample)
-        squares = seen.count * (np.array(sigmas) / 255) ** 2
-        tally = Tally(seen.count, seen.histogram, seen.chroma, np.zeros(len(sigmas)), squares)
-        measured = tally.statistics(params, "image")
+        likely = _Moments(0.0, seen.count * (LIKELY_SIGMA / 255) ** 2)
+        moments = np.array([self._moments.get(one, likely) for one in windows]).reshape(-1, 2)
+        return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1])
+
+    def _statistics(self, params: EnhanceParams, windows: Windows) -> Statistics:
+        """Those of the shown image, smoothed if the stream is live."""
+        measured = self._known(params, windows).statistics(params, "image")
         if self._live is None:
             return measured
         return self._live.follow(self._before, measured).resolved(params)
 
     def _draw(
-        self, params: EnhanceParams, used: Statistics, *, measure: bool = False, tight: bool = False
+        self,
+        params: EnhanceParams,
+        windows: Windows,
+        used: Statistics,
+        measured: Sequence[bool] = (),
+        *,
+        tight: bool = False,
     ) -> EnhanceResult:
-        """measure: Q as well; tight: spend time on a tight bound, as it pays where Q need not be measured."""
+        """measured: the scales of which Q is; tight: look closer at what may be left out, as it pays where Q
+        need not be measured."""
         picture = self._now.picture
-        grey = picture.pixels.ndim == 2
-        left_out, omitted = needs.decide(params, used, grey, self._reach(params, used, tight))
-        out = self._render(params, used, left_out, measure)
+        reach = self._reach(params, windows, used, tight)
+        left_out, omitted = needs.decide(params, used, picture.pixels.ndim == 2, reach)
+        scales = zip(windows, used.p, left_out, strict=True)
+        made = _Made(used.z, tuple(None if out else _Scale(one, p) for one, p, out in scales))
+        out = self._render(params, windows, made, used.saturation_mean, measured or (False,) * len(windows))
         return EnhanceResult(_finished(picture, out), used, omitted)
 
     def _render(
-        self, params: EnhanceParams, used: Statistics, left_out: tuple[bool, ...], measure: bool
+        self,
+        params: EnhanceParams,
+        windows: Windows,
+        made: _Made,
+        saturation_mean: float,
+        measured: Sequence[bool],
     ) -> NDArray[Any]:
         """The second pass, or as much of it as is needed; the result is (H, W, 3)."""
-        now, seen, windows = self._now, self._surveyed(params.subsample), _windows(params)
-        made = _Made(windows, used.z, used.p, left_out)
-        known = made == self._values_from and not measure
-        if known or (all(left_out) and not measure):
-            models, exponents = NO_MODELS, np.empty(0, np.float32)
-        else:
-            models = self._models.of(seen.low, windows)
-            exponents = np.where(left_out, -1.0, used.p or 0.0).astype(np.float32)
-        stage = NOTHING if measure or known else self._stage(made)
-        values = self._values_for(made) if not measure else NO_VALUES
-        rows = now.pixels.shape[0]
-        sums = np.empty((rows if measure else 0, len(windows), 2))
+        now, seen = self._now, self._surveyed(params.subsample)
+        known = made == self._values_of and not any(measured)
+        values = NO_VALUES if any(measured) else self._values_for(made)
+        stages = [NOTHING] * len(windows) if len(values) > 0 else self._stages(made, measured)
+        wanted = [
+            one is not None and stage not in (FROM_LOGARITHM, FROM_POWER) and not known
+            for one, stage in zip(made.scales, stages, strict=True)
+        ]
+        filtered = [want or measure for want, measure in zip(wanted, measured, strict=True)]
+        sums = np.empty((-(-now.pixels.shape[0] // (BLOCK * params.subsample)), len(windows), 2))
         out = np.empty_like(now.pixels)
         render(
             now.pixels,
             now.keep,
             np.float32(now.full),
             params.subsample,
-            models,
-            exponents,
-            _curve(used.z) if now.full > 1 else np.empty(0, np.float32),
-            np.float32(used.z),
-            np.float32(saturation.pull(used.saturation_mean, params.d_factor)),
+            *self._models.of(seen.low, windows, filtered),
+            np.array([one.coarse for one in windows]),
+            np.array(filtered),
+            np.array(measured),
+            np.array([-1.0 if one is None or one.p is None else one.p for one in made.scales], np.float32),
+            _curve(made.z) if now.full > 1 else np.empty(0, np.float32),
+            np.float32(made.z),
+            np.float32(saturation.pull(saturation_mean, params.d_factor)),
             params.keep_black,
             np.float32(seen.mean),
             known,
             values,
-            stage,
+            np.array(stages),
             self._kept,
             sums,
             out,
         )
         self._made = made
-        if measure:
-            self._moments = _moments(windows, sums.sum(axis=0), seen)
+        for index in np.flatnonzero(measured).tolist():
+            self._moments[windows[index]] = _moments(sums[:, index].sum(axis=0), seen)
         return out
 
     def _values_for(self, made: _Made) -> Float32Image:
         """Where V* is or goes: it is kept from the second time on that it is made (a moved d-factor)."""
-        if made == self._values_from:
+        if made == self._values_of:
             return self._values
         if made != self._made:
             return NO_VALUES
         shape = self._now.pixels.shape[:2]
         if self._values.shape != shape:
             self._values = np.empty(shape, np.float32)
-        self._values_from = made
+        self._values_of = made
         return self._values
 
-    def _stage(self, made: _Made) -> int:
-        """What to take from the last pass: E if only z has moved since, a logarithm if P has.
-
-        The first such move keeps it for those that follow.
-        """
-        steady, moving = replace(made, z=0.0), replace(made, z=0.0, p=())
-        if self._kept_from == steady:
-            return FROM_POWER
-        if self._kept_from == moving and 0.5 not in made.p:
-            return FROM_LOGARITHM
-        if self._made is None or self._made.windows != made.windows or all(made.left_out):
-            return NOTHING
-        if self._made.p != made.p and 0.5 in made.p:
-            return NOTHING
-        shape = (len(made.windows), *self._now.pixels.shape[:2])
-        if self._kept.shape != shape:
+    def _stages(self, made: _Made, measured: Sequence[bool]) -> list[int]:
+        """What to take of each scale from an earlier pass, or to keep for later ones."""
+        count = len(made.scales)
+        if len(self._kept_of) != count:
+            self._kept_of = [None] * count
+        before = self._made.scales if self._made is not None else ()
+        if len(before) != count:
+            before = (None,) * count
+        stages = [
+            NOTHING if one is None or measured[index] else self._stage(index, one, before[index])
+            for index, one in enumerate(made.scales)
+        ]
+        shape = (count, *self._now.pixels.shape[:2])
+        if self._kept.shape != shape and any(stage != NOTHING for stage in stages):
             self._kept = np.empty(shape, np.float32)
-        self._kept_from = steady if self._made.p == made.p else moving
-        return KEEP_POWER if self._made.p == made.p else KEEP_LOGARITHM
+        return stages
 
-    def _reach(self, params: EnhanceParams, used: Statistics, tight: bool) -> tuple[float, ...]:
-        """Bounds on each scale's effect, as loose as the decision allows: tighter ones take longer."""
-        seen, now, windows = self._surveyed(params.subsample), self._now, _windows(params)
-        if tight and self._reaches is not None and self._reaches[0] == windows:
-            return self._reaches[1]
+    def _stage(self, index: int, now: _Scale, before: _Scale | None) -> int:
+        """E if the scale stays as it was, a logarithm if only its P moves: the first time, it is kept."""
+        ratio = replace(now, p=None)
+        if self._kept_of[index] == now:
+            return FROM_POWER
+        if self._kept_of[index] == ratio and now.p != 0.5:
+            return FROM_LOGARITHM
+        if before == now:
+            self._kept_of[index] = now
+            return KEEP_POWER
+        if before is not None and before.window == now.window and now.p != 0.5:
+            self._kept_of[index] = ratio
+            return KEEP_LOGARITHM
+        return NOTHING
+
+    def _reach(
+        self, params: EnhanceParams, windows: Windows, used: Statistics, tight: bool
+    ) -> tuple[float, ...]:
+        """Bounds on each scale's effect, no tighter than helps to leave it out."""
+        seen, now = self._surveyed(params.subsample), self._now
         rounding = 0.0 if now.full > 1 else 0.5
-        reach = needs.range_reach(*(seen.range(rounding) if now.keep.size == 0 else (0.0, 1.0)))
-        loose = (reach,) * len(windows)
-        if not tight or params.omit_below == 0 or all(needs.left_out(used.p, loose, params.omit_below)):
-            return loose
-        models = self._models.of(seen.low, windows)
-        sampled = needs.sampled_reaches(seen.low, models)
-        likely = needs.left_out(used.p, sampled, params.omit_below)
-        if not any(out and p > 0 for out, p in zip(likely, used.p, strict=True)):
-            return loose
-        reaches = needs.local_reaches(now.pixels, now.full, params.subsample, models)
-        self._reaches = windows, reaches
-        return reaches
+        loose = needs.range_reach(*(seen.range(rounding) if now.keep.size == 0 else (0.0, 1.0)))
+        reaches = [loose] * len(windows)
+
+        def matters(index: int, reach: float) -> bool:
+            return needs.scale_bound(used.p[index], reach, len(windows)) >= params.omit_below > 0
+
+        unsure = [tight and matters(index, loose) for index in range(len(windows))]
+        models = self._models.of(seen.low, windows, unsure)
+        for index in np.flatnonzero(unsure).tolist():
+            one = windows[index]
+            if one not in self._reaches:
+                local = partial(needs.local_reach, seen.low.fine, one, models[one.coarse][index])
+                if not matters(index, local(every=SPARSE)):
+                    self._reaches[one] = local()
+            reaches[index] = self._reaches.get(one, loose)
+        return tuple(reaches)
 
 
-def _windows(params: EnhanceParams) -> Windows:
-    return tuple(
-        (shrunk_radius(radius, params.subsample), params.eps, params.subsample) for radius in params.radii
-    )
-
-
-def _moments(windows: Windows, sums: NDArray[np.float64], seen: _Survey) -> _Moments:
+def _moments(sums: NDArray[np.float64], seen: _Survey) -> _Moments:
+    """From the sums of Q - pivot and its square."""
     count = max(seen.count, 1)
-    drift = sums[:, 0] / count
-    squares = np.maximum(sums[:, 1] - count * drift**2, 0)
-    return _Moments(windows, np.float32(seen.mean) + drift, squares)
+    drift = sums[0] / count
+    return _Moments(float(np.float32(seen.mean) + drift), max(float(sums[1] - count * drift**2), 0.0))
 
 
 def _curve(z: float) -> Float32Image:

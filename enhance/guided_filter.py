@@ -1,214 +1,286 @@
-"""Self-guided fast guided filter (Eqs 3-6; He and Sun, "Fast Guided Filter", arXiv 1505.00996, 2015)."""
+"""Self-guided fast guided filter (Eqs 3-6; He and Sun, "Fast Guided Filter", arXiv 1505.00996, 2015).
+
+Their code takes the variance of block means and rounds r / s. Here a window on a grid keeps the variance that
+the image has in it, and its width to a fraction: several times closer to the filter without a grid, so that
+large windows can do with a coarser one.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.image import Float32Image
+STRIP: Final = 48
+"""Rows of one task, beside twice its windows' reach: does not depend on the number of threads, so that no
+result does."""
+SPAN: Final = 8
+"""Pixels of the coarse grid that a window must be wide to be put there. With so many the default scales stay
+within 0.05 grey levels of no grid on training frames, SCARED and retina pictures."""
 
-Windows = tuple[tuple[int, float, int], ...]
-"""Of each scale: radius in pixels of the low resolution; eps, a variance on [0, 1]; subsample."""
 
-STRIP = 32
-"""Rows of one task. A fixed number, so that results do not depend on the number of threads."""
+@dataclass(frozen=True)
+class Window:
+    """A scale's window on its grid, whose pixels are blocks of the image."""
+
+    subsample: int
+    """Image pixels along a side of the fine grid's blocks."""
+    coarse: bool
+    """On the coarse grid, whose blocks are twice as large."""
+    whole: int
+    """Grid pixels on each side of the middle one that count in full."""
+    part: float
+    """Weight, in [0, 1), of the next ones."""
+    eps: float
+    """Of Eq 4, a variance on [0, 1]."""
 
 
-def shrunk_radius(radius: int, subsample: int) -> int:
-    """r / s as a whole number of low-resolution pixels, halves up, at least 1."""
-    return max(1, (2 * radius + subsample) // (2 * subsample))
+Windows = tuple[Window, ...]
+
+
+class Grids(NamedTuple):
+    """The same of both grids; the last two axes are (h, w) and (h / 2, w / 2), odd sizes rounded up."""
+
+    fine: NDArray[np.float32]
+    coarse: NDArray[np.float32]
+    """Of no pixels when the fine grid is the image itself."""
+
+
+def window(radius: int, eps: float, subsample: int) -> Window:
+    """The window of 2 r + 1 image pixels, on the coarse grid if it spans enough of that."""
+    coarse = subsample > 1 and 2 * radius + 1 >= SPAN * 2 * subsample
+    return window_on(radius, eps, subsample, coarse)
+
+
+def window_on(radius: int, eps: float, subsample: int, coarse: bool) -> Window:
+    """The window on a grid, (2 r + 1) / s of its pixels wide but at least one."""
+    grid = 2 * subsample if coarse else subsample
+    beyond = max(2 * radius + 1 - grid, 0)
+    return Window(subsample, coarse, beyond // (2 * grid), beyond % (2 * grid) / (2 * grid), eps)
 
 
 class WindowModels:
     """The linear models of several scales, in memory that stays; only what changed is computed again."""
 
     def __init__(self) -> None:
-        self._done: list[tuple[int, float, int] | None] = []
-        self._single = self._means = np.empty((0, 2, 0, 0), np.float32)
+        self._done: list[Window | None] = []
+        self._models = Grids(np.empty((0, 2, 0, 0), np.float32), np.empty((0, 2, 0, 0), np.float32))
 
     def forget(self) -> None:
         """The next image is another one."""
         self._done = [None] * len(self._done)
 
-    def of(self, low: Float32Image, windows: Windows) -> NDArray[np.float32]:
+    def of(self, low: Grids, windows: Windows, needed: Sequence[bool]) -> Grids:
         """Window means of a and b (Eqs 4 and 5, averaged for Eq 6); guide and input are the same.
 
         Args:
-            low: subsampled V, (h, w) in [0, 1]; windows count only what is inside.
+            low: (2, h, w): mean of V in each block, and its variance there; windows count what is inside.
             windows: one for each scale.
+            needed: the scales to compute.
 
         Returns:
             (n_scales, 2, h, w), overwritten by the next call: a, near 1 at edges, which stay, and near 0 on
-            flat parts, which are smoothed; and b. Both in [0, 1].
+            flat parts, which are smoothed; and b. Both in [0, 1]. A needed scale has them on its own grid.
         """
-        shape = (len(windows), 2, *low.shape)
-        if self._means.shape != shape:
-            self._single, self._means = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        shapes = [(len(windows), *plane.shape) for plane in low]
+        if [plane.shape for plane in self._models] != shapes:
+            self._models = Grids(*(np.empty(shape, np.float32) for shape in shapes))
             self._done = [None] * len(windows)
-        slots = np.array([i for i, window in enumerate(windows) if self._done[i] != window], dtype=np.int64)
-        if len(slots) > 0:
-            # A radius of the longer side less 1 sees all of the image.
-            reach = np.array([min(radius, max(low.shape) - 1) for radius, _, _ in windows], dtype=np.int64)
-            eps = np.array([eps for _, eps, _ in windows], dtype=np.float32)
-            _fit(low, slots, reach, eps, self._single)
-            _smooth(self._single, slots, reach, self._means)
-            self._done = list(windows)
-        return self._means
+        stale = [i for i, one in enumerate(windows) if needed[i] and self._done[i] != one]
+        if stale:
+            coarse = np.array([one.coarse for one in windows])
+            whole = np.array([min(one.whole, max(low.fine.shape)) for one in windows], dtype=np.int64)
+            part, eps = (np.array([getattr(one, name) for one in windows]) for name in ("part", "eps"))
+            _fit(*low, _tasks(low, stale, coarse, whole), coarse, whole, part, eps, *self._models)
+            for i in stale:
+                self._done[i] = windows[i]
+        return self._models
+
+
+def _tasks(
+    low: Grids, scales: list[int], coarse: NDArray[np.bool_], whole: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """(n, 3) scale, first row and the row after the last of each strip, from the top of the image down."""
+    tasks = []
+    for scale in scales:
+        rows, strip = low[int(coarse[scale])].shape[1], STRIP + 2 * int(whole[scale])
+        tasks += [(scale, top, min(top + strip, rows)) for top in range(0, rows, strip)]
+    return np.array(sorted(tasks, key=lambda task: task[1] * (1 + coarse[task[0]])), dtype=np.int64)
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def _fit(
-    low: NDArray[np.float32],  # (h, w)
-    slots: NDArray[np.int64],  # which of the scales
-    radii: NDArray[np.int64],  # (n,)
-    eps: NDArray[np.float32],  # (n,)
-    out: NDArray[np.float32],  # (n, 2, h, w), out: a and b of each window
+    fine: NDArray[np.float32],  # (2, h, w) block means and variances
+    coarse: NDArray[np.float32],
+    tasks: NDArray[np.int64],  # (n, 3) scale, first row, row after the last
+    is_coarse: NDArray[np.bool_],  # of each scale
+    whole: NDArray[np.int64],
+    part: NDArray[np.float64],
+    eps: NDArray[np.float64],
+    fine_out: NDArray[np.float32],  # (n, 2, h, w), out: window means of a and b
+    coarse_out: NDArray[np.float32],
 ) -> None:
-    rows, columns = low.shape
-    strips = (rows + STRIP - 1) // STRIP
-    for task in prange(strips * len(slots)):
-        scale, top = slots[task % len(slots)], task // len(slots) * STRIP
-        radius = radii[scale]
-        first, second = np.zeros(columns), np.zeros(columns)
-        running_first, running_second = np.empty(columns + 2 * radius + 1), np.empty(columns + 2 * radius + 1)
-        shares = _shares(columns, radius)
-        for y in range(max(top - radius, 0), min(top + radius, rows)):
-            _add_moments(low[y], 1.0, first, second)
-        for y in range(top, min(top + STRIP, rows)):
-            if y + radius < rows:
-                _add_moments(low[y + radius], 1.0, first, second)
-            _accumulate(first, second, radius, running_first, running_second)
-            tall = 1.0 / np.float64(min(y + radius, rows - 1) - max(y - radius, 0) + 1)
-            _solve(
-                running_first,
-                running_second,
-                radius,
-                shares,
-                tall,
-                eps[scale],
-                out[scale, 0, y],
-                out[scale, 1, y],
-            )
-            if y - radius >= 0:
-                _add_moments(low[y - radius], -1.0, first, second)
-
-
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
-def _smooth(
-    single: NDArray[np.float32],  # (n, 2, h, w)
-    slots: NDArray[np.int64],  # which of the scales
-    radii: NDArray[np.int64],  # (n,)
-    out: NDArray[np.float32],  # (n, 2, h, w), out: window means
-) -> None:
-    rows, columns = single.shape[2], single.shape[3]
-    strips = (rows + STRIP - 1) // STRIP
-    for task in prange(strips * len(slots)):
-        scale, top = slots[task % len(slots)], task // len(slots) * STRIP
-        radius = radii[scale]
-        a, b = single[scale, 0], single[scale, 1]
-        first, second = np.zeros(columns), np.zeros(columns)
-        running_first, running_second = np.empty(columns + 2 * radius + 1), np.empty(columns + 2 * radius + 1)
-        shares = _shares(columns, radius)
-        for y in range(max(top - radius, 0), min(top + radius, rows)):
-            _add(a[y], 1.0, first)
-            _add(b[y], 1.0, second)
-        for y in range(top, min(top + STRIP, rows)):
-            if y + radius < rows:
-                _add(a[y + radius], 1.0, first)
-                _add(b[y + radius], 1.0, second)
-            _accumulate(first, second, radius, running_first, running_second)
-            tall = 1.0 / np.float64(min(y + radius, rows - 1) - max(y - radius, 0) + 1)
-            _mean(running_first, radius, shares, tall, out[scale, 0, y])
-            _mean(running_second, radius, shares, tall, out[scale, 1, y])
-            if y - radius >= 0:
-                _add(a[y - radius], -1.0, first)
-                _add(b[y - radius], -1.0, second)
+    """Each strip has its own models of the windows around it, so that those of no more rows are in memory."""
+    for task in prange(len(tasks)):
+        scale, top, bottom = tasks[task]
+        low = coarse if is_coarse[scale] else fine
+        out = coarse_out[scale] if is_coarse[scale] else fine_out[scale]
+        reach, rest = whole[scale], part[scale]
+        rows, columns = low.shape[1:]
+        before, after = max(top - reach - 1, 0), min(bottom + reach + 1, rows)
+        models = np.empty((2, after - before, columns), np.float32)
+        sums, running = np.empty((2, columns)), np.empty((2, columns + 2 * reach + 3))
+        shares = _shares(columns, reach, rest)
+        for y in range(before, after):
+            _move(low, True, y, y == before, reach, rest, sums)
+            _accumulate(sums[0], reach, running[0])
+            _accumulate(sums[1], reach, running[1])
+            tall = 1.0 / _covered(y, rows, reach, rest)
+            a, b = models[0, y - before], models[1, y - before]
+            _solve(running[0], running[1], reach, rest, shares, tall, np.float32(eps[scale]), a, b)
+        for y in range(top, bottom):
+            tall = 1.0 / _covered(y, rows, reach, rest)
+            _move(models, False, y - before, y == top, reach, rest, sums)
+            for plane in range(2):
+                _accumulate(sums[plane], reach, running[plane])
+                _mean(running[plane], reach, rest, shares, tall, out[plane, y])
 
 
 @njit(error_model="numpy")
-def _shares(columns: int, radius: int) -> NDArray[np.float64]:
-    """(columns,) one over the number of columns that each window covers."""
+def _covered(at: int, size: int, whole: int, part: float) -> float:
+    """Weight of the part of a window around `at` that lies inside the image, along one axis."""
+    inside = min(at + whole, size - 1) - max(at - whole, 0) + 1
+    partly = (1 if at - whole > 0 else 0) + (1 if at + whole < size - 1 else 0)
+    return float(inside) + part * partly
+
+
+@njit(error_model="numpy")
+def _shares(columns: int, whole: int, part: float) -> NDArray[np.float64]:
+    """(columns,) one over the weight of the columns that each window covers."""
     out = np.empty(columns)
     for x in range(columns):
-        out[x] = 1.0 / (min(x + radius, columns - 1) - max(x - radius, 0) + 1)
+        out[x] = 1.0 / _covered(x, columns, whole, part)
     return out
 
 
 @njit(error_model="numpy")
-def _add(row: NDArray[np.float32], sign: float, sums: NDArray[np.float64]) -> None:
-    for x in range(len(row)):
-        sums[x] += sign * np.float64(row[x])
+def _move(
+    planes: NDArray[np.float32],  # (2, h, w)
+    moments: bool,  # the planes are means and variances: sum V and V^2 of what they are of
+    y: int,
+    begins: bool,
+    whole: int,
+    part: float,
+    sums: NDArray[np.float64],  # (2, w), in and out: over the rows of the windows of row y - 1, then of row y
+) -> None:
+    """Two rows come in by and by, and two go; to begin with, all come in, four at a time."""
+    if begins:
+        sums[:] = 0.0
+        for row in range(max(y - whole - 1, 0), min(y + whole + 2, planes.shape[1]), 4):
+            _add(planes, moments, (row, row + 1, row + 2, row + 3), y, begins, whole, part, sums)
+    else:
+        rows = (y - whole - 2, y - whole - 1, y + whole, y + whole + 1)
+        _add(planes, moments, rows, y, begins, whole, part, sums)
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _add(
+    planes: NDArray[np.float32],
+    moments: bool,
+    rows: tuple[int, int, int, int],
+    y: int,
+    begins: bool,
+    whole: int,
+    part: float,
+    sums: NDArray[np.float64],
+) -> None:
+    height = planes.shape[1]
+    y0, w0 = _change(rows[0], y, begins, height, whole, part)
+    y1, w1 = _change(rows[1], y, begins, height, whole, part)
+    y2, w2 = _change(rows[2], y, begins, height, whole, part)
+    y3, w3 = _change(rows[3], y, begins, height, whole, part)
+    first, second = sums[0], sums[1]
+    m0, m1, m2, m3 = planes[0, y0], planes[0, y1], planes[0, y2], planes[0, y3]
+    v0, v1, v2, v3 = planes[1, y0], planes[1, y1], planes[1, y2], planes[1, y3]
+    for x in range(len(first)):
+        above = w0 * np.float64(m0[x]) + w1 * np.float64(m1[x])
+        first[x] += above + (w2 * np.float64(m2[x]) + w3 * np.float64(m3[x]))
+    if moments:
+        for x in range(len(second)):
+            f0, f1, f2, f3 = np.float64(m0[x]), np.float64(m1[x]), np.float64(m2[x]), np.float64(m3[x])
+            above = w0 * (f0 * f0 + np.float64(v0[x])) + w1 * (f1 * f1 + np.float64(v1[x]))
+            below = w2 * (f2 * f2 + np.float64(v2[x])) + w3 * (f3 * f3 + np.float64(v3[x]))
+            second[x] += above + below
+    else:
+        for x in range(len(second)):
+            above = w0 * np.float64(v0[x]) + w1 * np.float64(v1[x])
+            second[x] += above + (w2 * np.float64(v2[x]) + w3 * np.float64(v3[x]))
 
 
 @njit(error_model="numpy")
-def _add_moments(
-    row: NDArray[np.float32], sign: float, first: NDArray[np.float64], second: NDArray[np.float64]
-) -> None:
-    for x in range(len(row)):
-        value = np.float64(row[x])
-        first[x] += sign * value
-        second[x] += sign * value * value
+def _change(row: int, y: int, begins: bool, height: int, whole: int, part: float) -> tuple[int, float]:
+    """A row that exists, and how much more `row` counts for row y than it did for y - 1, or than nothing."""
+    if row < 0 or row >= height:
+        return 0, 0.0
+    gained = _weight(row - y, whole, part)
+    return row, gained if begins else gained - _weight(row - y + 1, whole, part)
 
 
 @njit(error_model="numpy")
-def _accumulate(
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    radius: int,
-    running_first: NDArray[np.float64],
-    running_second: NDArray[np.float64],
-) -> None:
+def _weight(apart: int, whole: int, part: float) -> float:
+    return 1.0 if abs(apart) <= whole else part if abs(apart) == whole + 1 else 0.0
+
+
+@njit(error_model="numpy")
+def _accumulate(sums: NDArray[np.float64], whole: int, running: NDArray[np.float64]) -> None:
     """Running sums, 0 before the row and the total after it, so that no window needs a look at the border.
 
     Four at a time: each step waits for one addition instead of four.
     """
-    columns = len(first)
-    running_first[: radius + 1] = 0.0
-    running_second[: radius + 1] = 0.0
-    total, total_second = 0.0, 0.0
-    whole = columns // 4 * 4
-    for x in range(0, whole, 4):
-        at = x + radius + 1
-        pair, pair_second = first[x] + first[x + 1], second[x] + second[x + 1]
-        three, three_second = pair + first[x + 2], pair_second + second[x + 2]
-        running_first[at] = total + first[x]
-        running_second[at] = total_second + second[x]
-        running_first[at + 1] = total + pair
-        running_second[at + 1] = total_second + pair_second
-        running_first[at + 2] = total + three
-        running_second[at + 2] = total_second + three_second
-        total += three + first[x + 3]
-        total_second += three_second + second[x + 3]
-        running_first[at + 3] = total
-        running_second[at + 3] = total_second
-    for x in range(whole, columns):
-        total += first[x]
-        total_second += second[x]
-        running_first[x + radius + 1] = total
-        running_second[x + radius + 1] = total_second
-    running_first[columns + radius + 1 :] = total
-    running_second[columns + radius + 1 :] = total_second
+    columns = len(sums)
+    running[: whole + 2] = 0.0
+    out = running[whole + 2 :]
+    total = 0.0
+    for step in range(columns // 4):
+        x = np.uint64(4 * step)  # unsigned: no look at whether it counts from the end
+        x1, x2, x3 = x + np.uint64(1), x + np.uint64(2), x + np.uint64(3)
+        two = sums[x] + sums[x1]
+        out[x] = total + sums[x]
+        out[x1] = total + two
+        out[x2] = total + (two + sums[x2])
+        total += two + (sums[x2] + sums[x3])
+        out[x3] = total
+    for i in range(columns // 4 * 4, columns):
+        total += sums[i]
+        out[i] = total
+    out[columns:] = total
 
 
-@njit(error_model="numpy")
+@njit(fastmath={"contract"}, error_model="numpy")
 def _mean(
     running: NDArray[np.float64],
-    radius: int,
+    whole: int,
+    part: float,
     shares: NDArray[np.float64],
     tall: float,
     out: NDArray[np.float32],
 ) -> None:
-    ahead = running[2 * radius + 1 :]
+    inner, last, outer = running[1:], running[2 * whole + 2 :], running[2 * whole + 3 :]
     for x in range(len(out)):
-        out[x] = np.float32((ahead[x] - running[x]) * (shares[x] * tall))
+        total = (1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running[x])
+        out[x] = np.float32(total * (shares[x] * tall))
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
 def _solve(
     running_first: NDArray[np.float64],
     running_second: NDArray[np.float64],
-    radius: int,
+    whole: int,
+    part: float,
     shares: NDArray[np.float64],
     tall: float,
     eps: np.float32,
@@ -216,11 +288,14 @@ def _solve(
     b: NDArray[np.float32],
 ) -> None:
     """a and b of a row of windows; (1 - a) as eps / (variance + eps), which does not cancel."""
-    ahead_first, ahead_second = running_first[2 * radius + 1 :], running_second[2 * radius + 1 :]
+    inner, last, outer = running_first[1:], running_first[2 * whole + 2 :], running_first[2 * whole + 3 :]
+    inner_2, last_2 = running_second[1:], running_second[2 * whole + 2 :]
+    outer_2 = running_second[2 * whole + 3 :]
     for x in range(len(a)):
         share = shares[x] * tall
-        mean = (ahead_first[x] - running_first[x]) * share
-        variance = np.float32((ahead_second[x] - running_second[x]) * share - mean * mean)
+        mean = share * ((1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running_first[x]))
+        square = (1.0 - part) * (last_2[x] - inner_2[x]) + part * (outer_2[x] - running_second[x])
+        variance = np.float32(square * share - mean * mean)
         # Rounding can leave a flat window's variance slightly negative.
         variance = variance if variance > np.float32(0.0) else np.float32(0.0)
         smooth = eps / (variance + eps)

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from enhance.chunk import (
     BINS,
     BLOCK,
+    BLUE,
     CHUNK,
+    GREEN,
     HALF,
     INVERSE,
     KEEP,
@@ -26,6 +28,7 @@ from enhance.chunk import (
     OFFSET,
     ONE,
     PLANES,
+    RED,
     SLOPE,
     TOTAL,
     VALUE,
@@ -50,7 +53,11 @@ def render(
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
     full: np.float32,  # the image's value of 1.0
     subsample: int,
-    models: NDArray[np.float32],  # (n, 2, h, w): window means of a and b of each scale
+    fine: NDArray[np.float32],  # (n, 2, h, w): window means of a and b of each scale on the fine grid
+    coarse: NDArray[np.float32],  # (n, 2, h / 2, w / 2): of each on the coarse one
+    is_coarse: NDArray[np.bool_],  # (n,)
+    filtered: NDArray[np.bool_],  # (n,): Q is needed
+    measured: NDArray[np.bool_],  # (n,): and its sums
     exponents: NDArray[np.float32],  # (n,) P of each scale; negative: E is left out
     curve: NDArray[np.float32],  # (256,) log2 Vn of each grey level, or empty: by the formula
     z: np.float32,
@@ -59,35 +66,39 @@ def render(
     pivot: np.float32,  # near the mean of Q
     known: bool,  # `values` is given: only saturation is done
     values: NDArray[np.float32],  # (H, W), V*: in if known, else out; empty: not kept
-    stage: int,  # what of `kept` to use or to keep
-    kept: NDArray[np.float32],  # (n, H, W): the logarithm of Eq 7's ratio (no P is 1/2), or E
-    sums: NDArray[np.float64],  # (H, n, 2), out: of Q - pivot and its square over the kept pixels, or empty
+    stages: NDArray[np.int64],  # (n,) what of `kept` to use or to keep
+    kept: NDArray[np.float32],  # (n, H, W): the logarithm of Eq 7's ratio (P is not 1/2), or E
+    sums: NDArray[np.float64],  # (blocks, n, 2), out: of Q - pivot and its square over the kept pixels
     out: NDArray[Any],  # (H, W, 3), out, of the image's type
 ) -> None:
     """Second pass: Q, E, V*, S* and the colours, read once and written once."""
     rows, columns = image.shape[0], image.shape[1]
-    scales = models.shape[0]
+    scales = len(exponents)
     task = BLOCK * subsample
-    width = CHUNK // subsample * subsample  # so that a chunk begins with a low-resolution pixel
-    measured = len(sums) > 0
-    filters = not known and stage not in (FROM_LOGARITHM, FROM_POWER)
-    for block in prange((rows + task - 1) // task):
+    steps = (columns + CHUNK - 1) // CHUNK
+    unit = ONE / full
+    for block in prange(len(sums)):
         chunk = np.empty((PLANES, CHUNK), np.float32)
         apart = np.zeros((5, CHUNK), image.dtype)
-        drift = np.empty((scales, CHUNK), np.float32)
-        spread = np.empty((scales, CHUNK), np.float32)
-        lines = np.empty((2 * scales, models.shape[3] + CHUNK + 2), np.float32)
+        weights = np.empty(scales, np.float32)
+        moments = np.empty((scales, 2, CHUNK), np.float32)
+        totals = np.zeros((scales, 2, CHUNK))
+        # Of each scale, the rows of its models on either side of y, the even one first, brought up to width.
+        lines = np.zeros((scales, 2, 2, steps * CHUNK + 2 * subsample), np.float32)
+        held = np.full((scales, 2), -1)
         for y in range(block * task, min((block + 1) * task, rows)):
-            drift[:] = ZERO
-            spread[:] = ZERO
-            if filters:
-                _blend(models, y, subsample, lines)
-            for step in range((columns + width - 1) // width):
-                x0 = step * width
-                count = min(width, columns - x0)
+            moments[:] = ZERO
+            for scale in range(scales):
+                if filtered[scale]:
+                    models = coarse[scale] if is_coarse[scale] else fine[scale]
+                    grid = 2 * subsample if is_coarse[scale] else subsample
+                    weights[scale] = _bring_up(models, y, grid, lines[scale], held[scale])
+            for step in range(steps):
+                x0 = step * CHUNK
+                count = min(CHUNK, columns - x0)
                 load(image[y, x0 : x0 + count], apart, chunk)
                 for i in range(CHUNK):
-                    chunk[VALUE, i] = chunk[MOST, i] / full
+                    chunk[VALUE, i] = chunk[MOST, i] * unit
                 if known:
                     for i in range(count):
                         chunk[TOTAL, i] = values[y, x0 + i]
@@ -97,17 +108,14 @@ def render(
                     for i in range(CHUNK):
                         chunk[TOTAL, i] = ZERO
                         chunk[INVERSE, i] = ONE / (chunk[VALUE, i] + FLOOR)
-                    start = step * (CHUNK // subsample)
                     for scale in range(scales):
                         p = exponents[scale]
-                        if filters and (measured or p >= ZERO):
-                            _widen(lines[2 * scale, start:], subsample, chunk, SLOPE)
-                            _widen(lines[2 * scale + 1, start:], subsample, chunk, OFFSET)
-                            _filter(chunk)
-                            if measured:
-                                _add_moments(chunk, pivot, drift[scale], spread[scale])
+                        if filtered[scale]:
+                            _filter(lines[scale], x0, weights[scale], chunk)
+                            if measured[scale]:
+                                _add_moments(chunk, pivot, moments[scale, 0], moments[scale, 1])
                         if p >= ZERO:
-                            _raise(chunk, p, stage, kept[scale, y, x0 : x0 + count])
+                            _raise(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
                             for i in range(CHUNK):
                                 chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
                     _mean(chunk, exponents)
@@ -118,73 +126,76 @@ def render(
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)
                 _store(chunk, full, apart, out[y, x0 : x0 + count])
-            if measured:
-                for scale in range(scales):
-                    sums[y, scale, 0] = _added(drift[scale])
-                    sums[y, scale, 1] = _added(spread[scale])
-
-
-@njit(inline="always")
-def _added(lanes: NDArray[np.float32]) -> float:
-    total = 0.0
-    for i in range(CHUNK):
-        total += np.float64(lanes[i])
-    return total
+            totals += moments
+        for scale in range(scales):
+            sums[block, scale, 0] = totals[scale, 0].sum()
+            sums[block, scale, 1] = totals[scale, 1].sum()
 
 
 @njit(error_model="numpy")
-def _blend(models: NDArray[np.float32], y: int, subsample: int, lines: NDArray[np.float32]) -> None:
-    """Every model's row at `y`, between two of low resolution; the border repeats to the left and right."""
-    rows, columns = models.shape[2], models.shape[3]
-    at = (np.float32(y) + HALF) / np.float32(subsample) - HALF
+def _bring_up(
+    models: NDArray[np.float32],  # (2, h, w)
+    y: int,
+    grid: int,
+    lines: NDArray[np.float32],  # (2, 2, W), in and out: an even row and an odd one
+    held: NDArray[np.int64],  # (2,), in and out: which rows these are
+) -> np.float32:
+    """See that the rows of the models around `y` are there; how much of the odd one there is at y."""
+    rows = models.shape[1]
+    at = (np.float32(y) + HALF) / np.float32(grid) - HALF
     at = min(max(at, ZERO), np.float32(rows - 1))
     first = min(int(at), max(rows - 2, 0))
-    second = min(first + 1, rows - 1)
-    weight = at - np.float32(first)
-    for plane in range(len(lines)):
-        above, below = models[plane // 2, plane % 2, first], models[plane // 2, plane % 2, second]
-        line = lines[plane]
-        for x in range(columns):
-            line[x + 1] = above[x] + weight * (below[x] - above[x])
-        line[0] = line[1]
-        for x in range(columns + 1, len(line)):
-            line[x] = line[columns]
+    for row in range(first, min(first + 2, rows)):
+        if held[row % 2] != row:
+            held[row % 2] = row
+            for plane in range(2):
+                _widen(models[plane, row], grid, lines[row % 2, plane])
+    below = at - np.float32(first)
+    return below if first % 2 == 0 else ONE - below
+
+
+@njit(error_model="numpy")
+def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
+    """Bring a row up linearly, pixel centres aligned; the border repeats to the left and right."""
+    if grid == 1:
+        line[: len(row)] = row
+    elif grid == 2:
+        _widen_by(row, 2, line)
+    elif grid == 4:
+        _widen_by(row, 4, line)
+    else:
+        _widen_by(row, grid, line)
 
 
 @njit(inline="always")
-def _widen(line: NDArray[np.float32], subsample: int, chunk: NDArray[np.float32], plane: int) -> None:
-    """Bring one row of the low resolution up bilinearly; pixel centres aligned."""
-    if subsample == 1:
-        for i in range(CHUNK):
-            chunk[plane, i] = line[i + 1]
-    elif subsample == 2:
-        _widen_by(line, 2, chunk, plane)
-    else:
-        _widen_far(line, subsample, chunk, plane)
-
-
-@njit(fastmath={"contract"}, error_model="numpy")
-def _widen_far(line: NDArray[np.float32], subsample: int, chunk: NDArray[np.float32], plane: int) -> None:
-    if subsample == 4:
-        _widen_by(line, 4, chunk, plane)
-    elif subsample == 8:
-        _widen_by(line, 8, chunk, plane)
-    else:
-        _widen_by(line, subsample, chunk, plane)
+def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
+    """Where `grid` is a constant, this becomes vector code."""
+    last = len(row) - 1
+    _spread(row[0], row[0], row[min(1, last)], grid, 0, line)
+    for x in range(1, last):
+        _spread(row[x - 1], row[x], row[x + 1], grid, x * grid, line)
+    _spread(row[max(last - 1, 0)], row[last], row[last], grid, last * grid, line)
 
 
 @njit(inline="always")
-def _widen_by(line: NDArray[np.float32], subsample: int, chunk: NDArray[np.float32], plane: int) -> None:
-    """One low-resolution pixel a step; where `subsample` is a constant, this becomes vector code."""
-    unit = ONE / np.float32(subsample)
-    for i in range(CHUNK // subsample):
-        left, middle, right = line[i], line[i + 1], line[i + 2]
-        for k in range(subsample):
-            offset = (np.float32(k) + HALF) * unit - HALF
-            near = left if offset < ZERO else right
-            chunk[plane, i * subsample + k] = middle + abs(offset) * (near - middle)
-    for i in range(CHUNK // subsample * subsample, CHUNK):
-        chunk[plane, i] = ZERO
+def _spread(
+    left: np.float32, middle: np.float32, right: np.float32, grid: int, at: int, line: NDArray[np.float32]
+) -> None:
+    for k in range(grid):
+        offset = (np.float32(k) + HALF) / np.float32(grid) - HALF
+        near = left if offset < ZERO else right
+        line[at + k] = middle + abs(offset) * (near - middle)
+
+
+@njit(inline="always")
+def _filter(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: NDArray[np.float32]) -> None:
+    """Q of Eq 6, into SLOPE, between two rows of a and b."""
+    a, a_odd = lines[0, 0, x0 : x0 + CHUNK], lines[1, 0, x0 : x0 + CHUNK]
+    b, b_odd = lines[0, 1, x0 : x0 + CHUNK], lines[1, 1, x0 : x0 + CHUNK]
+    for i in range(CHUNK):
+        slope = a[i] + weight * (a_odd[i] - a[i])
+        offset = b[i] + weight * (b_odd[i] - b[i])
+        chunk[SLOPE, i] = slope * chunk[VALUE, i] + offset
 
 
 @njit(inline="always")
@@ -210,13 +221,6 @@ def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
         root = exp2((np.float32(0.75) * z + np.float32(0.25)) * log)
         power = exp2((TWO - z) * log)
         chunk[LOG, i] = log2(HALF * (root + np.float32(0.4) * (ONE - z) * (ONE - value) + power))
-
-
-@njit(inline="always")
-def _filter(chunk: NDArray[np.float32]) -> None:
-    """Q of Eq 6, into SLOPE."""
-    for i in range(CHUNK):
-        chunk[SLOPE, i] = chunk[SLOPE, i] * chunk[VALUE, i] + chunk[OFFSET, i]
 
 
 @njit(inline="always")
@@ -276,18 +280,22 @@ def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
 @njit(inline="always")
 def _recolor(chunk: NDArray[np.float32], pull: np.float32, full: np.float32) -> None:
     """Colours of V* and S* (Eqs 11, 12) with the old hue: c becomes V* (1 - S* (M - c) / D), one division."""
-    for i in range(CHUNK):
-        most, least = chunk[MOST, i], chunk[LEAST_COLOR, i]
-        spread = most - least
-        above = spread if pull >= ZERO else ONE
-        below = spread * spread + pull * least * least if pull >= ZERO else most
-        chunk[SLOPE, i] = above / (below if below > LEAST else LEAST)
-    for i in range(CHUNK):
-        chunk[OFFSET, i] = chunk[TOTAL, i] * full
-    for plane in range(3):
+    if pull >= ZERO:
         for i in range(CHUNK):
-            apart = chunk[SLOPE, i] * (chunk[MOST, i] - chunk[plane, i])
-            chunk[plane, i] = chunk[OFFSET, i] * (ONE - apart)
+            most, least = chunk[MOST, i], chunk[LEAST_COLOR, i]
+            spread = most - least
+            below = spread * spread + pull * least * least
+            chunk[SLOPE, i] = spread / (below if below > LEAST else LEAST)
+    else:
+        for i in range(CHUNK):
+            most = chunk[MOST, i]
+            chunk[SLOPE, i] = ONE / (most if most > LEAST else LEAST)
+    for i in range(CHUNK):
+        value, most = chunk[TOTAL, i] * full, chunk[MOST, i]
+        fall = value * chunk[SLOPE, i]
+        chunk[RED, i] = value - fall * (most - chunk[RED, i])
+        chunk[GREEN, i] = value - fall * (most - chunk[GREEN, i])
+        chunk[BLUE, i] = value - fall * (most - chunk[BLUE, i])
 
 
 @njit(inline="always")
@@ -314,10 +322,15 @@ def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
 
 @njit(inline="always")
 def _store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
-    for plane in range(3):
-        for i in range(CHUNK):
-            color = chunk[plane, i]
-            color = color if color < full else full
-            color = color if color > ZERO else ZERO
-            apart[plane, i] = rounded(color) if full > ONE else color  # type: ignore[call-arg]
+    if full > ONE:
+        for plane in range(3):
+            for i in range(CHUNK):
+                level = np.int32(rounded(chunk[plane, i]))  # type: ignore[call-arg]
+                apart[plane, i] = min(max(level, np.int32(0)), np.int32(full))
+    else:
+        for plane in range(3):
+            for i in range(CHUNK):
+                color = chunk[plane, i]
+                color = color if color < full else full
+                apart[plane, i] = color if color > ZERO else ZERO
     put_together(apart, pixels)

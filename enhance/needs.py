@@ -13,21 +13,18 @@ the image, its reach, does not depend on P, z or the d-factor: it holds for all 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.chunk import BLOCK, ONE, ZERO
 from enhance.detail import FLOOR
-from enhance.image import Float32Image
+from enhance.guided_filter import Window
 from enhance.params import EnhanceParams
 from enhance.result import Omission
 from enhance.statistics import Statistics
-from enhance.survey import extremes
 
-SAMPLES = 40
-"""Rows and columns of the sparse grid that tells when no scale can be left out."""
 ROUNDING = 1e-4
 """Added to a reach: the float32 filter may differ by so much from the exact one that the bound is of."""
 
@@ -85,69 +82,95 @@ def range_reach(darkest: float, brightest: float) -> float:
     return math.log2((brightest + FLOOR) / (darkest + FLOOR))
 
 
-def sampled_reaches(low: Float32Image, models: NDArray[np.float32]) -> tuple[float, ...]:
-    """|log2 ratio| on a sparse grid of low-resolution pixels: some pixels reach about this far."""
-    rows, columns = (max(1, size // SAMPLES) for size in low.shape)
-    value = low[::rows, ::columns]
-    a, b = models[:, 0, ::rows, ::columns], models[:, 1, ::rows, ::columns]
-    ratio = (a * value + b + np.float32(FLOOR)) / (value + np.float32(FLOOR))
-    return tuple(float(reach) for reach in np.abs(np.log2(ratio)).max(axis=(1, 2)))
-
-
-def local_reaches(
-    image: NDArray[Any], full: float, subsample: int, models: NDArray[np.float32]
-) -> tuple[float, ...]:
-    """True bound on |log2 ratio| of each scale.
+def local_reach(
+    low: NDArray[np.float32], window: Window, models: NDArray[np.float32], every: int = 1
+) -> float:
+    """True bound on |log2 ratio| of a scale.
 
     The ratio of a pixel is a mean, with bilinear weights, of (a V + b + e) / (V + e) for the models around
-    it, and that is monotone in V. So the ends of the range that V has around each model bound it.
+    it, and that is monotone in V. So the ends of the range that V has around each model bound it. Of n values
+    none is further from their mean than sqrt(n - 1) deviations (Samuelson, J. Am. Stat. Assoc. 63, 1968): the
+    range follows from what the filter is made of, without another look at the image.
 
     Args:
-        image: (H, W, 3).
-        full: the image's value of 1.0.
-        models: (n, 2, h, w) of `window_models`.
+        low: (2, h, w) mean and variance of V in each block of the fine grid.
+        models: (2, h, w) of `WindowModels` on the window's grid.
+        every: look at one row of so many: the bound is at least what they tell.
     """
-    scales, _, rows, columns = models.shape
-    darkest, brightest = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
-    extremes(image, np.float32(full), subsample, darkest, brightest)
-    reaches = np.empty((rows, scales), np.float32)
-    _reaches(models, darkest, brightest, np.float32(FLOOR), reaches)
-    return tuple(math.log2(float(reach)) + ROUNDING for reach in reaches.max(axis=0))
+    rows = np.arange(0, models.shape[1], every)
+    most = np.empty((-(-len(rows) // BLOCK), 2, models.shape[2]), np.float32)
+    deviations = np.float32(math.sqrt(window.subsample**2 - 1))
+    _extreme_ratios(low, 2 if window.coarse else 1, deviations, models, np.float32(FLOOR), rows, most)
+    return math.log2(float(most.max())) + ROUNDING
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
-def _reaches(
-    models: NDArray[np.float32],  # (n, 2, h, w)
-    darkest: NDArray[np.float32],  # (h, w), smallest V of each block
-    brightest: NDArray[np.float32],  # (h, w), largest
+@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+def _extreme_ratios(
+    low: NDArray[np.float32],  # (2, h, w)
+    step: int,  # pixels of `low` along a side of one of the models' grid
+    deviations: np.float32,
+    models: NDArray[np.float32],  # (2, h / step, w / step), rounded up
     floor: np.float32,
-    out: NDArray[np.float32],  # (h, n), out: of each row, the largest of ratio and 1 / ratio
+    chosen: NDArray[np.int64],  # (n,) rows of models
+    out: NDArray[np.float32],  # (n / BLOCK, 2, w), out: largest ratio and 1 / ratio of a column in so many
 ) -> None:
-    rows, columns = darkest.shape
-    for y in prange(rows):
-        least = _least_around(darkest, y, np.float32(1.0))
-        most = _least_around(brightest, y, np.float32(-1.0))
-        high, low = np.empty(columns, np.float32), np.empty(columns, np.float32)
-        for scale in range(models.shape[0]):
-            a, b = models[scale, 0, y], models[scale, 1, y]
-            for x in range(columns):
-                first = (a[x] * least[x] + b[x] + floor) / (least[x] + floor)
-                last = (a[x] * most[x] + b[x] + floor) / (most[x] + floor)
-                high[x] = max(first, last)
-                low[x] = min(first, last)
-            out[y, scale] = max(high.max(), np.float32(1.0) / low.min())
+    columns = models.shape[2]
+    for task in prange(len(out)):
+        out[task] = ONE
+        for y in chosen[task * BLOCK : (task + 1) * BLOCK]:
+            # None on either side of the first block and the last.
+            darkest = np.full((columns + 2) * step, ONE)
+            brightest = np.full((columns + 2) * step, ZERO)
+            for row in range(max((y - 1) * step, 0), min((y + 2) * step, low.shape[1])):
+                _widen_range(low, row, deviations, darkest[step:], brightest[step:])
+            if step == 2:
+                for x in range(columns + 2):
+                    left, right = np.uint64(2 * x), np.uint64(2 * x + 1)
+                    darkest[x] = darkest[left] if darkest[left] < darkest[right] else darkest[right]
+                    brightest[x] = brightest[left] if brightest[left] > brightest[right] else brightest[right]
+            _take_ratios(models, y, darkest, brightest, floor, out[task])
 
 
-@njit(error_model="numpy")
-def _least_around(image: NDArray[np.float32], y: int, sign: np.float32) -> NDArray[np.float32]:
-    """(w,) the smallest of the 3 x 3 pixels around each pixel of row y; the largest for a sign of -1."""
-    rows, columns = image.shape
-    above, here, below = image[max(y - 1, 0)], image[y], image[min(y + 1, rows - 1)]
-    padded = np.empty(columns + 2, np.float32)
-    for x in range(columns):
-        padded[x + 1] = min(sign * above[x], min(sign * here[x], sign * below[x]))
-    padded[0], padded[columns + 1] = padded[1], padded[columns]
-    out = np.empty(columns, np.float32)
-    for x in range(columns):
-        out[x] = sign * min(padded[x], min(padded[x + 1], padded[x + 2]))
-    return out
+@njit(fastmath={"contract"}, error_model="numpy")
+def _widen_range(
+    low: NDArray[np.float32],
+    row: int,
+    deviations: np.float32,
+    darkest: NDArray[np.float32],
+    brightest: NDArray[np.float32],
+) -> None:
+    """Take in what the blocks of a row can hold."""
+    mean, variance = low[0, row], low[1, row]
+    for x in range(len(mean)):
+        apart = deviations * np.sqrt(variance[x])
+        dark, bright = mean[x] - apart, mean[x] + apart
+        dark = dark if dark > ZERO else ZERO
+        bright = bright if bright < ONE else ONE
+        darkest[x] = dark if dark < darkest[x] else darkest[x]
+        brightest[x] = bright if bright > brightest[x] else brightest[x]
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _take_ratios(
+    models: NDArray[np.float32],
+    y: int,
+    darkest: NDArray[np.float32],
+    brightest: NDArray[np.float32],
+    floor: np.float32,
+    out: NDArray[np.float32],
+) -> None:
+    """The largest ratio and 1 / ratio of each model, for V as in its own block and the one on either side."""
+    a, b, highest, inverse = models[0, y], models[1, y], out[0], out[1]
+    dark_here, dark_after = darkest[1:], darkest[2:]
+    bright_here, bright_after = brightest[1:], brightest[2:]
+    for x in range(len(a)):
+        dark, bright = darkest[x], brightest[x]
+        dark = dark_here[x] if dark_here[x] < dark else dark
+        dark = dark_after[x] if dark_after[x] < dark else dark
+        bright = bright_here[x] if bright_here[x] > bright else bright
+        bright = bright_after[x] if bright_after[x] > bright else bright
+        first = (a[x] * dark + b[x] + floor) / (dark + floor)
+        last = (a[x] * bright + b[x] + floor) / (bright + floor)
+        high, low = (first, last) if first > last else (last, first)
+        highest[x] = high if high > highest[x] else highest[x]
+        inverse[x] = ONE / low if ONE / low > inverse[x] else inverse[x]

@@ -39,7 +39,8 @@ class EnhanceParams:
     eps: Annotated[float, Interval(ge=1e-6, le=1.0)] = 0.0025
     """Regularisation of the guided filter, a variance on [0, 1]: larger smooths stronger edges away."""
     subsample: Annotated[int, Interval(ge=1, le=8)] = 2
-    """The guided filter's coefficients are computed on an image this many times smaller."""
+    """The guided filter's coefficients are computed on an image this many times smaller, those of wide
+    windows on one of half its size. 1: on the image itself."""
     d_factor: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.0
     """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation alone."""
     keep_black: bool = True

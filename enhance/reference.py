@@ -97,31 +97,38 @@ def _faded(scaled: Float64Image, enhanced: Float64Image, value: Float64Image) ->
 
 
 def guided(value: Float64Image, radius: int, params: EnhanceParams) -> Float64Image:
-    """Q of Eqs 3-6 with guide and input both `value`: subsampled, solved, and brought up again."""
-    s = params.subsample
-    rows, columns = value.shape
-    padded = np.pad(value, ((0, -rows % s), (0, -columns % s)), mode="edge")
-    low = sum((padded[i::s, j::s] for i in range(s) for j in range(s)), np.zeros(())) / s**2
-    r = max(1, int(np.floor(radius / s + 0.5)))
-    mu = mean_bar = window_mean(low, r)
-    sigma2 = window_mean(low**2, r) - mu**2
-    a = (window_mean(low * low, r) - mu * mean_bar) / (sigma2 + params.eps)  # Eq 4
+    """Q of Eqs 3-6 with guide and input both `value`: subsampled, solved, and brought up again.
+
+    E[V^2] of a window is the mean over blocks of the mean of V^2, so that subsampling takes nothing from its
+    variance; (2 r + 1) / s pixels wide. Windows of 8 pixels or more at 2 s are computed there.
+    """
+    s, rows, columns = params.subsample, *value.shape
+    mean, square = block_means(value, s), block_means(value**2, s)
+    if s > 1 and (2 * radius + 1) / (2 * s) >= 8:
+        s, mean, square = 2 * s, block_means(mean, 2), block_means(square, 2)
+    reach = max(((2 * radius + 1) / s - 1) / 2, 0.0)
+    mu = mean_bar = window_mean(mean, reach)
+    square_bar = window_mean(square, reach)
+    sigma2 = square_bar - mu**2
+    a = (square_bar - mu * mean_bar) / (sigma2 + params.eps)  # Eq 4
     b = mean_bar - a * mu  # Eq 5
-    a_bar = bilinear(window_mean(a, r), s)[:rows, :columns]
-    b_bar = bilinear(window_mean(b, r), s)[:rows, :columns]
+    a_bar = bilinear(window_mean(a, reach), s)[:rows, :columns]
+    b_bar = bilinear(window_mean(b, reach), s)[:rows, :columns]
     return a_bar * value + b_bar  # Eq 6
 
 
-def window_mean(image: Float64Image, radius: int) -> Float64Image:
-    """Mean of the part of each window inside the image, by a double-precision summed-area table."""
-    rows, columns = image.shape
-    table = np.zeros((rows + 1, columns + 1))
-    table[1:, 1:] = image.cumsum(axis=0).cumsum(axis=1)
-    top, bottom = np.maximum(np.arange(rows) - radius, 0), np.minimum(np.arange(rows) + radius + 1, rows)
-    left = np.maximum(np.arange(columns) - radius, 0)
-    right = np.minimum(np.arange(columns) + radius + 1, columns)
-    total = table[bottom][:, right] - table[top][:, right] - table[bottom][:, left] + table[top][:, left]
-    return np.asarray(total / np.outer(bottom - top, right - left))
+def block_means(image: Float64Image, size: int) -> Float64Image:
+    """Means of size x size blocks; the last row and column are repeated where the image ends within one."""
+    padded = np.pad(image, [(0, -length % size) for length in image.shape], mode="edge")
+    return np.asarray(sum(padded[i::size, j::size] for i in range(size) for j in range(size)) / size**2)
+
+
+def window_mean(image: Float64Image, reach: float) -> Float64Image:
+    """Mean of the part of each window inside the image; it is 2 reach + 1 wide, its outer pixels in part."""
+    down, across = (
+        np.clip(reach + 1 - np.abs(np.subtract.outer(at, at)), 0, 1) for at in map(np.arange, image.shape)
+    )
+    return np.asarray(down @ image @ across / np.outer(down.sum(axis=1), across.sum(axis=1)))
 
 
 def bilinear(low: Float64Image, factor: int) -> Float64Image:

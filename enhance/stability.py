@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from enhance import detail
 from enhance.brightness import brighten
-from enhance.guided_filter import WindowModels
+from enhance.guided_filter import Grids, Window, WindowModels
 from enhance.image import AnyImage, ImageError, full_scale
 from enhance.params import EnhanceParams, PForm
 from enhance.pipeline import enhance
@@ -134,19 +134,26 @@ def _sizes(image: NDArray[np.uint8]) -> Iterator[Row]:
 
 def _filter(_: NDArray[np.uint8]) -> Iterator[Row]:
     """Variance as a difference of large numbers: bright, nearly flat, and large."""
-    noise = np.random.default_rng(5).normal(0, 1e-3, (600, 700))
-    low = np.clip(0.98 + noise, 0, 1).astype(np.float32)
+    noise = np.random.default_rng(5).normal(0, 1e-3, (2, 600, 700))
+    low = np.stack((np.clip(0.98 + noise[0], 0, 1), noise[1] ** 2)).astype(np.float32)
+    exact = low.astype(np.float64)
+    grids = Grids(low, np.empty((2, 0, 0), np.float32))
     for radius in (2, 32, 300):
-        a, b = WindowModels().of(low, ((radius, 1e-6, 1),))[0]
-        exact = low.astype(np.float64)
-        mean = window_mean(exact, radius)
-        variance = window_mean((exact - 0.98) ** 2, radius) - (mean - 0.98) ** 2
-        slope = variance / (variance + 1e-6)
-        yield Row(
-            "cancelling variance", f"a, r = {radius}", _most(a, window_mean(slope, radius)), 2e-5, "of 1"
-        )
-        offset = window_mean((1 - slope) * mean, radius)
-        yield Row("cancelling variance", f"b, r = {radius}", _most(b, offset), 1e-6, "of 1")
+        for part in (0.0, 0.625):
+            one, reach = Window(1, False, radius, part, 1e-6), radius + part
+            a, b = WindowModels().of(grids, (one,), (True,)).fine[0]
+            mean = window_mean(exact[0], reach)
+            square = window_mean((exact[0] - 0.98) ** 2 + exact[1], reach)
+            variance = square - (mean - 0.98) ** 2
+            slope = variance / (variance + 1e-6)
+            offset = window_mean((1 - slope) * mean, reach)
+            case = f"r = {reach:g}"
+            yield Row("cancelling variance", f"a, {case}", _most(a, window_mean(slope, reach)), 2e-5, "of 1")
+            yield Row("cancelling variance", f"b, {case}", _most(b, offset), 1e-6, "of 1")
+    for deviation in (1e-5, 1e-4, 1e-3):
+        flat = (0.98 + np.random.default_rng(7).normal(0, deviation, (96, 128))).astype(np.float32)
+        error = _error(flat, replace(WHOLE, eps=1e-6, p=4.0))
+        yield Row("cancelling variance", f"bright noise of {deviation:g}, P 4, eps 1e-6", error, 0.001)
 
 
 def _saturation(image: NDArray[np.uint8]) -> Iterator[Row]:

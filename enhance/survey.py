@@ -27,6 +27,8 @@ from enhance.chunk import (
 )
 from enhance.powers import rounded
 
+QUARTER = np.float32(0.25)
+
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def survey(
@@ -34,23 +36,24 @@ def survey(
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
     full: np.float32,  # the image's value of 1.0
     subsample: int,
-    low: NDArray[np.float32],  # (h, w), out: block means of V
+    fine: NDArray[np.float32],  # (2, h, w), out: of V in each block, the mean and the variance about it
+    coarse: NDArray[np.float32],  # (2, h / 2, w / 2) rounded up, out: the same of 2 x 2 blocks; or empty
     histograms: NDArray[np.int64],  # (blocks, BINS), out: of V in grey levels, over the kept pixels
     chroma: NDArray[np.float64],  # (blocks,), out: sum of S over the kept pixels
 ) -> None:
-    """First pass: V at low resolution, its histogram and the sum of S."""
+    """First pass: V at low resolution, its histogram and the sum of S. An odd edge repeats what is last."""
     rows, columns = image.shape[0], image.shape[1]
-    width = low.shape[1] * subsample
+    low_rows, width = fine.shape[1], fine.shape[2] * subsample
     unit = ONE / full
     for block in prange(len(chroma)):
         chunk = np.empty((PLANES, CHUNK), np.float32)
         apart = np.zeros((5, CHUNK), image.dtype)
-        line = np.empty(width + CHUNK, np.float32)
-        levels = np.empty(CHUNK, np.uint8)
-        counts = np.zeros((4, BINS), np.int32)
-        total = 0.0
-        for low_row in range(block * BLOCK, min((block + 1) * BLOCK, low.shape[0])):
-            line[:] = ZERO
+        lines = np.empty((3, width + CHUNK), np.float32)
+        levels = np.empty(CHUNK, np.uint16)
+        counts = np.zeros((4, BINS + 1), np.int32)
+        totals = np.zeros(CHUNK)
+        last = min((block + 1) * BLOCK, low_rows)
+        for low_row in range(block * BLOCK, last):
             chunk[TOTAL] = ZERO
             for y in range(low_row * subsample, (low_row + 1) * subsample):
                 inside = y < rows
@@ -58,19 +61,20 @@ def survey(
                     x0 = step * CHUNK
                     count = min(CHUNK, columns - x0)
                     load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
-                    for i in range(CHUNK):
-                        chunk[VALUE, i] = chunk[MOST, i] * unit
-                    for i in range(CHUNK):
-                        line[x0 + i] += chunk[VALUE, i]
+                    _gather(chunk, y == low_row * subsample, x0, lines)
                     if inside:
+                        for i in range(CHUNK):
+                            chunk[VALUE, i] = chunk[MOST, i] * unit
                         load_keep(keep, y, x0, count, chunk)
                         _tally(chunk, levels, counts, count)
             for x in range(columns, width):
-                line[x] = line[columns - 1]
-            _shrink(line, subsample, low[low_row])
-            for i in range(CHUNK):
-                total += np.float64(chunk[TOTAL, i])
-        chroma[block] = total
+                for plane in range(3):
+                    lines[plane, x] = lines[plane, columns - 1]
+            _shrink(lines, subsample, unit, fine, low_row)
+            totals += chunk[TOTAL]
+        for low_row in range(block * BLOCK // 2, min((last + 1) // 2, coarse.shape[1])):
+            _pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
+        chroma[block] = totals.sum()
         for level in range(BINS):
             histograms[block, level] = (
                 counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
@@ -78,69 +82,94 @@ def survey(
 
 
 @njit(inline="always")
+def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.float32]) -> None:
+    """Of each column of a block: its first V, and the sum and the squares of what the others differ by.
+
+    Differences to a value that occurs keep a small variance exact to float32.
+    """
+    first, drift, spread = lines[0, x0 : x0 + CHUNK], lines[1, x0 : x0 + CHUNK], lines[2, x0 : x0 + CHUNK]
+    if begins:
+        for i in range(CHUNK):
+            first[i] = chunk[MOST, i]
+        drift[:] = ZERO
+        spread[:] = ZERO
+    else:
+        for i in range(CHUNK):
+            apart = chunk[MOST, i] - first[i]
+            drift[i] += apart
+            spread[i] += apart * apart
+
+
+@njit(inline="always")
 def _tally(
-    chunk: NDArray[np.float32], levels: NDArray[np.uint8], counts: NDArray[np.int32], count: int
+    chunk: NDArray[np.float32], levels: NDArray[np.uint16], counts: NDArray[np.int32], count: int
 ) -> None:
     """Add the chunk's S and V to the sums; four histograms in turn, as equal neighbours would wait."""
     for i in range(CHUNK):
         most = chunk[MOST, i]
         chroma = (most - chunk[LEAST_COLOR, i]) / (most if most > LEAST else LEAST)
         chunk[TOTAL, i] += chunk[KEEP, i] * chroma
-        levels[i] = np.uint8(np.int32(rounded(chunk[VALUE, i] * LEVELS)))  # type: ignore[call-arg]
+        level: np.float32 = rounded(chunk[VALUE, i] * LEVELS)  # type: ignore[call-arg]
+        levels[i] = np.int32(level if chunk[KEEP, i] > ZERO else LEVELS + ONE)
     for i in range(count):
-        counts[i & 3, levels[i]] += np.int32(chunk[KEEP, i])
+        counts[i & 3, levels[i]] += np.int32(1)
 
 
-@njit(inline="always")
-def _shrink(line: NDArray[np.float32], subsample: int, out: NDArray[np.float32]) -> None:
-    """Block means of a row, which is the sum of the block's rows."""
-    if subsample == 1:
-        for x in range(len(out)):
-            out[x] = line[x]
-    elif subsample == 2:
-        _shrink_by(line, 2, out)
-    elif subsample == 4:
-        _shrink_by(line, 4, out)
-    elif subsample == 8:
-        _shrink_by(line, 8, out)
-    else:
-        _shrink_by(line, subsample, out)
-
-
-@njit(inline="always")
-def _shrink_by(line: NDArray[np.float32], subsample: int, out: NDArray[np.float32]) -> None:
-    mean = ONE / np.float32(subsample * subsample)
-    for x in range(len(out)):
-        total = ZERO
-        for k in range(subsample):
-            total += line[x * subsample + k]
-        out[x] = total * mean
-
-
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
-def extremes(
-    image: NDArray[Any],  # (H, W, 3)
-    full: np.float32,  # the image's value of 1.0
-    subsample: int,
-    darkest: NDArray[np.float32],  # (h, w), out: smallest V of each block
-    brightest: NDArray[np.float32],  # (h, w), out: largest V of each block
+@njit(fastmath={"contract"}, error_model="numpy")
+def _shrink(
+    lines: NDArray[np.float32], subsample: int, unit: np.float32, fine: NDArray[np.float32], row: int
 ) -> None:
-    """The range of V within each block of the low resolution."""
-    rows, columns = image.shape[0], image.shape[1]
-    for low_row in prange(darkest.shape[0]):
-        chunk = np.empty((PLANES, CHUNK), np.float32)
-        apart = np.zeros((5, CHUNK), image.dtype)
-        least, most = np.full(columns + CHUNK, full), np.zeros(columns + CHUNK, np.float32)
-        for y in range(low_row * subsample, min((low_row + 1) * subsample, rows)):
-            for step in range((columns + CHUNK - 1) // CHUNK):
-                x0 = step * CHUNK
-                count = min(CHUNK, columns - x0)
-                load(image[y, x0 : x0 + count], apart, chunk)
-                for i in range(CHUNK):
-                    least[x0 + i] = min(least[x0 + i], chunk[MOST, i])
-                    most[x0 + i] = max(most[x0 + i], chunk[MOST, i])
-        for x in range(darkest.shape[1]):
-            low, high = full, ZERO
-            for column in range(x * subsample, min((x + 1) * subsample, columns)):
-                low, high = min(low, least[column]), max(high, most[column])
-            darkest[low_row, x], brightest[low_row, x] = low / full, high / full
+    """A row of blocks from their columns."""
+    if subsample == 1:
+        for x in range(fine.shape[2]):
+            fine[0, row, x], fine[1, row, x] = lines[0, x] * unit, ZERO
+    elif subsample == 2:
+        _shrink_by(lines, 2, unit, fine[0, row], fine[1, row])
+    elif subsample == 4:
+        _shrink_by(lines, 4, unit, fine[0, row], fine[1, row])
+    elif subsample == 8:
+        _shrink_by(lines, 8, unit, fine[0, row], fine[1, row])
+    else:
+        _shrink_by(lines, subsample, unit, fine[0, row], fine[1, row])
+
+
+@njit(inline="always")
+def _shrink_by(
+    lines: NDArray[np.float32],
+    subsample: int,
+    unit: np.float32,
+    mean: NDArray[np.float32],
+    variance: NDArray[np.float32],
+) -> None:
+    """Variances of the columns, and of their means about the block's (Chan, Golub and LeVeque, 1979)."""
+    share = ONE / np.float32(subsample)
+    first, drifts, spreads = lines[0], lines[1], lines[2]
+    for x in range(len(mean)):
+        value = first[np.uint64(x * subsample)]
+        middle, within, between = ZERO, ZERO, ZERO
+        for k in range(subsample):
+            i = np.uint64(x * subsample + k)
+            middle += (first[i] - value + drifts[i] * share) * share
+        for k in range(subsample):
+            i = np.uint64(x * subsample + k)
+            drift = drifts[i] * share
+            within += spreads[i] * share - drift * drift
+            apart = first[i] - value + drift - middle
+            between += apart * apart
+        spread = (within + between) * share * unit * unit
+        mean[x] = (value + middle) * unit
+        variance[x] = spread if spread > ZERO else ZERO
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _pool(fine: NDArray[np.float32], first: int, second: int, coarse: NDArray[np.float32]) -> None:
+    """A row of the coarse grid from two of the fine one."""
+    last = fine.shape[2] - 1
+    above, below = fine[:, first], fine[:, second]
+    for x in range(coarse.shape[1]):
+        left, right = 2 * x, min(2 * x + 1, last)
+        mean = (above[0, left] + above[0, right] + below[0, left] + below[0, right]) * QUARTER
+        within = (above[1, left] + above[1, right] + below[1, left] + below[1, right]) * QUARTER
+        a, b = above[0, left] - mean, above[0, right] - mean
+        c, d = below[0, left] - mean, below[0, right] - mean
+        coarse[0, x], coarse[1, x] = mean, within + (a * a + b * b + c * c + d * d) * QUARTER

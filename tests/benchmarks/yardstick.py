@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from enhance.brightness import BLACK, level, z_from_level
 from enhance.detail import FLOOR, exponent
-from enhance.guided_filter import shrunk_radius
 from enhance.params import DEFAULTS, EnhanceParams
 
 Plane = NDArray[np.float32]
@@ -27,7 +26,7 @@ def enhance_plainly(image: NDArray[np.uint8], params: EnhanceParams = DEFAULTS) 
     brightened = (value ** (0.75 * z + 0.25) + 0.4 * (1 - value) * (1 - z) + value ** (2 - z)) / 2
     total = np.zeros_like(value)
     for radius in params.radii:
-        filtered = _filtered(value, shrunk_radius(radius, params.subsample), params)
+        filtered = _filtered(value, max(1, (2 * radius + params.subsample) // (2 * params.subsample)), params)
         p = params.p if isinstance(params.p, float) else exponent(255 * float(filtered.std()), params.p_form)
         ratio = (filtered + np.float32(FLOOR)) / (value + np.float32(FLOOR))
         total += brightened ** (np.sqrt(ratio) if p == 0.5 else ratio**p)

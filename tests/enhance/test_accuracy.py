@@ -21,7 +21,8 @@ def test_errors_are_in_order_and_times_are_there() -> None:
     for row in ROWS:
         assert 0 <= row.mean <= row.most
         assert 0 <= row.p999 <= row.most
-        assert (row.milliseconds is None) == (row.group == "nearest")
+        unbuilt = "means alone" in row.setting or "nearest" in row.setting
+        assert (row.milliseconds is None) == unbuilt
         assert row.milliseconds is None or row.milliseconds > 0
 
 
@@ -31,6 +32,15 @@ def test_error_grows_with_subsampling_and_vanishes_without() -> None:
     assert rows["s = 1"].most <= 1
     means = [rows[f"s = {s}"].mean for s in (1, 2, 4, 8)]
     assert means == sorted(means)
+
+
+def test_other_ways_to_sample_are_worse_than_the_own() -> None:
+    own, rows = group("subsample")["s = 2"].mean, group("sampling")
+    for name in ("rounded widths", "means alone", "nearest"):
+        assert rows[f"s = 2, {name}"].mean > 1.1 * own
+    for subsample in (2, 4, 8):
+        one, two = rows[f"s = {subsample}, one grid"].mean, group("subsample")[f"s = {subsample}"].mean
+        assert one <= two < 4 * one
 
 
 def test_all_three_scales_come_closest() -> None:

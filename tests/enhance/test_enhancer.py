@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from enhance import EnhanceParams, Enhancer, ImageError, LiveStatistics, enhance, guided_filter, measure
+from enhance import enhancer as enhancer_module
 from tests.enhance.pictures import DTYPES, as_type, vessels
 
 IMAGE = vessels(90, 140)
@@ -31,7 +32,10 @@ CHANGES: list[dict[str, Any]] = [
     {"radii": (4,)},
     {"eps": 1e-4},
     {"eps": 1e-6},
+    {"radii": (4, 16, 17)},
+    {"radii": (16, 4, 4)},
     {"subsample": 1},
+    {"subsample": 2},
     {"subsample": 4},
     {"p_form": "continuous"},
     {"omit_below": 0.0},
@@ -66,7 +70,7 @@ def test_moved_z_p_and_d_factor_do_not_filter_again(monkeypatch: pytest.MonkeyPa
     fits: list[int] = []
     fit = guided_filter._fit
     monkeypatch.setattr(
-        guided_filter, "_fit", lambda low, slots, *rest: fits.append(len(slots)) or fit(low, slots, *rest)
+        guided_filter, "_fit", lambda *args: fits.append(len(set(args[2][:, 0]))) or fit(*args)
     )
     for change in ({"z": 0.3}, {"p": 1.0}, {"p": 0.9}, {"d_factor": 0.2}, {"keep_black": False}):
         enhancer.enhance(EnhanceParams(**change))  # type: ignore[arg-type]
@@ -75,6 +79,37 @@ def test_moved_z_p_and_d_factor_do_not_filter_again(monkeypatch: pytest.MonkeyPa
     assert fits == [1]
     enhancer.enhance(EnhanceParams(radii=(4, 17, 64), eps=0.01))
     assert fits == [1, 3]
+
+
+def test_moved_radius_measures_one_scale_and_takes_the_others_as_they_were(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is left in the planes of the others is used: spoil it, and it shows."""
+    enhancer = Enhancer()
+    enhancer.show(IMAGE)
+    enhancer.enhance()
+    measured: list[list[bool]] = []
+    render = enhancer_module.render
+    monkeypatch.setattr(
+        enhancer_module, "render", lambda *args: measured.append(args[8].tolist()) or render(*args)
+    )
+    for radius in (17, 18):
+        moved = enhancer.enhance(EnhanceParams(radii=(4, radius, 64)))
+        fresh = enhance(IMAGE, EnhanceParams(radii=(4, radius, 64)))
+        assert np.array_equal(moved.image, fresh.image)
+        assert moved.statistics == fresh.statistics
+    assert measured == [[False, True, False], [True] * 3] * 2
+    enhancer.enhance(EnhanceParams())
+    assert measured[-1] == [False] * 3
+    enhancer._kept[0] = 40
+    spoilt, fresh = (one.enhance(EnhanceParams(radii=(4, 19, 64))) for one in (enhancer, shown(IMAGE)))
+    assert not np.array_equal(spoilt.image, fresh.image)
+
+
+def shown(image: NDArray[Any]) -> Enhancer:
+    enhancer = Enhancer()
+    enhancer.show(image)
+    return enhancer
 
 
 def test_moved_d_factor_computes_no_detail() -> None:
@@ -108,7 +143,7 @@ def test_statistics_of_a_clip_win_and_need_no_measuring() -> None:
         result = enhancer.enhance(statistics=pooled)
         assert result.statistics == pooled
         assert np.array_equal(result.image, enhance(image, statistics=pooled).image)
-        assert not enhancer._is_measured(EnhanceParams())
+        assert not enhancer._moments
 
 
 def test_bad_images_leave_the_one_before() -> None:

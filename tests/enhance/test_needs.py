@@ -12,8 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from enhance import EnhanceParams, Enhancer, enhance, needs
-from enhance.guided_filter import WindowModels, shrunk_radius
+from enhance import EnhanceParams, Enhancer, enhance, guided_filter, needs
+from enhance.guided_filter import WindowModels, window
 from enhance.reference import bilinear, enhance_reference, guided
 from tests.enhance.pictures import as_type, images, picture, vessels
 
@@ -58,22 +58,51 @@ def true_reach(value: NDArray[np.float64], radius: int, params: EnhanceParams) -
 
 
 @settings(max_examples=60, deadline=None)
-@given(images(channels=(0,)), st.integers(1, 8), st.floats(1e-6, 1), st.integers(1, 80))
+@given(
+    images(channels=(0,)),
+    st.integers(1, 8),
+    st.floats(1e-6, 1),
+    st.sampled_from([1, 3, 8, 16, 17, 40, 80]),
+)
 def test_reaches_are_true_bounds(image: NDArray[Any], subsample: int, eps: float, radius: int) -> None:
     params = EnhanceParams(radii=(radius,), subsample=subsample, eps=eps)
     gray = image.astype(np.float32) / np.float32(np.iinfo(image.dtype).max if image.dtype.kind == "u" else 1)
     enhancer = Enhancer()
     enhancer.show(gray)
     seen = enhancer._surveyed(subsample)
-    window = (shrunk_radius(radius, subsample), eps, subsample)
-    models = WindowModels().of(seen.low, (window,))
-    pixels = np.repeat(gray[..., None], 3, axis=2)
+    one = window(radius, eps, subsample)
+    models = WindowModels().of(seen.low, (one,), (True,))[one.coarse][0]
     reach = true_reach(gray.astype(np.float64), radius, params)
-    (local,) = needs.local_reaches(pixels, 1.0, subsample, models)
-    (sampled,) = needs.sampled_reaches(seen.low, models)
+    local = needs.local_reach(seen.low.fine, one, models)
     assert reach <= local
     assert reach <= needs.range_reach(*seen.range(0.5)) + 1e-6
-    assert sampled <= local
+    assert needs.local_reach(seen.low.fine, one, models, every=3) <= local
+
+
+@pytest.mark.parametrize("radius", [4, 16])
+def test_local_reach_is_nearly_reached_on_tissue(radius: int) -> None:
+    """A bound of no use would pass the test above."""
+    gray = vessels(128, 160).max(axis=2) / np.float32(255)
+    enhancer = Enhancer()
+    enhancer.show(gray)
+    one = window(radius, 0.0025, 2)
+    low = enhancer._surveyed(2).low
+    models = WindowModels().of(low, (one,), (True,))[one.coarse][0]
+    params = EnhanceParams(radii=(radius,))
+    assert needs.local_reach(low.fine, one, models) < 1.6 * true_reach(gray.astype(float), radius, params)
+
+
+def test_a_scale_that_is_left_out_is_not_filtered(monkeypatch: pytest.MonkeyPatch) -> None:
+    scales: list[int] = []
+    fit = guided_filter._fit
+    monkeypatch.setattr(
+        guided_filter, "_fit", lambda *args: scales.extend(sorted(set(args[2][:, 0]))) or fit(*args)
+    )
+    enhance(vessels(), EnhanceParams(p=(0.5, 0.0, 0.0)))
+    assert scales == [0]
+    scales.clear()
+    enhance(vessels(), EnhanceParams(p=0.0))
+    assert scales == []
 
 
 @settings(max_examples=60, deadline=None)
