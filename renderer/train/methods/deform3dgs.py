@@ -22,6 +22,7 @@ from renderer.clip import Frame
 from renderer.deformation.fdm import FlexibleMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
+from renderer.train.densify import DensityControl
 from renderer.train.flexible_trainer import FlexibleRates, FlexibleTrainer
 from renderer.train.fusion import fused
 from renderer.train.losses import LossWeights
@@ -30,7 +31,8 @@ from renderer.train.rates import Rate, RowRates
 from renderer.train.recipe import Recipe, Stage
 
 FUNCTIONS = 17
-INITIAL_WIDTH = 0.04
+INITIAL_WIDTH = 1 / (FUNCTIONS - 1)
+"""As wide as centres are apart."""
 MILLIMETRES = 68.0
 """Scene size of the pulling clip."""
 FALL, FALL_STEPS = 100.0, 4 / 3
@@ -61,6 +63,7 @@ def recipe(config: TrainConfig, needs: Needs) -> Recipe:
         stages=(Stage(config.iterations),),
         sh_degree=needs.sh_degree,
         losses=LossWeights(inverse_depth=1 / MILLIMETRES),
+        density=DensityControl(seed=config.seed),
     )
 
 
