@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -16,8 +17,8 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 STRIP: Final = 48
-"""Rows of one task, beside twice its windows' reach: does not depend on the number of threads, so that no
-result does."""
+"""Rows of one task at most, beside twice its windows' reach. It does not depend on the number of threads, so
+that no result does."""
 SPAN: Final = 8
 """Pixels of the coarse grid that a window must be wide to be put there. With so many the default scales stay
 within 0.05 grey levels of no grid on training frames, SCARED and retina pictures."""
@@ -107,8 +108,10 @@ def _tasks(
     """(n, 3) scale, first row and the row after the last of each strip, from the top of the image down."""
     tasks = []
     for scale in scales:
-        rows, strip = low[int(coarse[scale])].shape[1], STRIP + 2 * int(whole[scale])
-        tasks += [(scale, top, min(top + strip, rows)) for top in range(0, rows, strip)]
+        rows = low[int(coarse[scale])].shape[1]
+        count = -(-rows // (STRIP + 2 * int(whole[scale])))
+        cuts = [rows * index // count for index in range(count + 1)]
+        tasks += [(scale, top, bottom) for top, bottom in pairwise(cuts)]
     return np.array(sorted(tasks, key=lambda task: task[1] * (1 + coarse[task[0]])), dtype=np.int64)
 
 
