@@ -106,6 +106,18 @@ def test_moved_radius_measures_one_scale_and_takes_the_others_as_they_were(
     assert not np.array_equal(spoilt.image, fresh.image)
 
 
+@pytest.mark.parametrize("p", [0.5, 0.7])
+@pytest.mark.parametrize("change", [{"radii": (4, 17, 64)}, {"eps": 0.001}, {"subsample": 4}, {"p": 0.6}])
+def test_what_is_kept_of_a_scale_is_not_taken_for_another(p: float, change: dict[str, Any]) -> None:
+    """With P set nothing is measured, so that only what is kept can tell that a window has moved."""
+    enhancer = shown(IMAGE)
+    params = EnhanceParams(p=p)
+    for z in (0.2, 0.4, 0.6):
+        enhancer.enhance(replace(params, z=z))
+    moved = replace(params, z=0.6, **change)
+    assert np.array_equal(enhancer.enhance(moved).image, enhance(IMAGE, moved).image)
+
+
 def shown(image: NDArray[Any]) -> Enhancer:
     enhancer = Enhancer()
     enhancer.show(image)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from enhance import EnhanceParams, Enhancer, enhance, guided_filter, needs
-from enhance.guided_filter import WindowModels, window
+from enhance.guided_filter import WindowModels, window, window_on
 from enhance.reference import bilinear, enhance_reference, guided
 from tests.enhance.pictures import as_type, images, picture, vessels
 
@@ -77,6 +77,27 @@ def test_reaches_are_true_bounds(image: NDArray[Any], subsample: int, eps: float
     assert reach <= local
     assert reach <= needs.range_reach(*seen.range(0.5)) + 1e-6
     assert needs.local_reach(seen.low.fine, one, models, every=3) <= local
+
+
+@pytest.mark.parametrize("coarse", [False, True])
+def test_local_reach_looks_at_every_model_and_the_blocks_around_it(coarse: bool) -> None:
+    """Against one model after another; an extreme block is put anywhere in turn."""
+    rng, step = np.random.default_rng(8), 2 if coarse else 1
+    models = rng.uniform(0.4, 0.6, (2, 4, 5)).astype(np.float32)
+    one = window_on(4, 0.0025, 2, coarse)
+    for i, j in np.ndindex(4 * step, 5 * step):
+        low = np.stack((np.full((4 * step, 5 * step), 0.5), np.full((4 * step, 5 * step), 1e-4)))
+        low[:, i, j] = rng.uniform(0.01, 0.9), 0.002
+        expected = 0.0
+        for y, x in np.ndindex(4, 5):
+            rows, columns = (slice(max(at - 1, 0) * step, (at + 2) * step) for at in (y, x))
+            apart = np.sqrt(3 * low[1, rows, columns])  # of four values, so many deviations at most
+            for v in (low[0, rows, columns] - apart).min(), (low[0, rows, columns] + apart).max():
+                v = min(max(v, 0), 1)
+                ratio = (models[0, y, x] * v + models[1, y, x] + 1 / 255) / (v + 1 / 255)
+                expected = max(expected, abs(np.log2(ratio)))
+        found = needs.local_reach(low.astype(np.float32), one, models)
+        assert found == pytest.approx(expected + needs.ROUNDING, rel=1e-5)
 
 
 @pytest.mark.parametrize("radius", [4, 16])
