@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, Final, NamedTuple
 
 import cv2
@@ -32,8 +32,6 @@ from enhance.survey import survey
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
 
-SPARSE: Final = 32
-"""One row of so many tells of most scales that they cannot be left out."""
 
 NO_VALUES: Final = np.empty((0, 0), np.float32)
 
@@ -337,9 +335,9 @@ class Enhancer:
         for index in np.flatnonzero(unsure).tolist():
             one = windows[index]
             if one not in self._reaches:
-                local = partial(needs.local_reach, seen.low.fine, one, models[one.coarse][index])
-                if not matters(index, local(every=SPARSE)):
-                    self._reaches[one] = local()
+                given = seen.low.fine, one, models[one.coarse][index]
+                if not matters(index, needs.sparse_reach(*given)):
+                    self._reaches[one] = needs.local_reach(*given)
             reaches[index] = self._reaches.get(one, loose)
         return tuple(reaches)
 

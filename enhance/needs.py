@@ -25,6 +25,9 @@ from enhance.params import EnhanceParams
 from enhance.result import Omission
 from enhance.statistics import Statistics
 
+FLOAT_FLOOR = np.float32(FLOOR)
+SPARSE = 8
+"""Rows that tell of most scales that they cannot be left out."""
 ROUNDING = 1e-4
 """Added to a reach: the float32 filter may differ by so much from the exact one that the bound is of."""
 
@@ -82,9 +85,7 @@ def range_reach(darkest: float, brightest: float) -> float:
     return math.log2((brightest + FLOOR) / (darkest + FLOOR))
 
 
-def local_reach(
-    low: NDArray[np.float32], window: Window, models: NDArray[np.float32], every: int = 1
-) -> float:
+def local_reach(low: NDArray[np.float32], window: Window, models: NDArray[np.float32]) -> float:
     """True bound on |log2 ratio| of a scale.
 
     The ratio of a pixel is a mean, with bilinear weights, of (a V + b + e) / (V + e) for the models around
@@ -95,40 +96,63 @@ def local_reach(
     Args:
         low: (2, h, w) mean and variance of V in each block of the fine grid.
         models: (2, h, w) of `WindowModels` on the window's grid.
-        every: look at one row of so many: the bound is at least what they tell.
     """
-    rows = np.arange(0, models.shape[1], every)
-    most = np.empty((-(-len(rows) // BLOCK), 2, models.shape[2]), np.float32)
-    deviations = np.float32(math.sqrt(window.subsample**2 - 1))
-    _extreme_ratios(low, 2 if window.coarse else 1, deviations, models, np.float32(FLOOR), rows, most)
+    _, rows, columns = models.shape
+    most = np.ones((-(-rows // BLOCK), 2, columns), np.float32)
+    _all_ratios(low, *_ranging(window), models, most)
     return math.log2(float(most.max())) + ROUNDING
 
 
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
-def _extreme_ratios(
+def sparse_reach(low: NDArray[np.float32], window: Window, models: NDArray[np.float32]) -> float:
+    """What a few rows tell of `local_reach`, which is no less: enough for most scales, and quickly had."""
+    _, rows, columns = models.shape
+    most = np.ones((2, columns), np.float32)
+    _ratios(low, *_ranging(window), models, 0, rows, max(1, rows // SPARSE), most)
+    return math.log2(float(most.max())) + ROUNDING
+
+
+def _ranging(window: Window) -> tuple[int, np.float32]:
+    """Pixels of the fine grid along a side of one of the window's; deviations that a value can be apart."""
+    return 2 if window.coarse else 1, np.float32(math.sqrt(window.subsample**2 - 1))
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
+def _all_ratios(
     low: NDArray[np.float32],  # (2, h, w)
-    step: int,  # pixels of `low` along a side of one of the models' grid
+    step: int,
     deviations: np.float32,
     models: NDArray[np.float32],  # (2, h / step, w / step), rounded up
-    floor: np.float32,
-    chosen: NDArray[np.int64],  # (n,) rows of models
-    out: NDArray[np.float32],  # (n / BLOCK, 2, w), out: largest ratio and 1 / ratio of a column in so many
+    most: NDArray[np.float32],  # (n / BLOCK, 2, w / step), in and out: as of _ratios, of so many rows each
+) -> None:
+    for task in prange(len(most)):
+        last = min((task + 1) * BLOCK, models.shape[1])
+        _ratios(low, step, deviations, models, task * BLOCK, last, 1, most[task])
+
+
+@njit(cache=True, fastmath={"contract"}, error_model="numpy")
+def _ratios(
+    low: NDArray[np.float32],
+    step: int,
+    deviations: np.float32,
+    models: NDArray[np.float32],
+    first: int,
+    last: int,
+    every: int,
+    most: NDArray[np.float32],  # (2, w / step), in and out: the largest ratio and 1 / ratio of each column
 ) -> None:
     columns = models.shape[2]
-    for task in prange(len(out)):
-        out[task] = ONE
-        for y in chosen[task * BLOCK : (task + 1) * BLOCK]:
-            # None on either side of the first block and the last.
-            darkest = np.full((columns + 2) * step, ONE)
-            brightest = np.full((columns + 2) * step, ZERO)
-            for row in range(max((y - 1) * step, 0), min((y + 2) * step, low.shape[1])):
-                _widen_range(low, row, deviations, darkest[step:], brightest[step:])
-            if step == 2:
-                for x in range(columns + 2):
-                    left, right = np.uint64(2 * x), np.uint64(2 * x + 1)
-                    darkest[x] = darkest[left] if darkest[left] < darkest[right] else darkest[right]
-                    brightest[x] = brightest[left] if brightest[left] > brightest[right] else brightest[right]
-            _take_ratios(models, y, darkest, brightest, floor, out[task])
+    for y in range(first, last, every):
+        # Nothing on either side of the first block and the last.
+        darkest = np.full((columns + 2) * step, ONE)
+        brightest = np.full((columns + 2) * step, ZERO)
+        for row in range(max((y - 1) * step, 0), min((y + 2) * step, low.shape[1])):
+            _widen_range(low, row, deviations, darkest[step:], brightest[step:])
+        if step == 2:
+            for x in range(columns + 2):
+                left, right = np.uint64(2 * x), np.uint64(2 * x + 1)
+                darkest[x] = darkest[left] if darkest[left] < darkest[right] else darkest[right]
+                brightest[x] = brightest[left] if brightest[left] > brightest[right] else brightest[right]
+        _take_ratios(models, y, darkest, brightest, most)
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
@@ -156,11 +180,10 @@ def _take_ratios(
     y: int,
     darkest: NDArray[np.float32],
     brightest: NDArray[np.float32],
-    floor: np.float32,
-    out: NDArray[np.float32],
+    most: NDArray[np.float32],
 ) -> None:
     """The largest ratio and 1 / ratio of each model, for V as in its own block and the one on either side."""
-    a, b, highest, inverse = models[0, y], models[1, y], out[0], out[1]
+    a, b, highest, inverse = models[0, y], models[1, y], most[0], most[1]
     dark_here, dark_after = darkest[1:], darkest[2:]
     bright_here, bright_after = brightest[1:], brightest[2:]
     for x in range(len(a)):
@@ -169,8 +192,8 @@ def _take_ratios(
         dark = dark_after[x] if dark_after[x] < dark else dark
         bright = bright_here[x] if bright_here[x] > bright else bright
         bright = bright_after[x] if bright_after[x] > bright else bright
-        first = (a[x] * dark + b[x] + floor) / (dark + floor)
-        last = (a[x] * bright + b[x] + floor) / (bright + floor)
+        first = (a[x] * dark + b[x] + FLOAT_FLOOR) / (dark + FLOAT_FLOOR)
+        last = (a[x] * bright + b[x] + FLOAT_FLOOR) / (bright + FLOAT_FLOOR)
         high, low = (first, last) if first > last else (last, first)
         highest[x] = high if high > highest[x] else highest[x]
         inverse[x] = ONE / low if ONE / low > inverse[x] else inverse[x]

@@ -76,7 +76,7 @@ def test_reaches_are_true_bounds(image: NDArray[Any], subsample: int, eps: float
     local = needs.local_reach(seen.low.fine, one, models)
     assert reach <= local
     assert reach <= needs.range_reach(*seen.range(0.5)) + 1e-6
-    assert needs.local_reach(seen.low.fine, one, models, every=3) <= local
+    assert needs.sparse_reach(seen.low.fine, one, models) <= local
 
 
 @pytest.mark.parametrize("coarse", [False, True])
