@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -26,7 +27,7 @@ from enhance.kernels import (
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.powers import LOG2_ZERO
 from enhance.result import EnhanceResult
-from enhance.statistics import LiveStatistics, Statistics, Tally
+from enhance.statistics import LiveStatistics, Statistics, Tally, from_sums
 from enhance.survey import survey
 
 LIKELY_SIGMA: Final = 64.0
@@ -34,6 +35,7 @@ LIKELY_SIGMA: Final = 64.0
 
 
 NO_VALUES: Final = np.empty((0, 0), np.float32)
+NO_CURVE: Final = np.empty(0, np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,10 @@ class _Survey:
         return int(self.histogram.sum())
 
     @cached_property
+    def level(self) -> int:
+        return brightness.level(self.histogram)
+
+    @cached_property
     def mean(self) -> float:
         """Of V, in [0, 1]."""
         return float(self.histogram @ np.arange(BINS)) / (255 * max(self.count, 1))
@@ -83,6 +89,10 @@ class _Moments(NamedTuple):
 
     mean: float
     squares: float
+
+    def sigma(self, count: int) -> float:
+        """In grey levels, over so many pixels."""
+        return 255 * math.sqrt(self.squares / max(count, 1))
 
 
 @dataclass(frozen=True)
@@ -121,6 +131,7 @@ class Enhancer:
         self._models = WindowModels()
         self._moments: dict[Window, _Moments] = {}
         self._reaches: dict[Window, float] = {}
+        self._curve_z, self._curve = math.nan, NO_CURVE
         self._made: _Made | None = None
         self._values_of: _Made | None = None
         self._values = NO_VALUES
@@ -170,7 +181,9 @@ class Enhancer:
         unknown = [one not in self._moments for one in windows]
         if any(unknown):
             self._render(params, windows, _Made(1.0, (None,) * len(windows)), 0.0, unknown)
-        return self._known(params, windows)
+        seen = self._surveyed(params.subsample)
+        moments = np.array([self._moments[one] for one in windows]).reshape(-1, 2)
+        return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1])
 
     @property
     def _now(self) -> _Shown:
@@ -194,16 +207,11 @@ class Enhancer:
             self._survey = _Survey(subsample, low, histograms.sum(axis=0), float(chroma.sum()))
         return self._survey
 
-    def _known(self, params: EnhanceParams, windows: Windows) -> Tally:
-        """What is measured so far, and the likely deviation of each scale of which Q is not."""
-        seen = self._surveyed(params.subsample)
-        likely = _Moments(0.0, seen.count * (LIKELY_SIGMA / 255) ** 2)
-        moments = np.array([self._moments.get(one, likely) for one in windows]).reshape(-1, 2)
-        return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1])
-
     def _statistics(self, params: EnhanceParams, windows: Windows) -> Statistics:
-        """Those of the shown image, smoothed if the stream is live."""
-        measured = self._known(params, windows).statistics(params, "image")
+        """Those of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
+        seen, known = self._surveyed(params.subsample), self._moments
+        sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
+        measured = from_sums(params, "image", seen.count, seen.level, seen.chroma, sigmas)
         if self._live is None:
             return measured
         return self._live.follow(self._before, measured).resolved(params)
@@ -257,7 +265,7 @@ class Enhancer:
             np.array(filtered),
             np.array(measured),
             np.array([-1.0 if one is None or one.p is None else one.p for one in made.scales], np.float32),
-            _curve(made.z) if now.full > 1 else np.empty(0, np.float32),
+            self._curve_of(made.z) if now.full > 1 else NO_CURVE,
             np.float32(made.z),
             np.float32(saturation.pull(saturation_mean, params.d_factor)),
             params.keep_black,
@@ -273,6 +281,14 @@ class Enhancer:
         for index in np.flatnonzero(measured).tolist():
             self._moments[windows[index]] = _moments(sums[:, index].sum(axis=0), seen)
         return out
+
+    def _curve_of(self, z: float) -> Float32Image:
+        """(256,) log2 of Vn (Eq 1) of each grey level; that of the last z is at hand."""
+        if z != self._curve_z:
+            lifted = brightness.brighten(np.arange(BINS) / 255, z)
+            logs = np.log2(lifted, where=lifted > 0, out=np.full(BINS, float(LOG2_ZERO)))
+            self._curve_z, self._curve = z, logs.astype(np.float32)
+        return self._curve
 
     def _values_for(self, made: _Made) -> Float32Image:
         """Where V* is or goes: it is kept from the second time on that it is made (a moved d-factor)."""
@@ -347,13 +363,6 @@ def _moments(sums: NDArray[np.float64], seen: _Survey) -> _Moments:
     count = max(seen.count, 1)
     drift = sums[0] / count
     return _Moments(float(np.float32(seen.mean) + drift), max(float(sums[1] - count * drift**2), 0.0))
-
-
-def _curve(z: float) -> Float32Image:
-    """(256,) log2 of Vn (Eq 1) of each grey level."""
-    lifted = brightness.brighten(np.arange(BINS) / 255, z)
-    logs = np.log2(lifted, where=lifted > 0, out=np.full(BINS, float(LOG2_ZERO)))
-    return logs.astype(np.float32)
 
 
 def _interleaved(picture: Picture) -> NDArray[Any]:

@@ -8,7 +8,7 @@ large windows can do with a coarser one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -22,6 +22,9 @@ that no result does."""
 SPAN: Final = 8
 """Pixels of the coarse grid that a window must be wide to be put there. With so many the default scales stay
 within 0.05 grey levels of no grid on training frames, SCARED and retina pictures."""
+
+# What is done with the variance and mean of a scale's windows, which do not depend on eps.
+PASS, KEEP, TAKE = range(3)
 
 
 @dataclass(frozen=True)
@@ -65,15 +68,20 @@ def window_on(radius: int, eps: float, subsample: int, coarse: bool) -> Window:
 
 
 class WindowModels:
-    """The linear models of several scales, in memory that stays; only what changed is computed again."""
+    """The linear models of several scales, in memory that stays; only what changed is computed again.
+
+    From the second time on that only eps has moved, so does only what depends on it.
+    """
 
     def __init__(self) -> None:
         self._done: list[Window | None] = []
-        self._models = Grids(np.empty((0, 2, 0, 0), np.float32), np.empty((0, 2, 0, 0), np.float32))
+        self._kept_of: list[Window | None] = []
+        self._models = self._kept = _memory([(0, 2, 0, 0)] * 2)
 
     def forget(self) -> None:
         """The next image is another one."""
         self._done = [None] * len(self._done)
+        self._kept_of = [None] * len(self._done)
 
     def of(self, low: Grids, windows: Windows, needed: Sequence[bool]) -> Grids:
         """Window means of a and b (Eqs 4 and 5, averaged for Eq 6); guide and input are the same.
@@ -89,17 +97,34 @@ class WindowModels:
         """
         shapes = [(len(windows), *plane.shape) for plane in low]
         if [plane.shape for plane in self._models] != shapes:
-            self._models = Grids(*(np.empty(shape, np.float32) for shape in shapes))
-            self._done = [None] * len(windows)
+            self._models = self._kept = _memory(shapes)
+            self._done, self._kept_of = [None] * len(windows), [None] * len(windows)
         stale = [i for i, one in enumerate(windows) if needed[i] and self._done[i] != one]
         if stale:
             coarse = np.array([one.coarse for one in windows])
             whole = np.array([min(one.whole, max(low.fine.shape)) for one in windows], dtype=np.int64)
             part, eps = (np.array([getattr(one, name) for one in windows]) for name in ("part", "eps"))
-            _fit(*low, _tasks(low, stale, coarse, whole), coarse, whole, part, eps, *self._models)
+            tasks = _tasks(low, stale, coarse, whole)
+            stages = np.array([self._stage(i, one) if i in stale else PASS for i, one in enumerate(windows)])
+            _fit(*low, tasks, coarse, whole, part, eps, stages, *self._kept, *self._models)
             for i in stale:
                 self._done[i] = windows[i]
         return self._models
+
+    def _stage(self, index: int, now: Window) -> int:
+        before = self._done[index]
+        if self._kept_of[index] == replace(now, eps=0.0):
+            return TAKE
+        if before is None or replace(before, eps=now.eps) != now:
+            return PASS
+        if self._kept is self._models:
+            self._kept = _memory([plane.shape for plane in self._models])
+        self._kept_of[index] = replace(now, eps=0.0)
+        return KEEP
+
+
+def _memory(shapes: Sequence[tuple[int, ...]]) -> Grids:
+    return Grids(*(np.empty(shape, np.float32) for shape in shapes))
 
 
 def _tasks(
@@ -124,6 +149,9 @@ def _fit(
     whole: NDArray[np.int64],
     part: NDArray[np.float64],
     eps: NDArray[np.float64],
+    stages: NDArray[np.int64],  # PASS, KEEP or TAKE
+    fine_kept: NDArray[np.float32],  # (n, 2, h, w), in or out: variance and mean of the windows
+    coarse_kept: NDArray[np.float32],
     fine_out: NDArray[np.float32],  # (n, 2, h, w), out: window means of a and b
     coarse_out: NDArray[np.float32],
 ) -> None:
@@ -131,6 +159,7 @@ def _fit(
     for task in prange(len(tasks)):
         scale, top, bottom = tasks[task]
         low = coarse if is_coarse[scale] else fine
+        kept = coarse_kept[scale] if is_coarse[scale] else fine_kept[scale]
         out = coarse_out[scale] if is_coarse[scale] else fine_out[scale]
         reach, rest = whole[scale], part[scale]
         rows, columns = low.shape[1:]
@@ -139,12 +168,18 @@ def _fit(
         sums, running = np.empty((2, columns)), np.empty((2, columns + 2 * reach + 3))
         shares = _shares(columns, reach, rest)
         for y in range(before, after):
-            _move(low, True, y, y == before, reach, rest, sums)
-            _accumulate(sums[0], reach, running[0])
-            _accumulate(sums[1], reach, running[1])
-            tall = 1.0 / _covered(y, rows, reach, rest)
-            a, b = models[0, y - before], models[1, y - before]
-            _solve(running[0], running[1], reach, rest, shares, tall, np.float32(eps[scale]), a, b)
+            variance, mean = models[0, y - before], models[1, y - before]
+            if stages[scale] == TAKE:
+                variance[:], mean[:] = kept[0, y], kept[1, y]
+            else:
+                _move(low, True, y, y == before, reach, rest, sums)
+                _accumulate(sums[0], reach, running[0])
+                _accumulate(sums[1], reach, running[1])
+                tall = 1.0 / _covered(y, rows, reach, rest)
+                _describe(running[0], running[1], reach, rest, shares, tall, variance, mean)
+            if stages[scale] == KEEP and top <= y < bottom:
+                kept[0, y], kept[1, y] = variance, mean
+            _solve(np.float32(eps[scale]), variance, mean)
         for y in range(top, bottom):
             tall = 1.0 / _covered(y, rows, reach, rest)
             _move(models, False, y - before, y == top, reach, rest, sums)
@@ -279,28 +314,34 @@ def _mean(
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
-def _solve(
+def _describe(
     running_first: NDArray[np.float64],
     running_second: NDArray[np.float64],
     whole: int,
     part: float,
     shares: NDArray[np.float64],
     tall: float,
-    eps: np.float32,
-    a: NDArray[np.float32],
-    b: NDArray[np.float32],
+    variance: NDArray[np.float32],
+    mean: NDArray[np.float32],
 ) -> None:
-    """a and b of a row of windows; (1 - a) as eps / (variance + eps), which does not cancel."""
+    """Of V in a row of windows."""
     inner, last, outer = running_first[1:], running_first[2 * whole + 2 :], running_first[2 * whole + 3 :]
     inner_2, last_2 = running_second[1:], running_second[2 * whole + 2 :]
     outer_2 = running_second[2 * whole + 3 :]
-    for x in range(len(a)):
+    for x in range(len(mean)):
         share = shares[x] * tall
-        mean = share * ((1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running_first[x]))
+        middle = share * ((1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running_first[x]))
         square = (1.0 - part) * (last_2[x] - inner_2[x]) + part * (outer_2[x] - running_second[x])
-        variance = np.float32(square * share - mean * mean)
+        spread = np.float32(square * share - middle * middle)
         # Rounding can leave a flat window's variance slightly negative.
-        variance = variance if variance > np.float32(0.0) else np.float32(0.0)
-        smooth = eps / (variance + eps)
-        a[x] = np.float32(1.0) - smooth
-        b[x] = smooth * np.float32(mean)
+        variance[x] = spread if spread > np.float32(0.0) else np.float32(0.0)
+        mean[x] = np.float32(middle)
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _solve(eps: np.float32, first: NDArray[np.float32], second: NDArray[np.float32]) -> None:
+    """Variance and mean become a and b; (1 - a) as eps / (variance + eps), which does not cancel."""
+    for x in range(len(first)):
+        smooth = eps / (first[x] + eps)
+        first[x] = np.float32(1.0) - smooth
+        second[x] *= smooth

@@ -96,19 +96,28 @@ class Tally:
         Raises:
             ImageError: no pixel was.
         """
-        if self.count == 0:
-            raise ImageError(
-                "expected at least one pixel to measure, got none: tissue_mask or alpha hides all"
-            )
-        measured = Statistics(
-            level=brightness.level(self.histogram),
-            z=0.0,
-            saturation_mean=self.saturation / self.count,
-            sigmas=self.sigmas,
-            p=(),
-            scope=scope,
-        )
-        return measured.resolved(params)
+        level = brightness.level(self.histogram)
+        return from_sums(params, scope, self.count, level, self.saturation, self.sigmas)
+
+
+def from_sums(
+    params: EnhanceParams,
+    scope: Scope,
+    count: int,
+    level: float,
+    saturation: float,
+    sigmas: tuple[float, ...],
+) -> Statistics:
+    """Statistics of so many pixels, of which `saturation` is the sum of S.
+
+    Raises:
+        ImageError: there is no pixel.
+    """
+    if count == 0:
+        raise ImageError("expected at least one pixel to measure, got none: tissue_mask or alpha hides all")
+    mean = saturation / count
+    measured = Statistics(level=level, z=0.0, saturation_mean=mean, sigmas=sigmas, p=(), scope=scope)
+    return measured.resolved(params)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -106,6 +106,22 @@ def test_moved_radius_measures_one_scale_and_takes_the_others_as_they_were(
     assert not np.array_equal(spoilt.image, fresh.image)
 
 
+def test_moved_eps_takes_the_variances_of_the_windows_as_they_were() -> None:
+    """Spoil them, and it shows; another image, width or grid has its own."""
+    enhancer = shown(IMAGE)
+    for eps in (0.002, 0.001, 1e-6, 0.1):
+        moved, fresh = enhancer.enhance(EnhanceParams(eps=eps)), enhance(IMAGE, EnhanceParams(eps=eps))
+        assert np.array_equal(moved.image, fresh.image)
+    for plane in enhancer._models._kept:
+        plane[:] = 0.5
+    fine = EnhanceParams(eps=0.01)
+    assert not np.array_equal(enhancer.enhance(fine).image, enhance(IMAGE, fine).image)
+    for other in (replace(fine, radii=(5, 17, 60)), replace(fine, subsample=1)):
+        assert np.array_equal(enhancer.enhance(other).image, enhance(IMAGE, other).image)
+    enhancer.show(IMAGE[::-1].copy())
+    assert np.array_equal(enhancer.enhance(fine).image, enhance(IMAGE[::-1].copy(), fine).image)
+
+
 @pytest.mark.parametrize("p", [0.5, 0.7])
 @pytest.mark.parametrize("change", [{"radii": (4, 17, 64)}, {"eps": 0.001}, {"subsample": 4}, {"p": 0.6}])
 def test_what_is_kept_of_a_scale_is_not_taken_for_another(p: float, change: dict[str, Any]) -> None:
