@@ -1,6 +1,6 @@
 """Frames a second of video enhancement, stage by stage and end to end, with and without encoding.
 
-python -m tests.benchmarks.video_speed VIDEO
+python -m tests.benchmarks.video_speed VIDEO [paper|vessel]
 """
 
 from __future__ import annotations
@@ -9,53 +9,58 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable
 from pathlib import Path
 
 from app.ahead import ahead
+from app.methods import Look, LookEnhancer
 from app.pictures import ArrayImage
 from app.series import Series, open_series
 from app.video import write_video
-from enhance import EnhanceParams, Enhancer, enhance
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+
+LOOKS: dict[str, Look] = {"paper": EnhanceParams(), "vessel": VesselParams()}
 
 
-def main(video: Path) -> None:
+def main(video: Path, name: str = "paper") -> None:
     series = open_series(video)
     first = series.read(0)
-    enhance(first)
+    look = LOOKS[name]
+    exhaust(enhanced((one for one in (first,)), look))
     size = f"{first.shape[1]}x{first.shape[0]}"
-    print(f"{video.name}: {len(series)} frames of {size}, load {os.getloadavg()[0]:.1f}")
+    print(f"{name}, {video.name}: {len(series)} frames of {size}, load {os.getloadavg()[0]:.1f}")
     with tempfile.TemporaryDirectory() as folder:
         stages = {
             "read": lambda: exhaust(frames(series)),
-            "read, enhance": lambda: exhaust(enhanced(series)),
-            "read, enhance, encode": lambda: encode(series, Path(folder) / "out.mp4"),
+            "read, enhance": lambda: exhaust(enhanced(frames(series), look)),
+            "read, enhance, encode": lambda: encode(series, look, Path(folder) / "out.mp4"),
         }
-        for name, run in stages.items():
+        for stage, run in stages.items():
             began = time.perf_counter()
             run()
-            print(f"{name:24s} {len(series) / (time.perf_counter() - began):7.1f} frames/s")
+            print(f"{stage:24s} {len(series) / (time.perf_counter() - began):7.1f} frames/s")
 
 
 def frames(series: Series) -> Generator[ArrayImage, None, None]:
     yield from (series.read(index) for index in range(len(series)))
 
 
-def enhanced(series: Series) -> Generator[ArrayImage, None, None]:
-    enhancer = Enhancer()
-    for frame in ahead(frames(series)):
-        enhancer.show(frame)
-        yield enhancer.enhance(EnhanceParams()).image
+def enhanced(pictures: Generator[ArrayImage, None, None], look: Look) -> Generator[ArrayImage, None, None]:
+    enhancer = LookEnhancer()
+    for picture in ahead(pictures):
+        enhancer.show(picture)
+        yield enhancer.enhance(look).image
 
 
-def encode(series: Series, path: Path) -> None:
-    write_video(path, ahead(enhanced(series)), series.frames_per_second)
+def encode(series: Series, look: Look, path: Path) -> None:
+    write_video(path, ahead(enhanced(frames(series), look)), series.frames_per_second)
 
 
-def exhaust(items: Iterator[ArrayImage]) -> None:
+def exhaust(items: Iterable[ArrayImage]) -> None:
     for _ in items:
         pass
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), *sys.argv[2:3])
