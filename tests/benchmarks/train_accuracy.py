@@ -1,0 +1,155 @@
+"""Error against run time of reconstruction: every method and knob, as a table, a plot and JSON.
+
+python -m tests.benchmarks.train_accuracy CLIP --out DIR [--knobs NAME ...] [--seeds N] [--held-out]
+
+CLIP is a folder, or "phantom", whose true motion is known. Methods run with every seed, the other knobs with
+the first alone. A run that DIR/runs.json holds is not run again. Measured on test frames; with --held-out on
+training frames that are kept out of the fit, for choosing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import platform
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from app.atomic import write_bytes
+from app.provenance import provenance, source, strict_json
+from app.report.work_precision import Diagram, Point, pareto_front, write_diagrams
+from renderer.accuracy import KNOBS, outcome, settings
+from renderer.clip import Clip
+from renderer.phantom import Phantom, PhantomParams, write_phantom
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+
+PHANTOM = "phantom"
+PARAMS = PhantomParams(n_frames=48, width=640, height=512)
+MEASURES = {
+    "psnr": ("PSNR, dB", True),
+    "dissimilarity": ("1 - SSIM", False),
+    "depth_rmse": ("depth RMSE", False),
+    "motion_rmse": ("motion RMSE, mm", False),
+}
+COLUMNS = {"psnr": ".2f", "psnr_masked": ".2f", "ssim": ".4f", "depth_rmse": ".3f", "motion_rmse": ".3f"}
+Row = dict[str, Any]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("clip", type=Path)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--knobs", nargs="+", choices=list(KNOBS), default=list(KNOBS))
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--held-out", action="store_true")
+    flags = parser.parse_args()
+    flags.out.mkdir(parents=True, exist_ok=True)
+    if str(flags.clip) != PHANTOM:
+        measure(open_clip(flags.clip), None, source(flags.clip), flags)
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / PHANTOM
+        write_phantom(path, PARAMS)
+        measure(open_clip(path), Phantom(PARAMS), {"name": PHANTOM, "params": asdict(PARAMS)}, flags)
+
+
+def measure(clip: Clip, truth: Phantom | None, name: dict[str, Any], flags: argparse.Namespace) -> None:
+    path = flags.out / "runs.json"
+    rows: list[Row] = json.loads(path.read_text())["runs"] if path.is_file() else []
+    for knob, config in wanted(flags):
+        key = {"knob": knob, "config": json.loads(strict_json(config))}
+        if not any(row["config"] == key["config"] for row in rows):
+            sys.stderr.write(f"{setting(key)}, seed {config.seed}\n")
+            rows.append(key | json.loads(strict_json(outcome(clip, config, truth))))
+            machine = {"system": platform.platform(), "cores": os.cpu_count(), "load": os.getloadavg()[0]}
+            text = strict_json(provenance(clip=name, machine=machine, runs=rows), indent=1)
+            write_bytes(path, text.encode())
+    show(rows)
+    where = "held-out training" if flags.held_out else "test"
+    write_diagrams(flags.out / "work-precision.png", diagrams(rows), f"{clip.name}: {where} frames")
+
+
+def wanted(flags: argparse.Namespace) -> Iterator[tuple[str, TrainConfig]]:
+    for seed in range(flags.seeds):
+        for knob, config in settings():
+            if knob in flags.knobs and (seed == 0 or knob == "method"):
+                yield knob, replace(config, seed=seed, hold_out=flags.held_out)
+
+
+def setting(row: Row) -> str:
+    """What differs from the default."""
+    default, config = json.loads(strict_json(TrainConfig())), row["config"]
+    changed = [
+        f"{name} {round(value, 2) if isinstance(value, float) else value}"
+        for name, value in config.items()
+        if value != default[name] and name not in ("method", "seed", "hold_out")
+    ]
+    return ", ".join([config["method"], *changed])
+
+
+def grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """The seeds of each setting."""
+    groups: dict[str, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(setting(row), []).append(row)
+    return groups
+
+
+def show(rows: Sequence[Row]) -> None:
+    """Means over the seeds, and half the distance of the extremes."""
+    heads = "".join(f"{name:>18}" for name in COLUMNS)
+    print(f"{'':44}seeds{heads}{'s':>9}{'MB':>8}{'Gaussians':>11}")
+    for name, group in grouped(rows).items():
+        cells = "".join(f"{spread(group, column, form):>18}" for column, form in COLUMNS.items())
+        seconds, megabytes, count = (mean(group, key) for key in ("seconds", "megabytes", "n_gaussians"))
+        print(f"{name:44}{len(group):5}{cells}{seconds:9.1f}{megabytes:8.1f}{count:11.0f}")
+    for diagram in diagrams(rows):
+        front = ", ".join(f"{point.setting} ({point.seconds:.0f} s)" for point in pareto_front(diagram))
+        print(f"front of {diagram.measure}: {front}")
+
+
+def spread(group: Sequence[Row], column: str, form: str) -> str:
+    values = [row[column] for row in group if row[column] is not None]
+    if not values:
+        return "-"
+    half = (max(values) - min(values)) / 2
+    return f"{np.mean(values):{form}}" + (f" ±{half:{form}}" if len(values) > 1 else "")
+
+
+def mean(group: Sequence[Row], column: str) -> float:
+    values = [row[column] for row in group if row[column] is not None]
+    return float(np.mean(values)) if values else math.nan
+
+
+def diagrams(rows: Sequence[Row]) -> list[Diagram]:
+    full = [row | {"dissimilarity": 1 - row["ssim"]} for row in rows]
+    return [
+        Diagram(
+            measure=label,
+            more_is_better=more_is_better,
+            points=tuple(
+                Point(
+                    series=group[0]["config"]["method"],
+                    setting=name.removeprefix(f"{group[0]['config']['method']}, "),
+                    seconds=mean(group, "seconds"),
+                    error=mean(group, measure),
+                    is_default=name == TrainConfig().method,
+                )
+                for name, group in grouped(full).items()
+            ),
+        )
+        for measure, (label, more_is_better) in MEASURES.items()
+    ]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from renderer.accuracy import motion_rmse, outcome, settings
+from renderer.gaussians import DynamicGaussians
+from renderer.phantom import Phantom, PhantomParams, write_phantom
+from renderer.raw_gaussians import RawGaussians
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+from renderer.train.initialize import round_gaussians
+
+PARAMS = PhantomParams(n_frames=10, width=96, height=72)
+PHANTOM = Phantom(PARAMS)
+
+
+@dataclass(frozen=True)
+class OfTissue:
+    """Goes `share` of the way that the tissue at `material` goes."""
+
+    material: np.ndarray
+    share: float
+
+    def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+        u, v = self.material.T
+        start, now = (PHANTOM.surface.evaluate(u, v, when)[0] for when in (0.0, time))
+        return replace(raw, means=(start + self.share * (now - start)).astype(np.float32))
+
+    def arrays(self) -> dict[str, Any]:
+        return {}
+
+
+def model(share: float) -> DynamicGaussians:
+    """A Gaussian at every second pixel of the tissue that the first frame sees, and beyond."""
+    axis = np.arange(-60, 60, 0.9)
+    material = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
+    start, _, _ = PHANTOM.surface.evaluate(*material.T, 0.0)  # type: ignore[call-arg]
+    count = len(material)
+    raw = round_gaussians(
+        start.astype(np.float32), np.full(count, 0.7), np.zeros((count, 3), np.float32), 0.95
+    )
+    return DynamicGaussians(raw, OfTissue(material, share))  # type: ignore[arg-type]
+
+
+def true_way(indices: tuple[int, ...]) -> float:
+    squares = []
+    for index in indices:
+        view = PHANTOM.view(index)
+        u, v = view.material[view.frame.evaluation_mask].T
+        later = (index + 5) % 10 / 10
+        began, ended = (PHANTOM.surface.evaluate(u, v, when)[0] for when in (view.frame.time, later))
+        squares.append(np.mean(np.sum((ended - began) ** 2, axis=1)))
+    return float(np.sqrt(np.mean(squares)))
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5, 0.0])
+def test_motion_error_is_what_a_model_lacks_of_the_true_way(share: float) -> None:
+    indices = (1, 4, 9)
+    expected = (1 - share) * true_way(indices)
+    assert true_way(indices) > 3
+    assert motion_rmse(model(share), PHANTOM, indices) == pytest.approx(expected, abs=0.2)
+
+
+def test_the_first_setting_is_the_default_and_none_comes_twice() -> None:
+    configs = [config for _, config in settings()]
+    assert configs[0] == TrainConfig()
+    assert len(set(configs)) == len(configs)
+
+
+def test_an_outcome_measures_all_that_the_phantom_knows(tmp_path: Any) -> None:
+    write_phantom(tmp_path / "clip", PARAMS)
+    clip = open_clip(tmp_path / "clip")
+    config = TrainConfig(iterations=120, n_gaussians=1500)
+    trained = outcome(clip, config, PHANTOM)
+    still = outcome(clip, replace(config, method="static"), PHANTOM)
+    assert trained.psnr > still.psnr
+    assert trained.motion_rmse < still.motion_rmse
+    assert still.motion_rmse == pytest.approx(true_way(clip.test_indices), rel=0.05)
+    assert 0 < trained.depth_rmse < 3
+    assert still.megabytes < trained.megabytes
+    assert np.isnan(outcome(clip, config).motion_rmse)
