@@ -73,7 +73,7 @@ class TrainConfig:
     leave_out: tuple[Literal["deformation", "color_curves"], ...] = ()
     """Parts that stay out whatever the clip needs."""
     hold_out: bool = False
-    """Keep training frames with index % 8 == 5 out and evaluate on them: for choosing settings."""
+    """Keep every seventh training frame out and evaluate on it: for choosing settings."""
     checkpoint_every: Annotated[int, Interval(ge=1, le=1_000_000)] = 500
     """Steps between checkpoints."""
 

@@ -41,7 +41,8 @@ from renderer.train.unseen import without_unseen
 
 PROGRESS_SECONDS = 0.25
 SNAPSHOT_SECONDS = 1.0
-HELD_OUT_PHASE = 5
+HELD_OUT_PHASE, HELD_OUT_EVERY = 4, 7
+"""In training frames; of a clip split as the field does, those with index % 8 == 5."""
 FULL_COST = 1.7
 """A step at full resolution takes about this many at half resolution; only the time left depends on it."""
 
@@ -117,7 +118,7 @@ def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, 
     """Frames to fit and training frames held out of the fit; test frames are in neither."""
     if not config.hold_out:
         return clip.train_indices, ()
-    held_out = tuple(index for index in clip.train_indices if index % 8 == HELD_OUT_PHASE)
+    held_out = clip.train_indices[HELD_OUT_PHASE::HELD_OUT_EVERY]
     return tuple(index for index in clip.train_indices if index not in held_out), held_out
 
 

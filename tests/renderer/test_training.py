@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from renderer.clip import Clip, ClipError
+from renderer.clip import Clip, ClipError, Split
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import Rasterizer, render
 from renderer.splats import Splats
@@ -35,6 +35,17 @@ def same_bytes(a: DynamicGaussians, b: DynamicGaussians) -> bool:
     return all(
         x.tobytes() == y.tobytes() for x, y in zip(a.arrays().values(), b.arrays().values(), strict=True)
     )
+
+
+@pytest.mark.parametrize("kind", ["field", "even-odd"])
+def test_frames_are_held_out_of_training_frames_however_these_are_split(kind: Split) -> None:
+    clip = replace(moving_sheet(), split=kind)
+    fit, held_out = split(clip, SMALL)
+    assert held_out
+    assert sorted((*fit, *held_out)) == list(clip.train_indices)
+    assert not set(held_out) & set(clip.test_indices)
+    if kind == "field":
+        assert all(index % 8 == 5 for index in held_out)
 
 
 def test_moving_tissue_is_recovered_and_static_is_not_enough() -> None:
