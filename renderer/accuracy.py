@@ -1,4 +1,4 @@
-"""Error against run time of reconstruction: whole runs, measured on frames that they have not seen."""
+"""Error against run time of reconstruction: finished runs, measured on frames that they have not seen."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from renderer.phantom import Phantom
 from renderer.rasterize.cpu import render
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
-from renderer.train.trainer import split, train
+from renderer.train.trainer import split
 
 OPAQUE: Final = 0.5
 """Alpha from which the motion of a pixel is compared."""
@@ -63,16 +63,13 @@ def settings() -> Iterator[tuple[str, TrainConfig]]:
             yield knob, replace(TrainConfig(), **change)
 
 
-def outcome(clip: Clip, config: TrainConfig, truth: Phantom | None = None) -> Outcome:
-    """Train and measure: on held-out training frames where `config.hold_out` is set, else on test frames.
+def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom | None = None) -> Outcome:
+    """Of a run of `config` on `clip`: on held-out training frames where `config.hold_out` is set, else on
+    test frames.
 
     Args:
         truth: the phantom that the clip shows, so that motion can be measured.
-
-    Raises:
-        ClipError, TrainingError: as `train`.
     """
-    finished = next(event for event in train(clip, config) if isinstance(event, Finished))
     model, indices = finished.model, split(clip, config)[1] if config.hold_out else clip.test_indices
     image, masked, likeness, depth = measured(model, clip, indices)
     return Outcome(

@@ -58,11 +58,14 @@ class HexplaneTrainer:
             everywhere = np.ones(_rows(gradient).shape[0], bool)
             self._move(name, gradient, everywhere, corrected_rate(head_rate, done + 1))
         row, share = time_taps(time, len(self._row_steps))
+        # Adam as published averages squares over the steps without gradient too, all but two in so many
+        # rows: a row goes further at a step by the root of that.
+        row_rate = cell_rate * (len(self._row_steps) / 2) ** 0.5
         crossed: BoolArray = np.any(by_lines, axis=2)
         for tap, weight in ((row, 1 - share), (row + 1, share)):
             if weight > 0:
                 self._row_steps[tap] += 1
-                rate = corrected_rate(cell_rate, int(self._row_steps[tap]))
+                rate = corrected_rate(row_rate, int(self._row_steps[tap]))
                 self._move("time_cells", weight * by_lines, crossed, rate, tap)
 
     def _by_cells(

@@ -1,10 +1,11 @@
 """Error against run time of reconstruction: every method and knob, as a table, a plot and JSON.
 
-python -m tests.benchmarks.train_accuracy CLIP --out DIR [--knobs NAME ...] [--seeds N] [--held-out]
+python -m tests.benchmarks.train_accuracy CLIP --out DIR [--knobs NAME ...] [--methods NAME ...] [--seeds N]
+    [--input original|enhanced] [--held-out]
 
 CLIP is a folder, or "phantom", whose true motion is known. Methods run with every seed, the other knobs with
-the first alone. A run that DIR/runs.json holds is not run again. Measured on test frames; with --held-out on
-training frames that are kept out of the fit, for choosing.
+the first alone. Every run has its folder in DIR; one that is there already goes on or is measured as it is.
+Measured on test frames; with --held-out on training frames that are kept out of the fit, for choosing.
 """
 
 from __future__ import annotations
@@ -16,9 +17,8 @@ import os
 import platform
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -26,11 +26,13 @@ import numpy as np
 from app.atomic import write_bytes
 from app.provenance import provenance, source, strict_json
 from app.report.work_precision import Diagram, Point, pareto_front, write_diagrams
+from app.run_folder import RunFolder
+from app.training import TrainRequest, input_clip, run_training
 from renderer.accuracy import KNOBS, outcome, settings
-from renderer.clip import Clip
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
+from renderer.train.events import Finished
 
 PHANTOM = "phantom"
 PARAMS = PhantomParams(n_frames=48, width=640, height=512)
@@ -49,40 +51,49 @@ def main() -> None:
     parser.add_argument("clip", type=Path)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--knobs", nargs="+", choices=list(KNOBS), default=list(KNOBS))
+    parser.add_argument("--methods", nargs="+", default=[row["method"] for row in KNOBS["method"]])
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--input", choices=("original", "enhanced"), default="original")
     parser.add_argument("--held-out", action="store_true")
     flags = parser.parse_args()
     flags.out.mkdir(parents=True, exist_ok=True)
-    if str(flags.clip) != PHANTOM:
-        measure(open_clip(flags.clip), None, source(flags.clip), flags)
-        return
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / PHANTOM
-        write_phantom(path, PARAMS)
-        measure(open_clip(path), Phantom(PARAMS), {"name": PHANTOM, "params": asdict(PARAMS)}, flags)
-
-
-def measure(clip: Clip, truth: Phantom | None, name: dict[str, Any], flags: argparse.Namespace) -> None:
-    path = flags.out / "runs.json"
-    rows: list[Row] = json.loads(path.read_text())["runs"] if path.is_file() else []
-    for knob, config in wanted(flags):
-        key = {"knob": knob, "config": json.loads(strict_json(config))}
-        if not any(row["config"] == key["config"] for row in rows):
-            sys.stderr.write(f"{setting(key)}, seed {config.seed}\n")
-            rows.append(key | json.loads(strict_json(outcome(clip, config, truth))))
-            machine = {"system": platform.platform(), "cores": os.cpu_count(), "load": os.getloadavg()[0]}
-            text = strict_json(provenance(clip=name, machine=machine, runs=rows), indent=1)
-            write_bytes(path, text.encode())
+    path, truth = flags.clip, None
+    if str(path) == PHANTOM:
+        path, truth = flags.out / PHANTOM, Phantom(PARAMS)
+        if not path.exists():
+            write_phantom(path, PARAMS)
+    clip = open_clip(path)
+    rows = [measured(path, knob, config, truth, flags) for knob, config in wanted(flags)]
     show(rows)
+    machine = {"system": platform.platform(), "cores": os.cpu_count(), "load": os.getloadavg()[0]}
+    facts = provenance(clip=source(path), input=flags.input, machine=machine, runs=rows)
+    name = f"work-precision-{clip.name}-{flags.input}"
+    write_bytes(flags.out / f"{name}.json", strict_json(facts, indent=1).encode())
     where = "held-out training" if flags.held_out else "test"
-    write_diagrams(flags.out / "work-precision.png", diagrams(rows), f"{clip.name}: {where} frames")
+    title = f"{clip.name}, {flags.input} photos: {where} frames"
+    write_diagrams(flags.out / f"{name}.png", diagrams(rows), title)
 
 
 def wanted(flags: argparse.Namespace) -> Iterator[tuple[str, TrainConfig]]:
     for seed in range(flags.seeds):
         for knob, config in settings():
-            if knob in flags.knobs and (seed == 0 or knob == "method"):
+            if knob in flags.knobs and config.method in flags.methods and (seed == 0 or knob == "method"):
                 yield knob, replace(config, seed=seed, hold_out=flags.held_out)
+
+
+def measured(
+    path: Path, knob: str, config: TrainConfig, truth: Phantom | None, flags: argparse.Namespace
+) -> Row:
+    """Train, or take what is there, and measure against the photos that it was trained on."""
+    own = json.loads(strict_json(config))
+    name = f"{setting({'config': own})}, {flags.input}, seed {config.seed}"
+    sys.stderr.write(f"{name}\n")
+    run = RunFolder(flags.out / "".join(letter if letter.isalnum() else "-" for letter in name))
+    request = TrainRequest(clip_path=path, run_path=run.path, config=config, input=flags.input, resume=True)
+    finished = next(event for event in run_training(request) if isinstance(event, Finished))
+    photos = input_clip(open_clip(path), run.record())
+    facts = json.loads(strict_json(outcome(finished, photos, config, truth)))
+    return {"run": run.path.name, "knob": knob, "config": own, **facts}
 
 
 def setting(row: Row) -> str:

@@ -12,7 +12,9 @@ from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.raw_gaussians import RawGaussians
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
+from renderer.train.events import Finished
 from renderer.train.initialize import round_gaussians
+from renderer.train.trainer import train
 
 PARAMS = PhantomParams(n_frames=10, width=96, height=72)
 PHANTOM = Phantom(PARAMS)
@@ -74,12 +76,13 @@ def test_the_first_setting_is_the_default_and_none_comes_twice() -> None:
 def test_an_outcome_measures_all_that_the_phantom_knows(tmp_path: Any) -> None:
     write_phantom(tmp_path / "clip", PARAMS)
     clip = open_clip(tmp_path / "clip")
-    config = TrainConfig(iterations=120, n_gaussians=1500)
-    trained = outcome(clip, config, PHANTOM)
-    still = outcome(clip, replace(config, method="static"), PHANTOM)
+    moving = TrainConfig(iterations=120, n_gaussians=1500)
+    configs = moving, replace(moving, method="static")
+    runs = [event for config in configs for event in train(clip, config) if isinstance(event, Finished)]
+    trained, still = (outcome(*pair, PHANTOM) for pair in zip(runs, (clip, clip), configs, strict=True))
     assert trained.psnr > still.psnr
     assert trained.motion_rmse < still.motion_rmse
     assert still.motion_rmse == pytest.approx(true_way(clip.test_indices), rel=0.05)
     assert 0 < trained.depth_rmse < 3
     assert still.megabytes < trained.megabytes
-    assert np.isnan(outcome(clip, config).motion_rmse)
+    assert np.isnan(outcome(runs[0], clip, moving).motion_rmse)
