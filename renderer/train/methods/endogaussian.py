@@ -5,7 +5,7 @@ Departures:
 * 16 channels in place of 64 at each level: 19 million numbers in place of 85;
 * time spans the whole grid, of as many rows as the published one uses half of;
 * cells rest where they have no gradient; the rate of rows in time makes up for it;
-* depth is expected depth and moves Gaussians along the view; published: not divided by alpha, no gradient to z;
+* depth is expected depth, moves Gaussians along the view; published: not divided by alpha, no gradient to z;
 * Gaussians are drawn once each; published: with replacement;
 * spherical harmonics for a moving camera alone; every frame once an epoch; the box of the planes stays;
 * no density control: published, it adds 2 % of Gaussians.
