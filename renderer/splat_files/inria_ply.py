@@ -1,0 +1,99 @@
+"""Splats as 3D Gaussian Splatting writes them (Kerbl et al. 2023): the vertices of a PLY file.
+
+Fields: x y z; f_dc_0..2, coefficients of degree 0; f_rest_*, those above it, all of red before green and
+blue; opacity as a logit; scale_0..2 as natural logarithms; rot_0..3, w first. Viewers tell by the comment
+`SplatRenderMode` how splats narrower than a pixel are drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.harmonics import BANDS
+from renderer.ply_elements import Element, Ply
+from renderer.raw_gaussians import RawGaussians
+from renderer.splat_files.splat_file import PER_COLOR, RenderMode, SplatFile, SplatFileError, repaired
+
+MEANS = ("x", "y", "z")
+DC = tuple(f"f_dc_{place}" for place in range(3))
+SCALES = tuple(f"scale_{place}" for place in range(3))
+QUATS = tuple(f"rot_{place}" for place in range(4))
+NEEDED = (*MEANS, *DC, "opacity", *SCALES, *QUATS)
+MODE = "SplatRenderMode:"
+
+
+def splats_of(ply: Ply) -> SplatFile:
+    """The Gaussians of the element `vertex`, whose fields may be of any type, in any order, among others.
+
+    Raises:
+        SplatFileError: fields are missing.
+    """
+    vertices = next((element for element in ply.elements if element.name == "vertex"), None)
+    if vertices is None:
+        raise SplatFileError("expected vertices, got none")
+    missing = [name for name in NEEDED if name not in vertices.fields]
+    if missing:
+        raise SplatFileError(f"expected the fields of splats, got none named {', '.join(missing)}")
+    raw = RawGaussians(
+        means=columns(vertices, MEANS),
+        quats=columns(vertices, QUATS),
+        log_scales=columns(vertices, SCALES),
+        opacity_logits=columns(vertices, ("opacity",))[:, 0],
+        colors=colors_of(columns(vertices, DC)),
+        harmonics=harmonics_of(vertices),
+    )
+    return repaired(raw, _mode(ply.comments))
+
+
+def columns(element: Element, names: Sequence[str]) -> NDArray[np.float32]:
+    """(N, names) of a row's fields."""
+    out = np.empty((len(element.rows), len(names)), np.float32)
+    with np.errstate(over="ignore"):
+        for place, name in enumerate(names):
+            out[:, place] = element.rows[name]
+    return out
+
+
+def colors_of(coefficients: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.asarray(0.5 + PER_COLOR * coefficients.astype(np.float64), np.float32)
+
+
+def harmonics_of(element: Element) -> NDArray[np.float32]:
+    """(N, B, 3). Raises SplatFileError where the number of fields is that of no degree."""
+    count = sum(name.startswith("f_rest_") for name in element.fields)
+    names = [f"f_rest_{place}" for place in range(count)]
+    if count not in [3 * bands for bands in BANDS] or not set(names) <= set(element.fields):
+        wanted = ", ".join(str(3 * bands) for bands in BANDS)
+        raise SplatFileError(f"expected {wanted} fields f_rest_0 and on, got {count}")
+    return np.ascontiguousarray(
+        columns(element, names).reshape(len(element.rows), 3, count // 3).transpose(0, 2, 1)
+    )
+
+
+def _mode(comments: Sequence[str]) -> RenderMode:
+    said = [comment.removeprefix(MODE).strip() for comment in comments if comment.startswith(MODE)]
+    return "mip" if "mip" in said or "antialiased 1" in comments else "default"
+
+
+def ply_bytes(raw: RawGaussians, mode: RenderMode = "default", comments: Sequence[str] = ()) -> bytes:
+    """A binary file that `splats_of` reads back: all values bit for bit, colours to 1e-7."""
+    count = raw.harmonics.shape[1]
+    rest = tuple(f"f_rest_{place}" for place in range(3 * count))
+    names = (*MEANS, "nx", "ny", "nz", *DC, *rest, "opacity", *SCALES, *QUATS)
+    head = [
+        "ply", "format binary_little_endian 1.0", f"comment {MODE} {mode}",
+        *(f"comment {' '.join(comment.split())}" for comment in comments), f"element vertex {len(raw)}",
+        *(f"property float {name}" for name in names), "end_header", "",
+    ]  # fmt: skip
+    coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR
+    rest_values = raw.harmonics.transpose(0, 2, 1).reshape(len(raw), len(rest))
+    parts: list[NDArray[np.floating[Any]]] = [
+        raw.means, np.zeros((len(raw), 3)), coefficients, rest_values,
+        raw.opacity_logits[:, None], raw.log_scales, raw.quats,
+    ]  # fmt: skip
+    body = np.concatenate([part.astype("<f4") for part in parts], axis=1)
+    return "\n".join(head).encode("ascii", "replace") + body.tobytes()

@@ -1,0 +1,59 @@
+"""What a file of splats holds, whatever its format."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.raw_gaussians import RawGaussians
+
+RenderMode = Literal["default", "mip"]
+"""mip: the opacity makes up for the low-pass filter of the screen, see viewers' `SplatRenderMode`."""
+PER_COLOR: Final = 0.28209479177387814
+"""Colour that a spherical harmonic coefficient of degree 0 makes; 0.5 is added."""
+MOST_LOGIT: Final = np.float32(80.0)
+"""Opacities of 0 and 1 become those of this logit, which float32 does not tell from them."""
+
+
+class SplatFileError(ValueError):
+    """What was expected and what came, without the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class SplatFile:
+    """Gaussians at rest, in the axes of the file's convention turned to x right, y down, z forward."""
+
+    raw: RawGaussians
+    mode: RenderMode = "default"
+    notices: tuple[str, ...] = ()
+    """What had to be repaired."""
+
+
+def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
+    """Without the rows that cannot be drawn: values that are not finite, sizes beyond float32."""
+    logits = np.clip(raw.opacity_logits, -MOST_LOGIT, MOST_LOGIT)
+    lost = np.all(raw.quats == 0, axis=1)
+    quats = np.where(lost[:, None], np.array([1, 0, 0, 0], np.float32), raw.quats)
+    raw = replace(raw, opacity_logits=logits, quats=quats)
+    with np.errstate(over="ignore", invalid="ignore"):
+        scales = np.exp(raw.log_scales)
+    values = (raw.means, raw.quats, scales, logits[:, None], raw.colors, *raw.harmonics.transpose(1, 0, 2))
+    finite = [np.isfinite(value).all(axis=1) for value in values]
+    good: NDArray[np.bool_] = np.all([*finite, (scales > 0).all(axis=1)], axis=0)
+    notices = []
+    if count := int(np.count_nonzero(~good)):
+        notices.append(
+            f"{count} of {len(raw)} splats have a value that is not finite, or no size, and are left out"
+        )
+    if count := int(np.count_nonzero(lost & good)):
+        notices.append(f"{count} of {len(raw)} splats have no rotation and are taken as they lie")
+    return SplatFile(raw if good.all() else raw.rows(np.flatnonzero(good)), mode, tuple(notices))
+
+
+def logits(opacities: NDArray[np.float64]) -> NDArray[np.float32]:
+    """log(a / (1 - a)) of opacities in [0, 1]; infinite at both ends."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(opacities) - np.log1p(-opacities), dtype=np.float32)
