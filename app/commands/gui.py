@@ -12,13 +12,17 @@ from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("path", metavar="CLIP|IMAGE|VIDEO|RUN", nargs="?", type=Path, help="what to open")
+    parser.add_argument(
+        "path", metavar="CLIP|IMAGE|VIDEO|RUN|SPLATFILE", nargs="?", type=Path, help="what to open"
+    )
     add_fields(parser, ClipOptions, EVERY_OPTION)
 
 
 def run(flags: argparse.Namespace) -> None:
     if flags.path is not None and not flags.path.exists():
-        raise UserError(f"expected a clip, image, video or run, got no such file or folder: {flags.path}")
+        raise UserError(
+            f"expected a clip, image, video, run or file of splats, got no such file or folder: {flags.path}"
+        )
     options = parameters(ClipOptions, flags)
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")

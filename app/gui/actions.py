@@ -94,7 +94,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
 def _show_run(state: AppState, opened: Opened) -> None:
     draft = state.reconstruction
     state.reconstruction = Reconstruction(config=draft.config, input=draft.input, d_factor=draft.d_factor)
-    state.model, state.view, state.orbit = None, None, Orbit()
+    state.model, state.view, state.orbit = opened.splats, None, Orbit()
     if opened.run is None:
         return
     record, run = opened.run.record, opened.run

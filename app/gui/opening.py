@@ -1,4 +1,4 @@
-"""Opens what a person points at: a clip, or a run with its clip and model. Made off the window's thread."""
+"""Opens what a person points at: a clip, a run with its clip and model, or splats; off the main thread."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from app.gui.origin import origin_of
+from app.gui.origin import Origin, origin_of
 from app.gui.viewing import ShownModel
 from app.run_folder import RunFolder, RunRecord
+from app.scene import is_splat_file, splat_scene
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
@@ -43,10 +44,12 @@ class OpenedRun:
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A clip, a run, or a run with its clip."""
+    """A clip, a run, a run with its clip, or a file of splats."""
 
     clip: Clip | None
     run: OpenedRun | None = None
+    splats: ShownModel | None = None
+    """Of a file of splats."""
     notices: tuple[str, ...] = ()
     options: ClipOptions = DEFAULTS
     """How the clip was read."""
@@ -54,6 +57,9 @@ class Opened:
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
     """Raises ClipError or UserError: one line for the banner."""
+    if is_splat_file(request.path):
+        yield _open_splats(request.path)
+        return
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)
     if run.is_run or request.path.suffix == ".safetensors":
@@ -65,6 +71,14 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     yield Opened(clip, notices=clip.notices, options=request.options)
 
 
+def _open_splats(path: Path) -> Opened:
+    scene = splat_scene(path)
+    distance = middle_distance(scene.model, scene.cameras[0])
+    origin = Origin(scene.facts)
+    shown = ShownModel(scene.model, scene.cameras, distance, scene.name, 0, 0, live=False, origin=origin)
+    return Opened(None, splats=shown, notices=scene.notices)
+
+
 def _open_run(folder: RunFolder) -> Opened:
     record = folder.record()
     clip, notices = _clip_of(record)
@@ -72,7 +86,7 @@ def _open_run(folder: RunFolder) -> Opened:
     if model is None:
         notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
     run = OpenedRun(folder.path, record, _request(folder, record), model, _logged(folder))
-    return Opened(clip, run, notices, record.clip.options)
+    return Opened(clip, run, notices=notices, options=record.clip.options)
 
 
 def _request(folder: RunFolder, record: RunRecord) -> TrainRequest:

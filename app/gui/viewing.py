@@ -33,7 +33,7 @@ class ShownModel:
     live: bool
     """Still being trained."""
     origin: Origin | None = None
-    """The run it comes from; None when that left nothing to read."""
+    """The run or file it comes from; None when that left nothing to read."""
 
     def view(self, time: float, orbit: Orbit, size: tuple[int, int]) -> ViewRequest:
         """The view of (width, height) pixels at `time` in [0, 1] through the orbited camera of that time."""

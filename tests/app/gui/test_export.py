@@ -123,8 +123,8 @@ def test_a_model_of_this_session_knows_its_run(
     actions.show_live_model(state, model)
     assert state.model is not None
     assert state.model.origin is not None
-    assert (state.model.origin.run, state.model.origin.model_sha256) == (path.name, None)
+    assert state.model.origin.facts["run"] == {"name": path.name, "model_sha256": None}
     run.save_model(model)
     actions.show_finished_model(state, model)
     assert state.model.origin is not None
-    assert state.model.origin.model_sha256 == digest(run.model_path)
+    assert state.model.origin.facts["run"]["model_sha256"] == digest(run.model_path)

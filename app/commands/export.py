@@ -1,0 +1,113 @@
+"""`vesselsplat export RUN --ply DIR | --video FILE | --cameras FILE`: a model for other programs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app import moments
+from app.atomic import filled, write_bytes
+from app.drawers import drawer
+from app.errors import UserError
+from app.moments import Moment
+from app.pictures import ArrayImage
+from app.progress import progress
+from app.provenance import provenance, strict_json, write_sidecar
+from app.scene import Scene, open_scene
+from app.video import write_video
+from renderer.near_plane import near_plane
+from renderer.splat_files.inria_ply import ply_bytes
+
+FRAMES_PER_SECOND = 15.0
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
+    )
+    parser.add_argument(
+        "--ply", type=Path, metavar="DIR", help="a splat file a frame, numbered, as viewers play them"
+    )
+    parser.add_argument(
+        "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON beside"
+    )
+    parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
+    moments.add_flags(parser)
+    parser.add_argument(
+        "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
+    )
+    parser.add_argument(
+        "--frames-per-second", type=float, default=FRAMES_PER_SECOND, metavar="F", help="of the video (15)"
+    )
+
+
+def run(flags: argparse.Namespace) -> None:
+    if not (flags.ply or flags.video or flags.cameras):
+        raise UserError("expected what to export: --ply DIR, --video FILE or --cameras FILE")
+    if not 0 < flags.frames_per_second <= 1000:
+        raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
+    scene = open_scene(flags.scene)
+    wanted = list(moments.moments(flags, scene))
+    for notice in scene.notices:
+        sys.stderr.write(f"{notice}: {flags.scene}\n")
+    if flags.ply:
+        _write_plys(flags.ply, scene, wanted)
+    if flags.video:
+        _write_video(flags, scene, wanted)
+    if flags.cameras:
+        content = json.dumps([_inria_camera(place, moment) for place, moment in enumerate(wanted)], indent=1)
+        write_bytes(flags.cameras, content.encode())
+        sys.stdout.write(f"{flags.cameras}: {len(wanted)} cameras\n")
+
+
+def _write_plys(folder: Path, scene: Scene, wanted: list[Moment]) -> None:
+    """The Gaussians where they are at each moment; every file says what it is of."""
+    with filled(folder) as staging, progress("export", len(wanted)) as report:
+        for done, moment in enumerate(wanted, start=1):
+            raw = scene.model.motion.moved(scene.model.raw, moment.time)
+            facts = provenance(**scene.facts, frame=moment.frame, time=moment.time)
+            comment = f"vesselsplat {json.dumps(json.loads(strict_json(facts)))}"
+            (staging / f"{moment.name}.ply").write_bytes(ply_bytes(raw, scene.mode, [comment]))
+            report(done, moment.name)
+    sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
+
+
+def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
+    draw, name = drawer(flags.renderer)
+
+    def pictures() -> Iterator[ArrayImage]:
+        with progress("draw", len(wanted)) as report:
+            for done, moment in enumerate(wanted, start=1):
+                near = near_plane(scene.model, moment.camera)
+                yield draw(scene.model.at(moment.time), moment.camera, near).bytes
+                report(done, moment.name)
+
+    written = write_video(flags.video, pictures(), flags.frames_per_second)
+    facts = scene.facts | {"renderer": name, "background": (0.0, 0.0, 0.0), "video": written}
+    write_sidecar(flags.video, provenance(**facts, moments=[moment.facts for moment in wanted]))
+    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {name}\n")
+
+
+def _inria_camera(place: int, moment: Moment) -> dict[str, Any]:
+    """As 3D Gaussian Splatting writes its cameras.json: pose of the camera in the world, focal lengths in px.
+
+    It has no principal point: viewers take the middle of the picture.
+    """
+    camera = moment.camera
+    pose = camera.world_from_camera
+    return {
+        "id": place,
+        "img_name": moment.name,
+        "width": camera.width,
+        "height": camera.height,
+        "position": np.round(pose[:3, 3], 9).tolist(),
+        "rotation": np.round(pose[:3, :3], 12).tolist(),
+        "fy": camera.fy,
+        "fx": camera.fx,
+    }

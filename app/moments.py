@@ -1,0 +1,85 @@
+"""When and from where a scene is drawn or exported, as the flags ask."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.errors import UserError
+from app.scene import Scene
+from renderer.camera import Camera
+
+MOST_PIXELS = 16384
+"""Each way: the largest framebuffer of common graphics cards."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One picture."""
+
+    name: str
+    frame: int | None
+    time: float
+    camera: Camera
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        return {"frame": self.frame, "time": self.time, "camera": self.camera.to_json()}
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to draw (default all)")
+    parser.add_argument("--time", type=float, metavar="T", help="one moment in [0, 1] in place of frames")
+    parser.add_argument("--camera", type=Path, metavar="FILE", help="JSON of the camera to see it from")
+    parser.add_argument("--size", type=int, nargs=2, metavar=("W", "H"), help="pixels (default the clip's)")
+
+
+def moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
+    """Raises UserError for what the scene does not have."""
+    fixed = _read_camera(flags.camera) if flags.camera else None
+    if flags.time is not None:
+        if flags.frames or not 0 <= flags.time <= 1:
+            raise UserError(f"expected --time in [0, 1] and then no --frames, got {flags.time}")
+        nearest = min(round(flags.time * len(scene)), len(scene) - 1)
+        camera = _resized(fixed or scene.cameras[nearest], flags.size)
+        yield Moment(f"time-{flags.time:.4f}", None, flags.time, camera)
+        return
+    for index in frame_indices(flags.frames or ["all"], scene):
+        camera = _resized(fixed or scene.cameras[index], flags.size)
+        yield Moment(f"frame-{index:06d}", index, scene.time(index), camera)
+
+
+def frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
+    """Of all, test or numbers. Raises UserError for others."""
+    count = len(scene)
+    if frames == ["all"]:
+        return range(count)
+    if frames == ["test"]:
+        if not scene.test_indices:
+            raise UserError(f"--frames test: {scene.name} has none held out, use --frames all")
+        return scene.test_indices
+    for text in frames:
+        if not text.isdecimal() or int(text) >= count:
+            raise UserError(f"--frames: expected all, test or numbers from 0 to {count - 1}, got {text!r}")
+    return [int(text) for text in frames]
+
+
+def _read_camera(path: Path) -> Camera:
+    try:
+        return Camera.from_json(json.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise UserError(f"expected a camera file, {error.strerror}: {path}") from error
+    except ValueError as error:
+        raise UserError(f"expected the JSON of a camera, got {error}: {path}") from error
+
+
+def _resized(camera: Camera, size: list[int] | None) -> Camera:
+    """Raises UserError for a size, of the flag or the camera file, that no renderer draws."""
+    width, height = size or (camera.width, camera.height)
+    if min(width, height) < 1 or max(width, height) > MOST_PIXELS:
+        raise UserError(f"--size: expected 1 to {MOST_PIXELS} pixels each way, got {width} {height}")
+    return camera.resized(width, height) if size else camera

@@ -1,0 +1,78 @@
+"""What can be drawn and exported: a finished run, or a file of splats."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.errors import UserError
+from app.provenance import digest, source
+from app.run_folder import RunFolder, RunRecord
+from renderer.camera import Camera
+from renderer.deformation.motion import Still
+from renderer.framing import framing
+from renderer.gaussians import DynamicGaussians
+from renderer.splat_files import SUFFIXES, SplatFileError, read_splats
+from renderer.splat_files.splat_file import RenderMode
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A model with its moments and cameras."""
+
+    name: str
+    model: DynamicGaussians
+    cameras: tuple[Camera, ...]
+    """One a frame; of a file of splats, one that sees nearly all of them."""
+    test_indices: tuple[int, ...]
+    facts: dict[str, Any]
+    """What an export says of it."""
+    mode: RenderMode = "default"
+    notices: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """Frames."""
+        return len(self.cameras)
+
+    def time(self, index: int) -> float:
+        """Of frame `index`, in [0, 1)."""
+        return index / len(self)
+
+
+def is_splat_file(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES
+
+
+def open_scene(path: Path) -> Scene:
+    """Raises UserError: no finished run and no file of splats."""
+    return splat_scene(path) if is_splat_file(path) else _run_scene(RunFolder(path))
+
+
+def splat_scene(path: Path) -> Scene:
+    """Raises UserError: the file cannot be read, or is damaged."""
+    try:
+        file = read_splats(path)
+    except SplatFileError as error:
+        raise UserError(str(error)) from error
+    model = DynamicGaussians(file.raw, Still())
+    facts = {"splats": source(path), "render_mode": file.mode, "notices": file.notices}
+    return Scene(path.name, model, (framing(model),), (), facts, file.mode, file.notices)
+
+
+def _run_scene(folder: RunFolder) -> Scene:
+    record, model = folder.record(), folder.model()
+    cameras = tuple(record.camera(index) for index in range(record.clip.frames))
+    name = folder.path.absolute().name
+    return Scene(name, model, cameras, record.test_indices, run_facts(folder, record, name))
+
+
+def run_facts(folder: RunFolder, record: RunRecord, name: str) -> dict[str, Any]:
+    """What an export says of a run; without a model's digest while it is being trained."""
+    return {
+        "run": {"name": name, "model_sha256": digest(folder.model_path) if folder.is_finished else None},
+        "clip": {"name": record.clip.name, "sha256": record.clip.sha256},
+        "input": record.input,
+        "enhancement": record.enhancement,
+        "config": record.config,
+    }

@@ -1,0 +1,131 @@
+"""`vesselsplat export` and files of splats: what other programs get, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.drawing import draw_on_cpu
+from app.provenance import read_provenance
+from app.run_folder import RunFolder
+from app.scene import open_scene
+from renderer.framing import framing
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import near_plane
+from renderer.ply_elements import read_ply
+from renderer.rasterize.cpu import render
+from renderer.splat_files import read_splats
+from tests.app.conftest import Call
+
+Cli = Callable[..., Call]
+
+
+def test_a_run_becomes_a_file_a_frame_that_draws_the_same(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    call = vesselsplat("export", runs["original"], "--ply", tmp_path / "ply", "--frames", 0, 3, 9)
+    assert (call.code, call.error) == (0, "")
+    names = sorted(path.name for path in (tmp_path / "ply").iterdir())
+    assert names == ["frame-000000.ply", "frame-000003.ply", "frame-000009.ply"]
+    run = RunFolder(runs["original"])
+    record, model = run.record(), run.model()
+    for index in (0, 9):
+        path = tmp_path / "ply" / f"frame-{index:06d}.ply"
+        camera = record.camera(index)
+        near = near_plane(model, camera)
+        own = draw_on_cpu(model.at(record.time(index)), camera, near).image
+        theirs = render(read_splats(path).raw.splats(), camera, near=near).image
+        assert np.allclose(own, theirs, atol=1e-5)
+        comments = read_ply(path.read_bytes()).comments
+        facts = json.loads(next(line for line in comments if line.startswith("vesselsplat "))[12:])
+        assert (facts["frame"], facts["time"]) == (index, record.time(index))
+        assert facts["notice"] == "Research use only. Not a medical device."
+        assert str(tmp_path) not in json.dumps(facts)
+
+
+def test_a_run_becomes_a_video_and_cameras(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    video, cameras = tmp_path / "a.mp4", tmp_path / "cameras.json"
+    call = vesselsplat("export", runs["original"], "--video", video, "--cameras", cameras, "--size", 64, 48)
+    assert call.code == 0, call.error
+    capture = cv2.VideoCapture(str(video))
+    assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 10
+    assert (capture.get(cv2.CAP_PROP_FRAME_WIDTH), capture.get(cv2.CAP_PROP_FPS)) == (64, 15)
+    facts = json.loads((tmp_path / "a.mp4.json").read_text())
+    assert [moment["frame"] for moment in facts["moments"]] == list(range(10))
+    poses = json.loads(cameras.read_text())
+    camera = RunFolder(runs["original"]).record().camera(0).resized(64, 48)
+    assert (poses[0]["fx"], poses[0]["width"], poses[9]["id"]) == (camera.fx, 64, 9)
+    assert np.allclose(poses[0]["rotation"], camera.world_from_camera[:3, :3])
+    assert np.allclose(poses[0]["position"], camera.position)
+
+
+def test_a_file_of_splats_is_drawn_from_where_all_are_seen(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    vesselsplat("export", runs["original"], "--ply", tmp_path, "--frames", 0)
+    path = tmp_path / "frame-000000.ply"
+    assert vesselsplat("render", path, "--out", tmp_path / "out").code == 0
+    picture = tmp_path / "out" / "frame-000000.png"
+    assert cv2.imread(str(picture)).shape == (720, 960, 3)
+    assert read_provenance(picture)["splats"]["name"] == path.name
+    scene = open_scene(path)
+    camera, _ = framing(scene.model), scene
+    pixels, depth = camera.project(scene.model.means.astype(np.float64))
+    inside = (depth > 0) & np.all((pixels >= 0) & (pixels <= (960, 720)), axis=1)
+    assert np.mean(inside) >= 0.94
+    assert np.ptp(pixels[inside], axis=0).max() > 400
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_few_splats_have_a_camera_too(runs: dict[str, Path], count: int) -> None:
+    model = RunFolder(runs["original"]).model()
+    few: DynamicGaussians = model.rows(np.arange(count))
+    camera = framing(few)
+    assert np.isfinite(camera.camera_from_world).all()
+    assert render(few.at(0.0), camera, near=near_plane(few, camera)).image.shape == (720, 960, 3)
+
+
+def test_repairs_are_said(tmp_path: Path, vesselsplat: Cli, runs: dict[str, Path]) -> None:
+    vesselsplat("export", runs["original"], "--ply", tmp_path, "--frames", 0)
+    path = tmp_path / "frame-000000.ply"
+    content = bytearray(path.read_bytes())
+    content[-4:] = np.float32("nan").tobytes()
+    path.write_bytes(content)
+    call = vesselsplat("render", path, "--out", tmp_path / "out", "--size", 32, 24)
+    assert call.code == 0
+    assert "1 of" in call.error
+
+
+@pytest.mark.parametrize(
+    ("flags", "said"),
+    [
+        ((), "--ply DIR"),
+        (("--ply", "{out}", "--frames", "99"), "--frames"),
+        (("--video", "{out}.mp4", "--frames-per-second", "0"), "--frames-per-second"),
+    ],
+)
+def test_a_mistake_is_one_line(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], said: str
+) -> None:
+    filled = [flag.format(out=tmp_path / "out") for flag in flags]
+    call = vesselsplat("export", runs["original"], *filled)
+    assert call.code == 2
+    assert call.error.count("\n") == 1
+    assert said in call.error
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_damaged_file_is_one_line(tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "a.ply").write_bytes(
+        b"ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nend_header\n1"
+    )
+    for command in (("render", "{}", "--out"), ("export", "{}", "--ply")):
+        call = vesselsplat(*(part.format(tmp_path / "a.ply") for part in command), tmp_path / "out")
+        assert call.code == 2
+        assert "a.ply" in call.error
+        assert not (tmp_path / "out").exists()
