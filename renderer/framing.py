@@ -11,7 +11,6 @@ FIELD_OF_VIEW = 50.0
 """Horizontal, in degrees."""
 SEEN = 0.95
 """Share of the Gaussians that the view holds: a few strays are far away in most files."""
-
 DEVIATIONS = 2.0
 """Standard deviations of a Gaussian that are to be seen, too."""
 

@@ -30,6 +30,7 @@ class ShownModel:
     name: str
     iteration: int
     iterations: int
+    """0 for a file of splats."""
     live: bool
     """Still being trained."""
     origin: Origin | None = None

@@ -8,6 +8,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, theme
+from app.gui.legible import legible
 from app.gui.orbit import Orbit
 from app.gui.state import AppState
 from app.gui.viewport import OnScreen, Viewport
@@ -107,7 +108,9 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     if model.live:
         count = f"{model.iteration} / {model.iterations}"
         tags.append((f"LIVE PREVIEW · iteration {count}", theme.TAG_CAUTION))
-    tags.append((f"RECONSTRUCTION · time {shown.request.time:.3f}", theme.TAG_ORIGINAL))
+    is_file = model.iterations == 0
+    said = f"SPLATS · {legible(model.name)}" if is_file else f"RECONSTRUCTION · time {shown.request.time:.3f}"
+    tags.append((said, theme.TAG_ORIGINAL))
     if state.orbit != Orbit():
         tags.append(("FREE VIEW · not the endoscope's", theme.TAG_ORIGINAL))
     if shown.request.reduced:

@@ -32,7 +32,7 @@ def draw_welcome(state: AppState, openers: Openers) -> None:
     imgui.dummy(ImVec2(0, max((space.y - em(18)) / 2.4, 0)))
     with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
         centered("Make blood vessels visible", theme.TEXT)
-    centered("Open an endoscopic clip, or drop a folder, an image or a video here.")
+    centered("Open an endoscopic clip, or drop a folder, an image, a video or a splat file here.")
     imgui.spacing()
     choices = (
         (f"{icons.ICON_FA_FOLDER_OPEN}   Open folder…", openers.folder),

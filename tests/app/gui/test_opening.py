@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 
 from app.cli import load
@@ -13,6 +14,7 @@ from app.gui import actions
 from app.gui.opening import Opened, OpenRequest, open_path
 from app.gui.settings import Places, Settings
 from app.gui.state import AppState
+from app.gui.viewing import draw_view
 from app.provenance import version
 from app.run_folder import ClipRecord, RunFolder, RunRecord
 from app.training import TrainRequest
@@ -22,6 +24,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
+from renderer.splat_files.inria_ply import ply_bytes
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress
 from tests.app.gui.conftest import FakeJob
@@ -80,6 +83,26 @@ def test_the_model_file_opens_its_run(tmp_path: Path, model: DynamicGaussians) -
     answer = opened(run.model_path)
     assert answer.run is not None
     assert answer.run.path == run.path
+
+
+def test_a_file_of_splats_is_shown_alone(tmp_path: Path, places: Places, model: DynamicGaussians) -> None:
+    run = make_run(tmp_path / "run-1", phantom_path(), model)
+    state = session(places, run.path)
+    raw = model.raw
+    raw.means[0] = np.nan
+    (tmp_path / "some.ply").write_bytes(ply_bytes(raw))
+    actions.show_opened(state, tmp_path / "some.ply", opened(tmp_path / "some.ply"))
+    assert state.clip is None
+    assert state.reconstruction.status == "none"
+    assert state.model is not None
+    assert (len(state.model.model), state.model.name) == (len(model) - 1, "some.ply")
+    assert any("1 of" in line for line in state.log)
+    state.view_size = (32, 24)
+    assert state.view_request is not None
+    (view,) = draw_view(state.view_request)
+    assert view.image.any()
+    assert state.model.origin is not None
+    assert state.model.origin.facts["splats"]["name"] == "some.ply"
 
 
 def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> None:
