@@ -35,7 +35,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
 
 PHANTOM = "phantom"
-PARAMS = PhantomParams(n_frames=48, width=640, height=512)
+PARAMS = PhantomParams(n_frames=40)
 MEASURES = {
     "psnr": ("PSNR, dB", True),
     "dissimilarity": ("1 - SSIM", False),
