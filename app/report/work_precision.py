@@ -10,7 +10,7 @@ from typing import Final
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 PANEL: Final = (4.6, 3.9)
 """Inches."""
@@ -74,6 +74,8 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
     axes.set_xlabel("seconds")
     axes.set_ylabel(diagram.measure)
     for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
     axes.grid(alpha=0.3, which="both", linewidth=0.5)

@@ -1,11 +1,12 @@
 """Error against run time of reconstruction: every method and knob, as a table, a plot and JSON.
 
 python -m tests.benchmarks.train_accuracy CLIP --out DIR [--knobs NAME ...] [--methods NAME ...] [--seeds N]
-    [--input original|enhanced] [--held-out]
+    [--input original|enhanced] [--held-out] [--finished]
 
 CLIP is a folder, or "phantom", whose true motion is known. Methods run with every seed, the other knobs with
-the first alone. Every run has its folder in DIR; one that is there already goes on or is measured as it is.
-Measured on test frames; with --held-out on training frames that are kept out of the fit, for choosing.
+the first alone. Every run has its folder in DIR; one that is there already goes on or is measured as it is;
+with --finished nothing else is. Measured on test frames; with --held-out on training frames that are kept out
+of the fit, for choosing.
 """
 
 from __future__ import annotations
@@ -55,6 +56,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--input", choices=("original", "enhanced"), default="original")
     parser.add_argument("--held-out", action="store_true")
+    parser.add_argument("--finished", action="store_true")
     flags = parser.parse_args()
     flags.out.mkdir(parents=True, exist_ok=True)
     path, truth = flags.clip, None
@@ -63,7 +65,12 @@ def main() -> None:
         if not path.exists():
             write_phantom(path, PARAMS)
     clip = open_clip(path)
-    rows = [measured(path, knob, config, truth, flags) for knob, config in wanted(flags)]
+    runs = [
+        (knob, config)
+        for knob, config in wanted(flags)
+        if not flags.finished or folder(config, flags).is_finished
+    ]
+    rows = [measured(path, knob, config, truth, flags) for knob, config in runs]
     show(rows)
     machine = {"system": platform.platform(), "cores": os.cpu_count(), "load": os.getloadavg()[0]}
     facts = provenance(clip=source(path), input=flags.input, machine=machine, runs=rows)
@@ -81,14 +88,17 @@ def wanted(flags: argparse.Namespace) -> Iterator[tuple[str, TrainConfig]]:
                 yield knob, replace(config, seed=seed, hold_out=flags.held_out)
 
 
+def folder(config: TrainConfig, flags: argparse.Namespace) -> RunFolder:
+    name = f"{setting({'config': json.loads(strict_json(config))})}, {flags.input}, seed {config.seed}"
+    return RunFolder(flags.out / "".join(letter if letter.isalnum() else "-" for letter in name))
+
+
 def measured(
     path: Path, knob: str, config: TrainConfig, truth: Phantom | None, flags: argparse.Namespace
 ) -> Row:
     """Train, or take what is there, and measure against the photos that it was trained on."""
-    own = json.loads(strict_json(config))
-    name = f"{setting({'config': own})}, {flags.input}, seed {config.seed}"
-    sys.stderr.write(f"{name}\n")
-    run = RunFolder(flags.out / "".join(letter if letter.isalnum() else "-" for letter in name))
+    run, own = folder(config, flags), json.loads(strict_json(config))
+    sys.stderr.write(f"{run.path.name}\n")
     request = TrainRequest(clip_path=path, run_path=run.path, config=config, input=flags.input, resume=True)
     finished = next(event for event in run_training(request) if isinstance(event, Finished))
     photos = input_clip(open_clip(path), run.record())
