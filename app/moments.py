@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any
 from app.errors import UserError
 from app.scene import Scene
 from renderer.camera import Camera
+from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 
 MOST_PIXELS = 16384
 """Each way: the largest framebuffer of common graphics cards."""
@@ -34,16 +35,26 @@ class Moment:
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to draw (default all)")
     parser.add_argument("--time", type=float, metavar="T", help="one moment in [0, 1] in place of frames")
-    parser.add_argument("--camera", type=Path, metavar="FILE", help="JSON of the camera to see it from")
+    parser.add_argument(
+        "--camera",
+        type=Path,
+        metavar="FILE",
+        help="to see it from: JSON of a camera; or of several, a picture each: cameras.json, transforms.json "
+        "or a folder with COLMAP's images.txt",
+    )
     parser.add_argument("--size", type=int, nargs=2, metavar=("W", "H"), help="pixels (default the clip's)")
 
 
 def moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
     """Raises UserError for what the scene does not have."""
-    fixed = _read_camera(flags.camera) if flags.camera else None
+    given = _read_cameras(flags.camera) if flags.camera else ()
+    fixed = given[0].camera if len(given) == 1 else None
+    if flags.time is not None and (flags.frames or not 0 <= flags.time <= 1):
+        raise UserError(f"expected --time in [0, 1] and then no --frames, got {flags.time}")
+    if len(given) > 1:
+        yield from _views(given, flags)
+        return
     if flags.time is not None:
-        if flags.frames or not 0 <= flags.time <= 1:
-            raise UserError(f"expected --time in [0, 1] and then no --frames, got {flags.time}")
         nearest = min(round(flags.time * len(scene)), len(scene) - 1)
         camera = _resized(fixed or scene.cameras[nearest], flags.size)
         yield Moment(f"time-{flags.time:.4f}", None, flags.time, camera)
@@ -68,13 +79,20 @@ def frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
     return [int(text) for text in frames]
 
 
-def _read_camera(path: Path) -> Camera:
+def _views(given: Sequence[NamedCamera], flags: argparse.Namespace) -> Iterator[Moment]:
+    """One moment from several cameras. Raises UserError where frames are asked for, too."""
+    if flags.frames:
+        raise UserError(f"expected --time with {len(given)} cameras, got --frames {' '.join(flags.frames)}")
+    for place, one in enumerate(given):
+        name = re.sub(r"[^\w.-]+", "-", one.name) or "camera"
+        yield Moment(f"{place:04d}-{name}", None, flags.time or 0.0, _resized(one.camera, flags.size))
+
+
+def _read_cameras(path: Path) -> tuple[NamedCamera, ...]:
     try:
-        return Camera.from_json(json.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise UserError(f"expected a camera file, {error.strerror}: {path}") from error
-    except ValueError as error:
-        raise UserError(f"expected the JSON of a camera, got {error}: {path}") from error
+        return read_cameras(path)
+    except CameraFileError as error:
+        raise UserError(str(error)) from error
 
 
 def _resized(camera: Camera, size: list[int] | None) -> Camera:

@@ -129,3 +129,16 @@ def test_a_damaged_file_is_one_line(tmp_path: Path, vesselsplat: Cli) -> None:
         assert call.code == 2
         assert "a.ply" in call.error
         assert not (tmp_path / "out").exists()
+
+
+def test_cameras_come_back_as_they_went(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    """The pictures of exported cameras are those of the run's own, but for the principal point."""
+    file = tmp_path / "cameras.json"
+    assert vesselsplat("export", runs["original"], "--cameras", file, "--frames", 0, 5).code == 0
+    flags = ("--camera", file, "--time", 0.5, "--out", tmp_path / "out")
+    assert vesselsplat("render", runs["original"], *flags).code == 0
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == ["0000-frame-000000.png", "0001-frame-000005.png"]
+    call = vesselsplat("render", runs["original"], "--camera", file, "--frames", 1, "--out", tmp_path / "no")
+    assert call.code == 2
+    assert "--frames" in call.error

@@ -1,0 +1,115 @@
+"""Cameras of other programs: cameras.json of 3D Gaussian Splatting, transforms.json of NeRF, COLMAP's text."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+from renderer.readers.poses import pose_matrix
+
+FROM_OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
+"""Cameras of transforms.json look along -z, with y up."""
+PINHOLES: Final = {"SIMPLE_PINHOLE": (0, 0, 1, 2), "PINHOLE": (0, 1, 2, 3)}
+"""COLMAP's models without distortion: places of fx, fy, cx, cy among their numbers."""
+
+
+class CameraFileError(ValueError):
+    """What was expected and what came, without the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class NamedCamera:
+    """A camera by the name of its photo."""
+
+    name: str
+    camera: Camera
+
+
+def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
+    """One camera (`Camera.to_json`), or those of another program's file; of COLMAP, a folder with images.txt.
+
+    Raises:
+        CameraFileError: no such file, or none of these; names it.
+    """
+    try:
+        if path.is_dir():
+            return _of_colmap(path)
+        return _of_json(json.loads(path.read_text(encoding="utf-8")), path.stem)
+    except OSError as error:
+        raise CameraFileError(f"expected a camera file, {error.strerror}: {path}") from error
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+        text = f"no {error}" if isinstance(error, KeyError) else str(error)
+        raise CameraFileError(f"expected the JSON of a camera or of several, got {text}: {path}") from error
+
+
+def _of_json(content: Any, name: str) -> tuple[NamedCamera, ...]:
+    if isinstance(content, list):
+        found = tuple(_of_splatting(entry) for entry in content)
+    elif isinstance(content, dict) and "frames" in content:
+        found = tuple(_of_transforms(content | frame) for frame in content["frames"])
+    else:
+        found = (NamedCamera(name, Camera.from_json(content)),)
+    if not found:
+        raise ValueError("none")
+    return found
+
+
+def _of_splatting(entry: dict[str, Any]) -> NamedCamera:
+    """No principal point is given: it is the middle."""
+    width, height = int(entry["width"]), int(entry["height"])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = np.array(entry["rotation"], float), np.array(entry["position"], float)
+    lens = Camera(float(entry["fx"]), float(entry["fy"]), width / 2, height / 2, width, height)
+    return NamedCamera(str(entry["img_name"]), lens.moved(_inverse(pose)))
+
+
+def _of_transforms(entry: dict[str, Any]) -> NamedCamera:
+    """Numbers of the lens may be the file's or the frame's own."""
+    width, height = int(entry["w"]), int(entry["h"])
+    focal = width / 2 / math.tan(float(entry["camera_angle_x"]) / 2) if "fl_x" not in entry else entry["fl_x"]
+    fx = float(focal)
+    lens = Camera(
+        fx=fx, fy=float(entry.get("fl_y", fx)), cx=float(entry.get("cx", width / 2)),
+        cy=float(entry.get("cy", height / 2)), width=width, height=height,
+    )  # fmt: skip
+    pose = np.array(entry["transform_matrix"], float)[:4, :4] @ FROM_OPENGL
+    return NamedCamera(Path(str(entry["file_path"])).stem, lens.moved(_inverse(pose)))
+
+
+def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
+    lenses = {words[0]: _lens(words) for words in _lines(folder / "cameras.txt")}
+    poses = _lines(folder / "images.txt", every=2)
+    if not poses:
+        raise ValueError("no picture in images.txt")
+    return tuple(_of_image(words, lenses) for words in poses)
+
+
+def _lines(path: Path, every: int = 1) -> list[list[str]]:
+    """Words of every first of so many lines that are no comments; points of an image may be an empty line."""
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    return [line.split() for line in lines[::every] if line.strip()]
+
+
+def _lens(words: list[str]) -> Camera:
+    if words[1] not in PINHOLES:
+        raise ValueError(f"the model {words[1]}, where {' or '.join(PINHOLES)} has no distortion")
+    fx, fy, cx, cy = (float(words[4:][place]) for place in PINHOLES[words[1]])
+    return Camera(fx, fy, cx, cy, int(words[2]), int(words[3]))
+
+
+def _of_image(words: list[str], lenses: dict[str, Camera]) -> NamedCamera:
+    matrix = pose_matrix(np.array(words[5:8], float), np.array([*words[2:5], words[1]], float))
+    return NamedCamera(Path(words[9]).stem, lenses[words[8]].moved(matrix))
+
+
+def _inverse(pose: NDArray[np.float64]) -> NDArray[np.float64]:
+    if pose.shape != (4, 4) or not np.isfinite(pose).all() or abs(np.linalg.det(pose)) < 1e-12:
+        raise ValueError("a pose that is no rotation and position")
+    return np.asarray(np.linalg.inv(pose))

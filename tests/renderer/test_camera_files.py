@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from renderer.camera import Camera
+from renderer.camera_files import CameraFileError, read_cameras
+from renderer.readers.poses import pose_matrix
+
+LENS = Camera(500.0, 510.0, 320.0, 240.0, 640, 480)
+POINT = np.array([[3.0, -2.0, 40.0]])
+
+
+def turned(angle: float) -> Camera:
+    xyzw = np.array([0.2, math.sin(angle), 0.1, math.cos(angle)])
+    return LENS.moved(pose_matrix(np.array([5.0 * angle, -2.0, 1.0]), xyzw))
+
+
+CAMERAS = [turned(angle) for angle in (0.0, 0.1, 0.4)]
+
+
+def splatting() -> Any:
+    return [
+        {
+            "id": place, "img_name": f"photo {place}", "width": 640, "height": 480, "fx": 500.0, "fy": 510.0,
+            "position": camera.position.tolist(), "rotation": camera.world_from_camera[:3, :3].tolist(),
+        }
+        for place, camera in enumerate(CAMERAS)
+    ]  # fmt: skip
+
+
+def transforms() -> Any:
+    """Cameras that look along their -z, with y up."""
+    frames = []
+    for place, camera in enumerate(CAMERAS):
+        pose = camera.world_from_camera.copy()
+        pose[:3, 1:3] *= -1
+        frames.append({"file_path": f"./images/photo {place}.png", "transform_matrix": pose.tolist()})
+    return {"w": 640, "h": 480, "fl_x": 500.0, "fl_y": 510.0, "frames": frames}
+
+
+def write_colmap(folder: Path, model: str = "PINHOLE 640 480 500 510 320 240") -> None:
+    folder.mkdir(exist_ok=True)
+    (folder / "cameras.txt").write_text(f"# Camera list\n7 {model}\n")
+    lines = ["# Image list"]
+    for place, camera in enumerate(CAMERAS):
+        angle = (0.0, 0.1, 0.4)[place]
+        w, x, y, z = math.cos(angle), 0.2, math.sin(angle), 0.1
+        tx, ty, tz = camera.camera_from_world[:3, 3]
+        lines += [
+            f"{place + 1} {w} {x} {y} {z} {tx} {ty} {tz} 7 photo {place}.png".replace("photo ", "photo_"),
+            "",
+        ]
+    (folder / "images.txt").write_text("\n".join(lines) + "\n")
+
+
+def same(path: Path) -> None:
+    read = read_cameras(path)
+    assert [one.name.replace("_", " ") for one in read] == ["photo 0", "photo 1", "photo 2"]
+    for one, camera in zip(read, CAMERAS, strict=True):
+        assert (one.camera.width, one.camera.height) == (640, 480)
+        assert np.allclose(one.camera.project(POINT)[0], camera.project(POINT)[0])
+        assert np.allclose(one.camera.position, camera.position)
+
+
+@pytest.mark.parametrize("content", [splatting(), transforms()])
+def test_cameras_of_other_programs_see_the_same(tmp_path: Path, content: Any) -> None:
+    (tmp_path / "cameras.json").write_text(json.dumps(content))
+    same(tmp_path / "cameras.json")
+
+
+def test_so_do_those_of_colmap(tmp_path: Path) -> None:
+    write_colmap(tmp_path / "sparse")
+    same(tmp_path / "sparse")
+
+
+def test_an_angle_gives_the_focal_length(tmp_path: Path) -> None:
+    content = {"camera_angle_x": math.pi / 2, "w": 200, "h": 100, "frames": transforms()["frames"][:1]}
+    (tmp_path / "t.json").write_text(json.dumps(content))
+    camera = read_cameras(tmp_path / "t.json")[0].camera
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == pytest.approx((100, 100, 100, 50))
+
+
+def test_one_camera_of_our_own(tmp_path: Path) -> None:
+    (tmp_path / "view.json").write_text(json.dumps(CAMERAS[1].to_json()))
+    (one,) = read_cameras(tmp_path / "view.json")
+    assert (one.name, one.camera) == ("view", CAMERAS[1])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "", "[]", "{}", "3", "[3]", "[{}]", '{"frames": []}', '{"frames": 3}', '{"frames": [{}]}', "nonsense",
+        json.dumps([splatting()[0] | {"rotation": [[0] * 3] * 3}]), json.dumps([splatting()[0] | {"fx": -1}]),
+        json.dumps([splatting()[0] | {"position": [1, 2]}]), json.dumps([splatting()[0] | {"width": "wide"}]),
+        json.dumps([splatting()[0] | {"position": [1, 2, float("nan")]}]),
+    ],
+)  # fmt: skip
+def test_what_is_none_is_one_line(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "cameras.json"
+    path.write_text(text)
+    with pytest.raises(CameraFileError) as caught:
+        read_cameras(path)
+    assert "\n" not in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+def test_distorted_or_missing_colmap_cameras_are_refused(tmp_path: Path) -> None:
+    write_colmap(tmp_path, "OPENCV 640 480 500 510 320 240 0.1 0 0 0")
+    with pytest.raises(CameraFileError, match="OPENCV"):
+        read_cameras(tmp_path)
+    (tmp_path / "cameras.txt").unlink()
+    with pytest.raises(CameraFileError, match="camera file"):
+        read_cameras(tmp_path)
