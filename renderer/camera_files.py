@@ -1,4 +1,4 @@
-"""Cameras of other programs: cameras.json of 3D Gaussian Splatting, transforms.json of NeRF, COLMAP's text."""
+"""Cameras of other programs: cameras.json of 3D Gaussian Splatting, transforms.json of NeRF, COLMAP's."""
 
 from __future__ import annotations
 
