@@ -67,13 +67,13 @@ def test_gaussians_are_drawn_once_each_and_reach_their_neighbours() -> None:
     assert np.allclose(np.exp(raw.log_scales), np.sqrt((three**2).mean(axis=1))[:, None], rtol=1e-3)
 
 
-def test_the_planes_have_a_quarter_of_the_published_numbers_and_hold_all_gaussians() -> None:
+def test_the_planes_are_as_fine_as_the_gaussians_are_many_and_hold_all_of_them() -> None:
     frames = [moving_sheet().read_frame(index) for index in (0, 2, 3)]
     method = recipe(SMALL, NEEDS)
     raw = method.initialize(frames)
     motion = method.make_trainer(raw, frames, 50.0).motion
     assert isinstance(motion, HexplaneMotion)
-    assert sum(value.size for value in motion.arrays().values()) < 20e6
+    assert sum(value.size for value in motion.arrays().values()) < 1e6
     assert (motion.box[0] <= raw.means).all()
     assert (raw.means <= motion.box[1]).all()
 

@@ -2,7 +2,7 @@
 
 Departures:
 
-* 16 channels in place of 64 at each level: 19 million numbers in place of 85;
+* 16 channels in place of 64 at each level: 19 million numbers in place of 85, and fewer for few Gaussians;
 * time spans the whole grid, of as many rows as the published one uses half of;
 * cells rest where they have no gradient; the rate of rows in time makes up for it;
 * depth is expected depth, moves Gaussians along the view; published: not divided by alpha, no gradient to z;
@@ -36,6 +36,8 @@ MILLIMETRES = 68.0
 """Scene size of the pulling clip, for which lengths and rates were published."""
 RESOLUTIONS = (64, 128, 256, 512)
 """Cells of each level along x, y and z."""
+CELLS = 3.0
+"""Along x and y for each Gaussian, at most: finer levels than that are left out, all but the first."""
 BLOCKS = 1
 """Of 16 channels."""
 TIME_ROWS = 50
@@ -88,7 +90,8 @@ def _gaussians(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
 
 def _motion(raw: RawGaussians, size: float, rng: np.random.Generator) -> HexplaneMotion:
     """Random features in space, ones in time, a box around the Gaussians."""
-    resolutions = np.array([[count] * 3 for count in RESOLUTIONS], np.int32)
+    finest = max(CELLS * len(raw) ** 0.5, RESOLUTIONS[0])
+    resolutions = np.array([[count] * 3 for count in RESOLUTIONS if count <= finest], np.int32)
     layout = Layout.of(resolutions)
     planes = rng.uniform(0.1, 0.5, (BLOCKS, layout.n_plane_cells, LANES))
     return HexplaneMotion(
@@ -97,5 +100,5 @@ def _motion(raw: RawGaussians, size: float, rng: np.random.Generator) -> Hexplan
         resolutions=resolutions,
         plane_cells=planes.astype(np.float32),
         time_cells=np.ones((TIME_ROWS, BLOCKS, layout.n_line_cells, LANES), np.float32),
-        heads=Heads.random(len(RESOLUTIONS) * BLOCKS * LANES, rng),
+        heads=Heads.random(len(resolutions) * BLOCKS * LANES, rng),
     )
