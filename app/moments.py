@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
-from app.scene import Scene
+from app.scene import Scene, open_scene
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 
@@ -33,6 +34,10 @@ class Moment:
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
+    """What is drawn, when, from where, and by what."""
+    parser.add_argument(
+        "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
+    )
     parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to draw (default all)")
     parser.add_argument("--time", type=float, metavar="T", help="one moment in [0, 1] in place of frames")
     parser.add_argument(
@@ -43,9 +48,21 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "or a folder with COLMAP's images.txt",
     )
     parser.add_argument("--size", type=int, nargs=2, metavar=("W", "H"), help="pixels (default the clip's)")
+    parser.add_argument(
+        "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
+    )
 
 
-def moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
+def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
+    """The scene, what was repaired of it told on stderr. Raises UserError for what there is not."""
+    scene = open_scene(flags.scene)
+    wanted = list(_moments(flags, scene))
+    for notice in scene.notices:
+        sys.stderr.write(f"{notice}: {flags.scene}\n")
+    return scene, wanted
+
+
+def _moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
     """Raises UserError for what the scene does not have."""
     given = _read_cameras(flags.camera) if flags.camera else ()
     fixed = given[0].camera if len(given) == 1 else None
@@ -59,12 +76,12 @@ def moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
         camera = _resized(fixed or scene.cameras[nearest], flags.size)
         yield Moment(f"time-{flags.time:.4f}", None, flags.time, camera)
         return
-    for index in frame_indices(flags.frames or ["all"], scene):
+    for index in _frame_indices(flags.frames or ["all"], scene):
         camera = _resized(fixed or scene.cameras[index], flags.size)
         yield Moment(f"frame-{index:06d}", index, scene.time(index), camera)
 
 
-def frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
+def _frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
     """Of all, test or numbers. Raises UserError for others."""
     count = len(scene)
     if frames == ["all"]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import numpy as np
 
@@ -14,14 +14,14 @@ from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
 from renderer.near_plane import near_plane
 from renderer.phantom import Phantom
 from renderer.rasterize.cpu import render
-from renderer.train.config import TrainConfig
+from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
 from renderer.train.trainer import split
 
 OPAQUE: Final = 0.5
 """Alpha from which the motion of a pixel is compared."""
 KNOBS: Final[dict[str, tuple[dict[str, Any], ...]]] = {
-    "method": tuple({"method": name} for name in ("vesselsplat", "deform3dgs", "endogaussian", "static")),
+    "method": tuple({"method": name} for name in get_args(Method)),
     "iterations": (
         *({"iterations": count} for count in (250, 500, 1000, 2000, 6000)),
         *({"method": "deform3dgs", "iterations": count} for count in (500, 1000, 2000)),

@@ -19,7 +19,7 @@ from app.moments import Moment
 from app.pictures import ArrayImage
 from app.progress import progress
 from app.provenance import provenance, strict_json, write_sidecar
-from app.scene import Scene, open_scene
+from app.scene import Scene
 from app.video import write_video
 from renderer.near_plane import near_plane
 from renderer.splat_files.inria_ply import ply_bytes
@@ -29,9 +29,6 @@ FRAMES_PER_SECOND = 15.0
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
-    )
-    parser.add_argument(
         "--ply", type=Path, metavar="DIR", help="a splat file a frame, numbered, as viewers play them"
     )
     parser.add_argument(
@@ -39,9 +36,6 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
     moments.add_flags(parser)
-    parser.add_argument(
-        "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
-    )
     parser.add_argument(
         "--frames-per-second", type=float, default=FRAMES_PER_SECOND, metavar="F", help="of the video (15)"
     )
@@ -52,10 +46,7 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError("expected what to export: --ply DIR, --video FILE or --cameras FILE")
     if not 0 < flags.frames_per_second <= 1000:
         raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
-    scene = open_scene(flags.scene)
-    wanted = list(moments.moments(flags, scene))
-    for notice in scene.notices:
-        sys.stderr.write(f"{notice}: {flags.scene}\n")
+    scene, wanted = moments.chosen(flags)
     if flags.ply:
         _write_plys(flags.ply, scene, wanted)
     if flags.video:

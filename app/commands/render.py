@@ -15,28 +15,18 @@ from app.moments import Moment
 from app.pictures import write_image
 from app.progress import progress
 from app.provenance import provenance, write_png
-from app.scene import open_scene
 from renderer.near_plane import near_plane
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
-    )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
     moments.add_flags(parser)
-    parser.add_argument(
-        "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
-    )
     parser.add_argument("--depth", action="store_true", help="write expected depth too: float32 and coloured")
 
 
 def run(flags: argparse.Namespace) -> None:
-    scene = open_scene(flags.scene)
-    wanted = list(moments.moments(flags, scene))
+    scene, wanted = moments.chosen(flags)
     draw, name = drawer(flags.renderer)
-    for notice in scene.notices:
-        sys.stderr.write(f"{notice}: {flags.scene}\n")
     facts = scene.facts | {"renderer": name, "background": (0.0, 0.0, 0.0)}
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):

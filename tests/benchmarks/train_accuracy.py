@@ -20,7 +20,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from app.training import TrainRequest, input_clip, run_training
 from renderer.accuracy import KNOBS, outcome, settings
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.sources import open_clip
-from renderer.train.config import TrainConfig
+from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
 
 PHANTOM = "phantom"
@@ -52,7 +52,8 @@ def main() -> None:
     parser.add_argument("clip", type=Path)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--knobs", nargs="+", choices=list(KNOBS), default=list(KNOBS))
-    parser.add_argument("--methods", nargs="+", default=[row["method"] for row in KNOBS["method"]])
+    methods = get_args(Method)
+    parser.add_argument("--methods", nargs="+", choices=methods, default=methods)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--input", choices=("original", "enhanced"), default="original")
     parser.add_argument("--held-out", action="store_true")

@@ -156,11 +156,9 @@ def test_zipped_rotations_turn_their_axes_too(tmp_path: Path) -> None:
     """About y and z the other way round; the largest may be any of x, y, z, w."""
     quat = np.array([0.2, 0.7, -0.4, 0.5])  # w x y z
     quat /= np.linalg.norm(quat)
-    parts = [quat[3], quat[2], quat[0]]  # What is left of x y z w without x: y z w, the last lowest.
-    bits = 0
+    bits = 0  # What is left of x y z w without x: y z w, the last lowest.
     for value in (quat[2], quat[3], quat[0]):
         bits = bits << 10 | (value < 0) << 9 | round(abs(value) / np.sqrt(0.5) * 511)
-    assert len(parts) == 3
     turn = struct.pack("<I", 0 << 30 | bits)
     planes = [bytes(9), bytes([128]), bytes(3), bytes([160] * 3), turn]
     got = read(tmp_path, spz(3, 0, planes, count=1)).raw.quats[0]
