@@ -21,7 +21,7 @@ PINHOLES: Final = {"SIMPLE_PINHOLE": (0, 0, 1, 2), "PINHOLE": (0, 1, 2, 3)}
 
 
 class CameraFileError(ValueError):
-    """What was expected and what came, without the file."""
+    """What was expected, what came, and where."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +44,9 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
         return _of_json(json.loads(path.read_text(encoding="utf-8")), path.stem)
     except OSError as error:
         raise CameraFileError(f"expected a camera file, {error.strerror}: {path}") from error
-    except (ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+    except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
         text = f"no {error}" if isinstance(error, KeyError) else str(error)
-        raise CameraFileError(f"expected the JSON of a camera or of several, got {text}: {path}") from error
+        raise CameraFileError(f"expected a camera or several, got {text}: {path}") from error
 
 
 def _of_json(content: Any, name: str) -> tuple[NamedCamera, ...]:
@@ -73,14 +73,18 @@ def _of_splatting(entry: dict[str, Any]) -> NamedCamera:
 def _of_transforms(entry: dict[str, Any]) -> NamedCamera:
     """Numbers of the lens may be the file's or the frame's own."""
     width, height = int(entry["w"]), int(entry["h"])
-    focal = width / 2 / math.tan(float(entry["camera_angle_x"]) / 2) if "fl_x" not in entry else entry["fl_x"]
-    fx = float(focal)
+    fx = float(entry["fl_x"]) if "fl_x" in entry else _focal(float(entry["camera_angle_x"]), width)
     lens = Camera(
         fx=fx, fy=float(entry.get("fl_y", fx)), cx=float(entry.get("cx", width / 2)),
         cy=float(entry.get("cy", height / 2)), width=width, height=height,
     )  # fmt: skip
     pose = np.array(entry["transform_matrix"], float)[:4, :4] @ FROM_OPENGL
     return NamedCamera(Path(str(entry["file_path"])).stem, lens.moved(_inverse(pose)))
+
+
+def _focal(angle: float, width: int) -> float:
+    """In pixels, of a horizontal field of view in radians."""
+    return width / 2 / math.tan(angle / 2)
 
 
 def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:

@@ -99,6 +99,8 @@ def test_one_camera_of_our_own(tmp_path: Path) -> None:
         json.dumps([splatting()[0] | {"rotation": [[0] * 3] * 3}]), json.dumps([splatting()[0] | {"fx": -1}]),
         json.dumps([splatting()[0] | {"position": [1, 2]}]), json.dumps([splatting()[0] | {"width": "wide"}]),
         json.dumps([splatting()[0] | {"position": [1, 2, float("nan")]}]),
+        json.dumps([splatting()[0] | {"width": float("inf")}]),
+        json.dumps({"camera_angle_x": 0, "w": 64, "h": 48, "frames": transforms()["frames"]}),
     ],
 )  # fmt: skip
 def test_what_is_none_is_one_line(tmp_path: Path, text: str) -> None:
