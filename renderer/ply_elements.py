@@ -54,8 +54,10 @@ class _Kind:
     rows: np.dtype[Any]
 
 
-def read_ply(content: bytes) -> Ply:
-    """The elements of plain numbers. No more memory is taken than the file has bytes for.
+def read_ply(content: bytes, most: int | None = None) -> Ply:
+    """The elements of plain numbers, or the first `most`, whatever follows them.
+
+    No more memory is taken than the file has bytes for.
 
     Raises:
         PlyError: no PLY, a header that makes no sense, or fewer rows than it says.
@@ -65,7 +67,7 @@ def read_ply(content: bytes) -> Ply:
         raise PlyError("expected a PLY file, got one without its header")
     lines = [line.split() for line in content[: end.start()].decode("ascii", "replace").splitlines()]
     order = _order(lines)
-    kinds = _kinds(lines, order)
+    kinds = _kinds(lines, order, most)
     body, elements = memoryview(content)[end.end() :], []
     for kind in kinds:
         rows, body = _ascii_rows(body, kind) if order == "=" else _binary_rows(body, kind)
@@ -81,11 +83,11 @@ def _order(lines: list[list[str]]) -> str:
     return ORDERS[layouts[0]]
 
 
-def _kinds(lines: list[list[str]], order: str) -> list[_Kind]:
+def _kinds(lines: list[list[str]], order: str, most: int | None) -> list[_Kind]:
     """Of the elements before the first one with lists."""
     starts = [place for place, words in enumerate(lines) if words[:1] == ["element"]]
     kinds: list[_Kind] = []
-    for start, stop in pairwise([*starts, len(lines)]):
+    for start, stop in list(pairwise([*starts, len(lines)]))[:most]:
         words = lines[start]
         if len(words) != 3 or not words[2].isdecimal() or len(words[2]) > 15:
             raise PlyError(f"expected an element's name and its number, got: {' '.join(words)}")

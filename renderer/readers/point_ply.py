@@ -15,7 +15,8 @@ _COLORS = ("red", "green", "blue")
 def read_points(path: Path) -> SparsePoints:
     """The vertices of a PLY file: x y z, and red green blue where they are of 8 bits.
 
-    Vertices are expected to be the first element. A point that is not finite is dropped.
+    Vertices are expected to be the first element; what follows them is left alone. A point that is
+    not finite is dropped.
 
     Raises:
         ClipError: the file is missing, no PLY, cut off, or has no positions.
@@ -25,7 +26,7 @@ def read_points(path: Path) -> SparsePoints:
     except OSError as error:
         raise ClipError(f"expected a PLY file, got none that can be read: {path}") from error
     try:
-        elements = read_ply(content).elements
+        elements = read_ply(content, 1).elements
     except PlyError as error:
         raise ClipError(f"{error}: {path}") from error
     if not elements or elements[0].name != "vertex":

@@ -55,6 +55,15 @@ def test_every_layout_says_the_same(tmp_path, kind):
     np.testing.assert_array_equal(read.colors, COLORS)
 
 
+@pytest.mark.parametrize("kind", CONTENTS)
+def test_what_follows_the_vertices_may_be_anything(tmp_path, kind):
+    path = tmp_path / "points.ply"
+    for after in (b"property uchar flag", b"property odd flag", b"of nothing"):
+        content = CONTENTS[kind].replace(b"property list uchar int vertex_indices", after)
+        path.write_bytes(content.replace(b"element face 1", b"element face 99"))
+        np.testing.assert_array_equal(read_points(path).positions, POINTS)
+
+
 def test_points_that_are_not_finite_are_dropped_with_their_colours(tmp_path):
     path = tmp_path / "points.ply"
     path.write_bytes(CONTENTS["ascii"].replace(b"1000.0", b"nan"))
