@@ -41,7 +41,7 @@ class Scene:
 
 
 def is_splat_file(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES
+    return path.suffix.lower() in SUFFIXES and not path.is_dir()
 
 
 def open_scene(path: Path) -> Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -74,7 +75,7 @@ def test_a_file_of_splats_is_drawn_from_where_all_are_seen(
     assert cv2.imread(str(picture)).shape == (720, 960, 3)
     assert read_provenance(picture)["splats"]["name"] == path.name
     scene = open_scene(path)
-    camera, _ = framing(scene.model), scene
+    (camera,) = scene.cameras
     pixels, depth = camera.project(scene.model.means.astype(np.float64))
     inside = (depth > 0) & np.all((pixels >= 0) & (pixels <= (960, 720)), axis=1)
     assert np.mean(inside) >= 0.94
@@ -88,6 +89,14 @@ def test_few_splats_have_a_camera_too(runs: dict[str, Path], count: int) -> None
     camera = framing(few)
     assert np.isfinite(camera.camera_from_world).all()
     assert render(few.at(0.0), camera, near=near_plane(few, camera)).image.shape == (720, 960, 3)
+
+
+def test_a_run_may_be_named_like_a_file_of_splats(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    shutil.copytree(runs["original"], tmp_path / "run.ply")
+    call = vesselsplat("render", tmp_path / "run.ply", "--out", tmp_path / "out", "--frames", 3)
+    assert (call.code, [path.name for path in (tmp_path / "out").iterdir()]) == (0, ["frame-000003.png"])
 
 
 def test_repairs_are_said(tmp_path: Path, vesselsplat: Cli, runs: dict[str, Path]) -> None:
