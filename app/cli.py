@@ -23,6 +23,7 @@ COMMANDS = {
     "export": "splat files, a video or camera poses of a finished run, for other programs",
     "evaluate": "measure a finished run on its held-out frames",
     "metrics": "DV/BV and contrast of images",
+    "report": "error against run time, stability, what was left out: one page",
     "phantom": "write a synthetic clip with exact truth",
     "info": "versions, devices and licences",
 }

@@ -19,7 +19,7 @@ from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
 from enhance.reference import enhance_reference
 
-Group = Literal["subsample", "sampling", "scales", "arithmetic", "left out", "kept in"]
+Group = Literal["subsample", "sampling", "scales", "both", "arithmetic", "left out", "kept in"]
 EXACT: Final = EnhanceParams(omit_below=0.0)
 SUBSETS: Final = ((4,), (16,), (64,), (4, 16), (4, 64), (16, 64), (4, 16, 64))
 OMISSIONS: Final[tuple[tuple[str, dict[str, Any], dict[str, Any]], ...]] = (
@@ -49,16 +49,18 @@ class Row:
     """On `most`, where something is left out."""
     milliseconds: float | None
     """Median of a whole image with its statistics; None where the setting is not built into the product."""
+    spread: float | None = None
+    """Half of the distance between the quartiles of these milliseconds."""
 
 
 def accuracy(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
     """Rows for an RGB image.
 
-    "subsample", "sampling" and "scales" are measured against float64 without subsampling, with three scales;
-    "arithmetic" against float64 with the same subsampling. Bytes are compared with bytes, floats and 16 bits
-    unrounded. "sampling" is what the product does not do: all windows on one grid; widths rounded to whole
-    pixels of it; variances of block means; V decimated. "left out" compares what `omit_below` leaves out with
-    "kept in", the row after it.
+    "subsample", "sampling", "scales" and "both" are measured against float64 without subsampling, with
+    three scales; "arithmetic" against float64 with the same subsampling. Bytes are compared with bytes,
+    floats and 16 bits unrounded. "sampling" is what the product does not do: all windows on one grid; widths
+    rounded to whole pixels of it; variances of block means; V decimated. "left out" compares what
+    `omit_below` leaves out with "kept in", the row after it.
     """
     truth = _reference(image, replace(EXACT, subsample=1))
     for subsample in (1, 2, 4, 8):
@@ -68,6 +70,12 @@ def accuracy(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
     for radii in SUBSETS:
         params = replace(EXACT, radii=radii)
         yield _row("scales", " + ".join(map(str, radii)), image, params, truth, repeats)
+    for subsample in (4, 8):
+        for radii in SUBSETS[:-1]:
+            params = replace(EXACT, radii=radii, subsample=subsample)
+            yield _row(
+                "both", f"{' + '.join(map(str, radii))}, s = {subsample}", image, params, truth, repeats
+            )
     yield from _arithmetic(image, repeats)
     yield from _omissions(image, repeats)
 
@@ -81,7 +89,7 @@ def _samplings(image: NDArray[np.uint8], truth: NDArray[np.float64], repeats: in
     changed = {"s = 2, means alone": _means_alone(image, 2)}
     changed |= {f"s = {s}, nearest": _nearest(image, s) for s in (2, 4, 8)}
     for name, result in changed.items():
-        yield _summary("sampling", name, np.abs(result.astype(np.float64) - np.rint(truth)), None, None)
+        yield _summary("sampling", name, np.abs(result.astype(np.float64) - np.rint(truth)))
 
 
 def _arithmetic(image: NDArray[np.uint8], repeats: int) -> Iterator[Row]:
@@ -106,9 +114,9 @@ def _omissions(image: NDArray[np.uint8], repeats: int) -> Iterator[Row]:
         error = 255 * np.abs(lean.image.astype(np.float64) - whole.image)
         bound = sum(omission.error for omission in lean.omitted)
         works = [partial(_frame, Enhancer(), image, one) for one in (params, full)]
-        lean_ms, whole_ms = _times(works, repeats)
-        yield _summary("left out", name, error, bound, lean_ms)
-        yield _summary("kept in", name, np.zeros_like(error), None, whole_ms)
+        lean_laps, whole_laps = _laps(works, repeats)
+        yield _summary("left out", name, error, bound, lean_laps)
+        yield _summary("kept in", name, np.zeros_like(error), None, whole_laps)
 
 
 def _row(
@@ -121,10 +129,10 @@ def _row(
     enhancer: Enhancer | None = None,
 ) -> Row:
     work = partial(_frame, enhancer or Enhancer(), image, params)
-    result, (milliseconds,) = work(), _times([work], repeats)
+    result, (laps,) = work(), _laps([work], repeats)
     levels = result.astype(np.float64) * (255 / full_scale(result.dtype))
     error = np.abs(levels - (np.rint(truth) if result.dtype == np.uint8 else truth))
-    return _summary(group, setting, error, None, milliseconds)
+    return _summary(group, setting, error, None, laps)
 
 
 def _frame(enhancer: Enhancer, image: AnyImage, params: EnhanceParams) -> AnyImage:
@@ -133,15 +141,15 @@ def _frame(enhancer: Enhancer, image: AnyImage, params: EnhanceParams) -> AnyIma
     return enhancer.enhance(params).image
 
 
-def _times(works: Sequence[Callable[[], object]], repeats: int) -> list[float]:
-    """Median milliseconds of each; they take turns, so that a busy machine slows them alike."""
+def _laps(works: Sequence[Callable[[], object]], repeats: int) -> list[NDArray[np.float64]]:
+    """Milliseconds of each; they take turns, so that a busy machine slows them alike."""
     taken = np.empty((repeats + 1, len(works)))
     for row in taken:
         for index, work in enumerate(works):
             start = perf_counter()
             work()
             row[index] = 1000 * (perf_counter() - start)
-    return [float(one) for one in np.median(taken[1:], axis=0)]
+    return list(taken[1:].T)
 
 
 class _Sampled(Enhancer):
@@ -198,8 +206,13 @@ def _reference(image: NDArray[np.uint8], params: EnhanceParams) -> NDArray[np.fl
 
 
 def _summary(
-    group: Group, setting: str, error: NDArray[np.float64], bound: float | None, ms: float | None
+    group: Group,
+    setting: str,
+    error: NDArray[np.float64],
+    bound: float | None = None,
+    laps: NDArray[np.float64] | None = None,
 ) -> Row:
+    quartiles = None if laps is None else np.percentile(laps, (25, 50, 75))
     return Row(
         group=group,
         setting=setting,
@@ -207,5 +220,6 @@ def _summary(
         p999=float(np.quantile(error, 0.999)),
         most=float(error.max()),
         bound=bound,
-        milliseconds=ms,
+        milliseconds=None if quartiles is None else float(quartiles[1]),
+        spread=None if quartiles is None else float(quartiles[2] - quartiles[0]) / 2,
     )

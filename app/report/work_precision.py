@@ -1,22 +1,9 @@
-"""Work-precision diagrams: error against run time, the Pareto front and the default marked."""
+"""Error against run time: settings as points, the Pareto front, and the setting to use for a bound."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Final
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-PANEL: Final = (4.6, 3.9)
-"""Inches."""
-COLORS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
-"""Told apart by colour-blind eyes (Okabe & Ito 2008)."""
-MARKS: Final = "osD^vPX<"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +15,8 @@ class Point:
     setting: str
     seconds: float
     error: float
+    spread: float = 0.0
+    """Of the seconds: half of the distance between the quartiles."""
     is_default: bool = False
 
 
@@ -53,49 +42,13 @@ def pareto_front(diagram: Diagram) -> tuple[Point, ...]:
     return tuple(front)
 
 
-def write_diagrams(path: Path, diagrams: Sequence[Diagram], title: str) -> None:
-    """Side by side in one picture, whose type follows from the suffix; those without a point are left out."""
-    drawn = [diagram for diagram in diagrams if pareto_front(diagram)]
-    figure = Figure(figsize=(PANEL[0] * len(drawn), PANEL[1] + 0.9), layout="constrained")
-    figure.suptitle(title, x=0.01, ha="left", fontsize=10)
-    series = list(dict.fromkeys(point.series for diagram in drawn for point in diagram.points))
-    for index, diagram in enumerate(drawn):
-        _draw(figure.add_subplot(1, len(drawn), 1 + index), diagram, series)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower left", ncols=len(labels), frameon=False)
-    figure.savefig(path, dpi=150)
+def within_budget(diagram: Diagram, seconds: float) -> Point | None:
+    """The most exact setting that takes no longer; None when all take longer."""
+    fast = [point for point in pareto_front(diagram) if point.seconds <= seconds]
+    return fast[-1] if fast else None
 
 
-def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
-    front = pareto_front(diagram)
-    axes.set_xscale("log")
-    if not diagram.more_is_better:
-        axes.set_yscale("log")
-    axes.set_xlabel("seconds")
-    axes.set_ylabel(diagram.measure)
-    for axis in (axes.xaxis, axes.yaxis):
-        if axis.get_scale() == "log":
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
-    axes.grid(alpha=0.3, which="both", linewidth=0.5)
-    axes.plot(
-        [point.seconds for point in front], [point.error for point in front],
-        color="#555555", linewidth=1, drawstyle="steps-post", label="Pareto front", zorder=1,
-    )  # fmt: skip
-    for name in series:
-        own = [point for point in diagram.points if point.series == name]
-        style = series.index(name)
-        axes.scatter(
-            [point.seconds for point in own], [point.error for point in own],
-            s=30, color=COLORS[style % len(COLORS)], marker=MARKS[style % len(MARKS)], label=name, zorder=2,
-        )  # fmt: skip
-    default = [point for point in diagram.points if point.is_default]
-    axes.scatter(
-        [point.seconds for point in default], [point.error for point in default],
-        s=130, facecolors="none", edgecolors="black", label="default", zorder=3,
-    )  # fmt: skip
-    for point in front:
-        axes.annotate(
-            point.setting, (point.seconds, point.error), (4, 4), textcoords="offset points", fontsize=6
-        )
+def within_error(diagram: Diagram, error: float) -> Point | None:
+    """The fastest setting whose error is no larger, or whose measure is no less where more is better."""
+    sign = -1.0 if diagram.more_is_better else 1.0
+    return next((point for point in pareto_front(diagram) if sign * point.error <= sign * error), None)

@@ -26,7 +26,8 @@ import numpy as np
 
 from app.atomic import write_bytes
 from app.provenance import provenance, source, strict_json
-from app.report.work_precision import Diagram, Point, pareto_front, write_diagrams
+from app.report.plots import write_diagrams
+from app.report.work_precision import Diagram, Point, pareto_front
 from app.run_folder import RunFolder
 from app.training import TrainRequest, input_clip, run_training
 from renderer.accuracy import KNOBS, outcome, settings

@@ -1,0 +1,92 @@
+"""`vesselsplat report`: error against run time, stability, what was left out: one page, and its JSON."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from app.atomic import filled
+from app.errors import UserError
+from app.provenance import provenance, source, strict_json
+from app.report.advice import advice
+from app.report.bench import Bench, Clock, opened
+from app.report.machine import machine
+from app.report.page import page
+from app.report.parts import PARTS, Part
+from app.report.section import Section
+
+MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
+"""What may be begun, so that 30 and 60 suffice on two cores."""
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    names = ",".join(part.name for part in PARTS)
+    parser.add_argument("--out", type=Path, default=Path("out/report"), metavar="DIR", help="(out/report)")
+    parser.add_argument("--clip", type=Path, metavar="CLIP", help="measure on this clip, not on the phantom")
+    parser.add_argument(
+        "--scenes", type=Path, nargs="+", default=[], metavar="PATH",
+        help="further clips, pictures and videos, for what they leave out and for Table 3",
+    )  # fmt: skip
+    parser.add_argument("--parts", metavar="NAMES", default=names, help=f"of {names}, separated by commas")
+    parser.add_argument("--minutes", type=float, metavar="F", help="time to share (27; with --clip 54)")
+    parser.add_argument("--budget", metavar="TIME", help="print the settings for this time, such as 10ms")
+    parser.add_argument("--error", type=float, metavar="F", help="print the settings for this error")
+
+
+def run(flags: argparse.Namespace) -> None:
+    parts, budget = _chosen(flags.parts), _seconds(flags.budget)
+    minutes = flags.minutes or (MINUTES_WITH_CLIP if flags.clip else MINUTES)
+    for path in flags.scenes:
+        if not path.exists():
+            raise UserError(f"--scenes: expected a clip, picture or video, got no such file: {path}")
+    began, facts = time.monotonic(), machine()
+    with filled(flags.out) as staging, opened(flags.clip, tuple(flags.scenes), _say) as bench:
+        sections, seconds = measured(bench, parts, 60 * minutes)
+        clip = {"name": "phantom"} if flags.clip is None else source(flags.clip)
+        report = provenance(machine=facts, clip=clip, seconds=seconds, parts=sections)
+        (staging / "report.json").write_text(strict_json(report, indent=1), encoding="utf-8")
+        said = {"clip": clip["name"], "measured": f"{report['utc']}, in {sum(seconds.values()):.0f} s"}
+        (staging / "report.html").write_text(page(sections, said | facts), encoding="utf-8")
+    sys.stdout.write(f"{flags.out}: report.html, report.json in {time.monotonic() - began:.0f} s\n")
+    for line in advice(sections, budget, flags.error):
+        sys.stdout.write(f"{line}\n")
+
+
+def measured(
+    bench: Bench, parts: Sequence[Part], seconds: float
+) -> tuple[dict[str, Section], dict[str, float]]:
+    """The section of each part, and the seconds it took; what one leaves of its time, the next ones have."""
+    sections, taken, until = {}, {}, time.monotonic() + seconds
+    for place, part in enumerate(parts):
+        began = time.monotonic()
+        share = part.share / sum(each.share for each in parts[place:])
+        sections[part.name] = part.measure(bench, Clock.of(share * max(0.0, until - began)))
+        taken[part.name] = time.monotonic() - began
+        _say(f"{part.name}: {taken[part.name]:.0f} s")
+    return sections, taken
+
+
+def _chosen(text: str) -> list[Part]:
+    names, known = [name.strip() for name in text.split(",")], {part.name: part for part in PARTS}
+    for name in names:
+        if name not in known:
+            raise UserError(f"--parts: expected some of {','.join(known)}, got {name!r}")
+    return [part for part in PARTS if part.name in names]
+
+
+def _seconds(text: str | None) -> float | None:
+    if text is None:
+        return None
+    found = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*(ms|s|min)?\s*", text)
+    if not found:
+        raise UserError(f"--budget: expected a time such as 10ms, 2s or 1min, got {text!r}")
+    return float(found[1]) * {"ms": 1e-3, "s": 1.0, "min": 60.0, None: 1.0}[found[2]]
+
+
+def _say(line: str) -> None:
+    sys.stderr.write(f"report: {line}\n")
+    sys.stderr.flush()

@@ -1,0 +1,86 @@
+"""What the parts of a report measure on, and the time they have."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from app.report.runs import Runs
+from app.report.section import Section
+from renderer.clip import Clip
+from renderer.phantom import Phantom, PhantomParams, write_phantom
+from renderer.sources import open_clip
+
+PHANTOM: Final = PhantomParams(n_frames=40)
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The time of a part. What is measured never depends on it, only whether."""
+
+    until: float
+    """By time.monotonic."""
+
+    @property
+    def is_out(self) -> bool:
+        """Nothing more is to be begun."""
+        return time.monotonic() > self.until
+
+    @classmethod
+    def of(cls, seconds: float) -> Clock:
+        return cls(time.monotonic() + seconds)
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """The clip, what is known about it, and the runs that parts share."""
+
+    given: Path | None
+    """The clip asked for; None is the phantom."""
+    scenes: tuple[Path, ...]
+    """Further clips, pictures and videos, for what they leave out and for Table 3."""
+    work: Path
+    """A folder for what is not kept."""
+    say: Say
+
+    @cached_property
+    def clip_path(self) -> Path:
+        """The phantom is written when it is asked for first."""
+        if self.given is None:
+            write_phantom(self.work / "phantom", PHANTOM)
+        return self.given or self.work / "phantom"
+
+    @cached_property
+    def clip(self) -> Clip:
+        """Raises ClipError when it cannot be read."""
+        return open_clip(self.clip_path)
+
+    @cached_property
+    def truth(self) -> Phantom | None:
+        """Of the phantom, whose depth and motion are known."""
+        return Phantom(PHANTOM) if self.given is None else None
+
+    @cached_property
+    def runs(self) -> Runs:
+        """Trained on the clip."""
+        return Runs(self.clip_path, self.clip, self.work / "runs", self.say)
+
+
+Measure = Callable[[Bench, Clock], Section]
+
+
+@contextmanager
+def opened(given: Path | None, scenes: tuple[Path, ...], say: Say) -> Iterator[Bench]:
+    """What is trained in it is gone afterwards. Raises ClipError when the clip cannot be read."""
+    with TemporaryDirectory(prefix="vesselsplat-report-") as name:
+        bench = Bench(given, scenes, Path(name), say)
+        if given is not None:
+            bench.clip.read_image(0)
+        yield bench

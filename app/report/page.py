@@ -1,0 +1,111 @@
+"""The report as one HTML page that needs nothing else: plots inline, tables that sort, light, printable."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Iterator, Mapping
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from app.provenance import NOTICE
+from app.report.plots import diagrams_figure, growth_figure, svg
+from app.report.section import Cell, Column, Section, Table
+from app.report.work_precision import pareto_front
+
+
+def page(sections: Mapping[str, Section], facts: Mapping[str, Any]) -> str:
+    """`facts`: what is said at the top, by name."""
+    head = "".join(f'<a href="#{name}">{escape(one.title)}</a>' for name, one in sections.items())
+    body = "\n".join(_section(name, one) for name, one in sections.items())
+    style, script = (_asset(name) for name in ("page.css", "page.js"))
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8"/>\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1"/>\n'
+        f"<title>VesselSplat report</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
+        f"<header><h1>VesselSplat report</h1><p>{escape(NOTICE)} Visibility only, neither detection nor "
+        f"diagnosis.</p>{_facts(facts)}</header>\n<nav>{head}</nav>\n<main>\n{body}\n</main>\n"
+        f"<script>\n{script}</script>\n</body>\n</html>\n"
+    )
+
+
+def _asset(name: str) -> str:
+    return files("app.report").joinpath(name).read_text(encoding="utf-8")
+
+
+def _facts(facts: Mapping[str, Any]) -> str:
+    rows = "".join(f"<dt>{escape(name)}</dt><dd>{escape(_fact(value))}</dd>" for name, value in facts.items())
+    return f"<dl>{rows}</dl>"
+
+
+def _fact(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {item}" for name, item in value.items() if item is not None)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _section(name: str, section: Section) -> str:
+    return "\n".join(
+        [f'<section id="{name}">', f"<h2>{escape(section.title)}</h2>", *_parts(section), "</section>"]
+    )
+
+
+def _parts(section: Section) -> Iterator[str]:
+    for sentence in section.sentences:
+        yield f"<p>{escape(sentence)}</p>"
+    for plate in section.plates:
+        if any(pareto_front(diagram) for diagram in plate.diagrams):
+            yield _figure(diagrams_figure(plate.diagrams), plate.title)
+    if section.growths:
+        yield _figure(growth_figure(section.growths), section.title)
+    for table in section.tables:
+        yield _table(table)
+    if section.not_measured:
+        items = "".join(f"<li>{escape(each)}</li>" for each in section.not_measured)
+        yield f"<h3>Not measured</h3><ul>{items}</ul>"
+
+
+def _figure(figure: Figure, title: str) -> str:
+    data = base64.b64encode(svg(figure)).decode()
+    image = f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{data}"/>'
+    return f"<figure>{image}<figcaption>{escape(title)}</figcaption></figure>"
+
+
+def _table(table: Table) -> str:
+    best = [_best(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)]
+    head = "".join(f"<th>{escape(column.name)}</th>" for column in table.columns)
+    body = "\n".join(
+        "<tr>" + "".join(_cell(*each) for each in zip(row, table.columns, best, strict=True)) + "</tr>"
+        for row in table.rows
+    )
+    note = f"<p class='note'>{escape(table.note)}</p>" if table.note else ""
+    return (
+        f"<h3>{escape(table.title)}</h3><div class='wide'><table><thead><tr>{head}</tr></thead>\n"
+        f"<tbody>\n{body}\n</tbody></table></div>{note}"
+    )
+
+
+def _best(column: Column, cells: list[Cell]) -> float | None:
+    numbers = [float(cell) for cell in cells if _is_number(cell)]  # type: ignore[arg-type]
+    if not column.best or len(numbers) < 2:
+        return None
+    return max(numbers) if column.best == "high" else min(numbers)
+
+
+def _is_number(cell: Cell) -> bool:
+    return isinstance(cell, int | float) and not isinstance(cell, bool) and math.isfinite(cell)
+
+
+def _cell(cell: Cell, column: Column, best: float | None) -> str:
+    if isinstance(cell, bool):
+        return '<td class="pass">pass</td>' if cell else '<td class="fail">FAIL</td>'
+    if isinstance(cell, str):
+        return f"<td>{escape(cell)}</td>"
+    if cell is None or math.isnan(cell):
+        return '<td class="number">–</td>'
+    kind = "number best" if best is not None and cell == best else "number"
+    text = f"{cell:d}" if isinstance(cell, int) else format(cell, column.form)
+    return f'<td class="{kind}" data-value="{cell}">{text}</td>'

@@ -1,0 +1,134 @@
+"""The report's plots: work-precision diagrams, and growth with its fitted exponent."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from app.report.growth_fit import Growth, fitted
+from app.report.work_precision import Diagram, Point, pareto_front
+
+PANEL: Final = (4.6, 3.9)
+"""Inches."""
+COLORS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
+"""Told apart by colour-blind eyes (Okabe & Ito 2008)."""
+MARKS: Final = "osD^vPX<"
+MOST_LABELS: Final = 7
+"""Of points on a front: more would lie on each other."""
+
+
+def write_diagrams(path: Path, diagrams: Sequence[Diagram], title: str) -> None:
+    """Side by side in one picture, whose type follows from the suffix; those without a point are left out."""
+    diagrams_figure(diagrams, title).savefig(path, dpi=150)
+
+
+def svg(figure: Figure) -> bytes:
+    """The same bytes for the same figure; text stays text, in a font of the system."""
+    out = io.BytesIO()
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "vesselsplat"}):
+        figure.savefig(out, format="svg", metadata={"Date": None})
+    return out.getvalue()
+
+
+def diagrams_figure(diagrams: Sequence[Diagram], title: str = "") -> Figure:
+    """See write_diagrams."""
+    drawn = [diagram for diagram in diagrams if pareto_front(diagram)]
+    figure = Figure(figsize=(PANEL[0] * len(drawn), PANEL[1] + 0.9), layout="constrained")
+    if title:
+        figure.suptitle(title, x=0.01, ha="left", fontsize=10)
+    series = list(dict.fromkeys(point.series for diagram in drawn for point in diagram.points))
+    for index, diagram in enumerate(drawn):
+        _draw(figure.add_subplot(1, len(drawn), 1 + index), diagram, series)
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    columns = max(2, min(len(labels), round(PANEL[0] * len(drawn) / 1.5)))
+    figure.legend(handles, labels, loc="outside lower left", ncols=columns, frameon=False, fontsize=8)
+    return figure
+
+
+def growth_figure(growths: Sequence[Growth]) -> Figure:
+    """Side by side, each curve with its fitted power law."""
+    figure = Figure(figsize=(PANEL[0] * len(growths), PANEL[1] + 0.4), layout="constrained")
+    for index, growth in enumerate(growths):
+        axes = figure.add_subplot(1, len(growths), 1 + index)
+        _draw_growth(axes, growth)
+    return figure
+
+
+def _draw_growth(axes: Axes, growth: Growth) -> None:
+    axes.set(xscale="log", yscale="log", xlabel=growth.work, ylabel=growth.cost)
+    axes.set_title(growth.title, fontsize=10, loc="left")
+    for place, curve in enumerate(growth.curves):
+        exponent, factor = fitted(curve.work, curve.cost)
+        color, mark = COLORS[place % len(COLORS)], MARKS[place % len(MARKS)]
+        label = f"{curve.name}: exponent {exponent:.2f}"
+        axes.plot(curve.work, curve.cost, mark, color=color, label=label, markersize=5)
+        ends = np.array([min(curve.work), max(curve.work)])
+        axes.plot(ends, factor * ends**exponent, color=color, linewidth=1)
+    for axis in (axes.xaxis, axes.yaxis):
+        _label(axis)
+    axes.grid(alpha=0.3, linewidth=0.5)
+    axes.legend(frameon=False, fontsize=8)
+
+
+def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
+    finite = [point for point in diagram.points if math.isfinite(point.error)]
+    front = pareto_front(diagram)
+    unit, name = (1e3, "ms") if max(point.seconds for point in finite) < 1 else (1.0, "s")
+    floor = _floor(diagram, finite)
+    axes.set_xscale("log")
+    if not diagram.more_is_better:
+        axes.set_yscale("log")
+    axes.set(xlabel=name, ylabel=diagram.measure)
+
+    def place(points: Sequence[Point]) -> tuple[list[float], list[float]]:
+        return [unit * point.seconds for point in points], [max(point.error, floor) for point in points]
+
+    axes.plot(
+        *place(front), color="#555555", linewidth=1, drawstyle="steps-post", label="Pareto front", zorder=1
+    )
+    for index, one in enumerate(series):
+        own = [point for point in finite if point.series == one]
+        color, mark = COLORS[index % len(COLORS)], MARKS[index % len(MARKS)]
+        axes.scatter(*place(own), s=30, color=color, marker=mark, label=one, zorder=2)
+        spreads = [min(unit * point.spread, 0.9 * unit * point.seconds) for point in own]
+        axes.errorbar(*place(own), xerr=spreads, fmt="none", ecolor=color, elinewidth=0.8, zorder=2)
+    default = [point for point in finite if point.is_default]
+    axes.scatter(*place(default), s=130, facecolors="none", edgecolors="black", label="default", zorder=3)
+    for point in front[:: math.ceil(len(front) / MOST_LABELS)]:
+        at = unit * point.seconds, max(point.error, floor)
+        axes.annotate(point.setting, at, (4, 4), textcoords="offset points", fontsize=6)
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            _label(axis)
+    if any(point.error < floor for point in finite):
+        axes.axhline(floor, color="#999999", linewidth=0.6, linestyle=":")
+        axes.annotate("no error", (1, floor), (-2, 3), ("axes fraction", "data"), "offset points",
+                      ha="right", fontsize=6, color="#666666")  # fmt: skip
+    axes.grid(alpha=0.3, which="both", linewidth=0.5)
+
+
+def _floor(diagram: Diagram, points: Sequence[Point]) -> float:
+    """Where errors of 0 are drawn on a logarithmic axis: a decade below the least of the others."""
+    if diagram.more_is_better:
+        return -math.inf
+    least = min((point.error for point in points if point.error > 0), default=1.0)
+    return 10.0 ** (math.floor(math.log10(least)) - 1) if any(point.error <= 0 for point in points) else 0.0
+
+
+def _label(axis: Axis) -> None:
+    """Numbers between decades too, where there are few decades."""
+    low, high = axis.get_view_interval()
+    few = low > 0 and high / low < 300
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())

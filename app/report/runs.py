@@ -1,0 +1,49 @@
+"""Runs that the parts of a report share: each is trained once, and measured as often as is asked."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from app.provenance import strict_json
+from app.run_folder import Input, RunFolder
+from app.training import TrainRequest, input_clip, run_training
+from renderer.clip import Clip
+from renderer.train.config import TrainConfig
+from renderer.train.events import Finished
+
+
+@dataclass(frozen=True, eq=False)
+class Trained:
+    """A finished run."""
+
+    folder: RunFolder
+    finished: Finished
+    photos: Clip
+    """The clip with the photos that it was trained on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """Of one clip."""
+
+    clip_path: Path
+    clip: Clip
+    work: Path
+    say: Callable[[str], None]
+    _known: dict[str, Trained] = field(default_factory=dict)
+
+    def trained(self, config: TrainConfig, photos: Input = "original") -> Trained:
+        """Trains the first time."""
+        key = hashlib.sha256(f"{photos} {strict_json(config)}".encode()).hexdigest()[:16]
+        if key not in self._known:
+            self.say(f"training {config.method}, {config.iterations} steps, {photos} photos")
+            folder = RunFolder(self.work / key)
+            request = TrainRequest(
+                clip_path=self.clip_path, run_path=folder.path, config=config, input=photos, resume=True
+            )
+            finished = next(event for event in run_training(request) if isinstance(event, Finished))
+            self._known[key] = Trained(folder, finished, input_clip(self.clip, folder.record()))
+        return self._known[key]
