@@ -10,11 +10,11 @@ import numpy as np
 from app.drawing import Drawn, draw_on_cpu
 from app.errors import UserError
 from renderer.camera import Camera
-from renderer.splats import Splats
+from renderer.splats import RenderMode, Splats
 
 Renderer = Literal["gl", "cpu", "reference"]
-Draw = Callable[[Splats, Camera, float], Drawn]
-"""Splats, camera and near plane (in scene units) to a picture over black."""
+Draw = Callable[[Splats, Camera, float, RenderMode], Drawn]
+"""Splats, camera, near plane (in scene units) and render mode to a picture over black."""
 
 
 def drawer(renderer: Renderer) -> tuple[Draw, str]:
@@ -26,7 +26,7 @@ def drawer(renderer: Renderer) -> tuple[Draw, str]:
     return draw_on_cpu, "numba on the CPU"
 
 
-def _reference(splats: Splats, camera: Camera, near: float) -> Drawn:
+def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode) -> Drawn:
     import torch
 
     from renderer.rasterize.reference import rasterize_reference
@@ -41,25 +41,27 @@ def _reference(splats: Splats, camera: Camera, near: float) -> Drawn:
             torch.from_numpy(splats.colors),
             camera,
             near=near,
+            mode=mode,
         )
-    return Drawn(rendered.image.numpy().astype(np.float32), rendered.depth.numpy().astype(np.float32))
+    layers = (rendered.image, rendered.depth, rendered.alpha)
+    return Drawn(*(layer.numpy().astype(np.float32) for layer in layers))
 
 
 def _gl() -> tuple[Draw, str]:
     from moderngl import Error
 
     from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
-    from renderer.draw.offscreen import render_depth_offscreen, render_offscreen
+    from renderer.draw.offscreen import layers_offscreen
 
     try:
         context = standalone_context()
     except OpenGLUnavailable as error:
         raise UserError(f"{error} Or draw with --with cpu.") from error
 
-    def draw(splats: Splats, camera: Camera, near: float) -> Drawn:
+    def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode) -> Drawn:
         try:
-            image = render_offscreen(context, splats, camera, near=near)
-            return Drawn(image, render_depth_offscreen(context, splats, camera, near=near))
+            layers = layers_offscreen(context, splats, camera, near=near, mode=mode)
+            return Drawn(layers.color, layers.depth, layers.alpha)
         except Error as error:
             size = f"{camera.width}x{camera.height}"
             raise UserError(f"OpenGL cannot draw {size} here ({error}): choose a smaller --size") from error

@@ -9,20 +9,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.splats import Float32Array, Splats
+from renderer.splats import Float32Array, RenderMode, Splats
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """image (H, W, 3) RGB, not clipped; depth (H, W) expected depth in scene units, 0 where nothing is."""
+    """image (H, W, 3) RGB over black, not clipped: premultiplied colour; depth (H, W) expected depth in scene
+    units, 0 where nothing is; alpha (H, W) in [0, 1]."""
 
     image: Float32Array
     depth: Float32Array
+    alpha: Float32Array
 
     @property
     def bytes(self) -> NDArray[np.uint8]:
         """(H, W, 3) rounded to 8 bits."""
         rounded: NDArray[np.uint8] = np.rint(np.clip(self.image, 0.0, 1.0) * 255.0).astype(np.uint8)
+        return rounded
+
+    @property
+    def straight(self) -> NDArray[np.uint8]:
+        """(H, W, 4) RGB not premultiplied and alpha, as PNG stores them, black where nothing is.
+
+        Laid over any background it is within a grey level of the splats drawn over it, where colours are
+        in [0, 1]: beyond, straight alpha cannot hold them.
+        """
+        seen = self.alpha[..., None]
+        color = np.divide(self.image, seen, out=np.zeros_like(self.image), where=seen > 0)
+        rgba = np.concatenate([color, seen], axis=2)
+        rounded: NDArray[np.uint8] = np.rint(np.clip(rgba, 0.0, 1.0) * 255.0).astype(np.uint8)
         return rounded
 
 
@@ -42,8 +57,8 @@ def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, 
     return picture, (near, far)
 
 
-def draw_on_cpu(splats: Splats, camera: Camera, near: float) -> Drawn:
+def draw_on_cpu(splats: Splats, camera: Camera, near: float, mode: RenderMode = "default") -> Drawn:
     from renderer.rasterize.cpu import render
 
-    rendered = render(splats, camera, near=near)
-    return Drawn(rendered.image, rendered.depth)
+    rendered = render(splats, camera, near=near, mode=mode)
+    return Drawn(rendered.image, rendered.depth, rendered.alpha)

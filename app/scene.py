@@ -14,7 +14,7 @@ from renderer.deformation.motion import Still
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.splat_files import SUFFIXES, SplatFileError, read_splats
-from renderer.splat_files.splat_file import RenderMode
+from renderer.splats import RenderMode
 
 
 @dataclass(frozen=True, eq=False)

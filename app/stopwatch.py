@@ -47,4 +47,8 @@ class Stopwatch:
         done = time.perf_counter()
         rasterizer.forward(splats, camera, self._near, self._no_tile)
         sorting = time.perf_counter() - done
-        return Drawn(rendered.image, rendered.depth), (done - began, deformed - began, sorting)
+        return Drawn(rendered.image, rendered.depth, rendered.alpha), (
+            done - began,
+            deformed - began,
+            sorting,
+        )

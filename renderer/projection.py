@@ -88,20 +88,49 @@ def _screen_axes(
 
 
 @njit(inline="always")
-def _covariance(axes: FloatArray) -> tuple[float, float, float, float]:
-    """xx, xy, yy of axes axes^T + LOW_PASS I, and its determinant.
-
-    The determinant is a sum of squares (Cauchy-Binet), which cannot cancel as xx yy - xy^2 does.
-    """
-    xx = axes[0, 0] ** 2 + axes[0, 1] ** 2 + axes[0, 2] ** 2 + LOW_PASS
-    xy = axes[0, 0] * axes[1, 0] + axes[0, 1] * axes[1, 1] + axes[0, 2] * axes[1, 2]
-    yy = axes[1, 0] ** 2 + axes[1, 1] ** 2 + axes[1, 2] ** 2 + LOW_PASS
-    minors = (
+def _sharp_determinant(axes: FloatArray) -> float:
+    """Determinant of axes axes^T as a sum of squares (Cauchy-Binet): xx yy - xy^2 would cancel."""
+    determinant: float = (
         (axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]) ** 2
         + (axes[0, 0] * axes[1, 2] - axes[0, 2] * axes[1, 0]) ** 2
         + (axes[0, 1] * axes[1, 2] - axes[0, 2] * axes[1, 1]) ** 2
     )
-    return xx, xy, yy, minors + LOW_PASS * (xx + yy - LOW_PASS)
+    return determinant
+
+
+@njit(inline="always")
+def _covariance(axes: FloatArray) -> tuple[float, float, float, float]:
+    """xx, xy, yy of axes axes^T + LOW_PASS I, and its determinant, a sum of squares."""
+    xx = axes[0, 0] ** 2 + axes[0, 1] ** 2 + axes[0, 2] ** 2 + LOW_PASS
+    xy = axes[0, 0] * axes[1, 0] + axes[0, 1] * axes[1, 1] + axes[0, 2] * axes[1, 2]
+    yy = axes[1, 0] ** 2 + axes[1, 1] ** 2 + axes[1, 2] ** 2 + LOW_PASS
+    return xx, xy, yy, _sharp_determinant(axes) + LOW_PASS * (xx + yy - LOW_PASS)
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
+def compensations(
+    means: NDArray[np.float32],  # (N, 3)
+    quats: NDArray[np.float32],  # (N, 4)
+    scales: NDArray[np.float32],  # (N, 3)
+    view: FloatArray,
+    factors: NDArray[np.float32],  # (N,), out
+) -> None:
+    """The share of its opacity, in [0, 1], that a splat keeps where the low-pass filter widens it.
+
+    sqrt(det C / det(C + LOW_PASS I)), both determinants sums of squares; 0 behind the near plane and where
+    that is no number. Source: Mip-Splatting (Yu et al. 2024).
+    """
+    for n in prange(means.shape[0]):
+        rotation, local, axes = np.empty((3, 3)), np.empty(3), np.empty((2, 3))
+        factors[n] = 0.0
+        _to_camera(means[n], view, local)
+        if not local[2] > view[8]:
+            continue
+        _rotation(quats[n], rotation)
+        _screen_axes(local, view, rotation, scales[n], axes)
+        share = _sharp_determinant(axes) / _covariance(axes)[3]
+        if share >= 0.0:
+            factors[n] = math.sqrt(min(share, 1.0))
 
 
 @njit(parallel=True, cache=True, error_model="numpy")

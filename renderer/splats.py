@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,10 @@ from numpy.typing import NDArray
 from renderer.harmonics import BANDS, seen_colors
 
 Float32Array = NDArray[np.float32]
+RenderMode = Literal["default", "mip"]
+"""How a splat narrower than a pixel is drawn, the `SplatRenderMode` of files: by "default" at its full
+opacity; by "mip" (anti-aliased, Mip-Splatting) at sqrt(det C / det(C + 0.3 I)) of it, C being its covariance
+on the screen in px^2, which makes up for the low-pass filter. Each is right for models so trained."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,7 +76,7 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
         with progress("draw", len(wanted)) as report:
             for done, moment in enumerate(wanted, start=1):
                 near = near_plane(scene.model, moment.camera)
-                yield draw(scene.model.at(moment.time), moment.camera, near).bytes
+                yield draw(scene.model.at(moment.time), moment.camera, near, scene.mode).bytes
                 report(done, moment.name)
 
     written = write_video(flags.video, pictures(), flags.frames_per_second)

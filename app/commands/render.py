@@ -21,27 +21,33 @@ from renderer.near_plane import near_plane
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
     moments.add_flags(parser)
+    parser.add_argument(
+        "--transparent", action="store_true", help="without a background: alpha in the PNG, not premultiplied"
+    )
     parser.add_argument("--depth", action="store_true", help="write expected depth too: float32 and coloured")
 
 
 def run(flags: argparse.Namespace) -> None:
     scene, wanted = moments.chosen(flags)
     draw, name = drawer(flags.renderer)
-    facts = scene.facts | {"renderer": name, "background": (0.0, 0.0, 0.0)}
+    behind = None if flags.transparent else (0.0, 0.0, 0.0)
+    facts = scene.facts | {"renderer": name, "background": behind}
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             near = near_plane(scene.model, moment.camera)
-            drawn = draw(scene.model.at(moment.time), moment.camera, near)
-            _write(staging, moment, drawn, facts | moment.facts | {"near": near}, depth=flags.depth)
+            drawn = draw(scene.model.at(moment.time), moment.camera, near, scene.mode)
+            shown = drawn.straight if flags.transparent else drawn.bytes
+            own_facts = facts | moment.facts | {"near": near}
+            write_png(staging / f"{moment.name}.png", shown, provenance(**own_facts))
+            if flags.depth:
+                _write_depth(staging, moment, drawn, own_facts)
             report(done, moment.name)
     sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {name}\n")
 
 
-def _write(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any], *, depth: bool) -> None:
-    write_png(folder / f"{moment.name}.png", drawn.bytes, provenance(**facts))
-    if depth:
-        picture, (nearest, farthest) = colored_depth(drawn.depth)
-        shown = facts | {"shows": "expected depth", "nearest": nearest, "farthest": farthest}
-        depth_facts = provenance(**facts, holds="expected depth in scene units, 0 where nothing is")
-        write_image(folder / f"{moment.name}-depth.npy", drawn.depth, depth_facts)
-        write_png(folder / f"{moment.name}-depth.png", picture, provenance(**shown))
+def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:
+    picture, (nearest, farthest) = colored_depth(drawn.depth)
+    shown = facts | {"shows": "expected depth", "nearest": nearest, "farthest": farthest}
+    depth_facts = provenance(**facts, holds="expected depth in scene units, 0 where nothing is")
+    write_image(folder / f"{moment.name}-depth.npy", drawn.depth, depth_facts)
+    write_png(folder / f"{moment.name}-depth.png", picture, provenance(**shown))

@@ -73,9 +73,10 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
 
 def _open_splats(path: Path) -> Opened:
     scene = splat_scene(path)
-    distance = middle_distance(scene.model, scene.cameras[0])
-    origin = Origin(scene.facts)
-    shown = ShownModel(scene.model, scene.cameras, distance, scene.name, 0, 0, live=False, origin=origin)
+    distance, origin = middle_distance(scene.model, scene.cameras[0]), Origin(scene.facts)
+    shown = ShownModel(
+        scene.model, scene.cameras, distance, scene.name, 0, 0, live=False, origin=origin, mode=scene.mode
+    )
     return Opened(None, splats=shown, notices=scene.notices)
 
 

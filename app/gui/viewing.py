@@ -14,6 +14,7 @@ from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE
+from renderer.splats import RenderMode
 
 BACKGROUND = (0.0, 0.0, 0.0)
 
@@ -35,6 +36,7 @@ class ShownModel:
     """Still being trained."""
     origin: Origin | None = None
     """The run or file it comes from; None when that left nothing to read."""
+    mode: RenderMode = "default"
 
     def view(self, time: float, orbit: Orbit, size: tuple[int, int]) -> ViewRequest:
         """The view of (width, height) pixels at `time` in [0, 1] through the orbited camera of that time."""
@@ -80,6 +82,8 @@ def draw_view(request: ViewRequest) -> Iterator[View]:
     from renderer.rasterize.cpu import render
 
     start = perf_counter()
-    rendered = render(request.shown.model.at(request.time), request.camera, BACKGROUND, near=request.near)
+    shown = request.shown
+    splats = shown.model.at(request.time)
+    rendered = render(splats, request.camera, BACKGROUND, near=request.near, mode=shown.mode)
     image = np.rint(np.clip(rendered.image, 0, 1) * 255).astype(np.uint8)
     yield View(request, image, 1000 * (perf_counter() - start))

@@ -84,7 +84,7 @@ class GraphicsViewport:
             self._release_splats()
             self._splats, self._near = SplatView(self._ctx, near=request.near), request.near
         if self._uploaded != (request.shown, request.time):
-            self._splats.upload(request.shown.model.at(request.time))
+            self._splats.upload(request.shown.model.at(request.time), request.shown.mode)
             self._uploaded = (request.shown, request.time)
         return self._splats
 

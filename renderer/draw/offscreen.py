@@ -2,12 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import moderngl
 import numpy as np
 
 from renderer.camera import Camera
 from renderer.draw.splat_view import Precision, SplatView
-from renderer.splats import Float32Array, Splats
+from renderer.splats import Float32Array, RenderMode, Splats
+
+
+@dataclass(frozen=True, eq=False)
+class Layers:
+    """What the splats alone show: color (H, W, 3) premultiplied RGB, which is their picture over black; alpha
+    (H, W) in [0, 1]; depth (H, W) expected depth in scene units, 0 where nothing is. Top row first."""
+
+    color: Float32Array
+    alpha: Float32Array
+    depth: Float32Array
+
+
+def layers_offscreen(
+    ctx: moderngl.Context, splats: Splats, camera: Camera, *, near: float, mode: RenderMode = "default"
+) -> Layers:
+    """Colour, alpha and depth in float32, from one upload and one sort."""
+    view = SplatView(ctx, precision="float", keys="float32", near=near)
+    try:
+        view.upload(splats, mode)
+        color = view.read_color(camera)
+        return Layers(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), view.read_depth(camera))
+    finally:
+        view.release()
 
 
 def render_offscreen(
@@ -18,12 +43,13 @@ def render_offscreen(
     precision: Precision = "float",
     *,
     near: float = 0.01,
+    mode: RenderMode = "default",
 ) -> Float32Array:
     """The view of `camera` over an RGB background: image (H, W, 3), top row first, not clipped to [0, 1]."""
     view = SplatView(ctx, precision=precision, keys="float32", near=near)
     framebuffer = ctx.simple_framebuffer((camera.width, camera.height), 4, dtype="f4")
     try:
-        view.upload(splats)
+        view.upload(splats, mode)
         view.draw(camera, framebuffer, background=background)
         return read_image(framebuffer)
     finally:

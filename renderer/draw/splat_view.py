@@ -20,7 +20,7 @@ from renderer.draw.context import is_software
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
 from renderer.projection import ALPHA_CUT
-from renderer.splats import Float32Array, Splats
+from renderer.splats import Float32Array, RenderMode, Splats
 
 Precision = Literal["half", "float"]
 """The target in which colour is blended: 16 bits for the screen, 32 for exports."""
@@ -63,11 +63,12 @@ class SplatView:
         self._targets: dict[Precision, _Target] = {}
         self._storage = _Storage(ctx, self._program, rows=1)
         self._splats: Splats | None = None
+        self._mode: RenderMode = "default"
         self._colored_from: FloatArray | None = None
         self._sorted_along: FloatArray | None = None
         self._visible = 0
 
-    def upload(self, splats: Splats) -> None:
+    def upload(self, splats: Splats, mode: RenderMode = "default") -> None:
         """Replace what is drawn. Colours may be any display values: normals or motion as well as RGB.
 
         Raises:
@@ -84,6 +85,7 @@ class SplatView:
             self._storage = _Storage(self._ctx, self._program, rows)
         self._storage.records.write(_packed(splats, rows))
         self._splats = splats
+        self._mode = mode
         self._colored_from = self._sorted_along = None
 
     def draw(
@@ -124,15 +126,24 @@ class SplatView:
             self._resolve_depth["depth_range"] = depth_range
             self._resolve(target, self._depth_screen, framebuffer)
 
+    def read_color(self, camera: Camera) -> Float32Array:
+        """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first."""
+        with self._state.preserved():
+            self._color(camera.position)
+            return self._read(camera, depth_as_color=False)
+
     def read_depth(self, camera: Camera) -> Float32Array:
         """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
         with self._state.preserved():
-            target = self._accumulate(camera, "float", depth_as_color=True)
-            raw = target.framebuffer.read(components=4, dtype="f4")
-        sums = np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4)
+            sums = self._read(camera, depth_as_color=True)
         depth = np.zeros((camera.height, camera.width), dtype=np.float32)
         np.divide(sums[..., 0], sums[..., 3], out=depth, where=sums[..., 3] > 0)
         return depth
+
+    def _read(self, camera: Camera, *, depth_as_color: bool) -> Float32Array:
+        target = self._accumulate(camera, "float", depth_as_color=depth_as_color)
+        raw = target.framebuffer.read(components=4, dtype="f4")
+        return np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4)
 
     def release(self) -> None:
         """Give the OpenGL objects back; the view cannot be used afterwards."""
@@ -155,6 +166,7 @@ class SplatView:
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self._aim(camera)
         self._program["depth_as_color"] = depth_as_color
+        self._program["compensated"] = self._mode == "mip"
         self._storage.records.use(0)
         if self._visible:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import get_num_threads
@@ -17,6 +17,7 @@ from renderer.projection import (
     SUM_RED,
     SUM_SIZE,
     camera_vector,
+    compensations,
     project,
     project_backward,
 )
@@ -38,7 +39,7 @@ from renderer.rasterize.tiles import (
     blend_backward,
     reduce_slots,
 )
-from renderer.splats import Float32Array, Splats
+from renderer.splats import Float32Array, RenderMode, Splats
 
 BoolArray = NDArray[np.bool_]
 Background = tuple[float, float, float]
@@ -202,8 +203,22 @@ class Rasterizer:
         )
 
 
-def render(splats: Splats, camera: Camera, background: Background = BLACK, *, near: float = NEAR) -> Rendered:
+def render(
+    splats: Splats,
+    camera: Camera,
+    background: Background = BLACK,
+    *,
+    near: float = NEAR,
+    mode: RenderMode = "default",
+) -> Rendered:
     """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out."""
     rasterizer = Rasterizer(camera.width, camera.height)
-    rasterizer.forward(splats, camera, near)
+    rasterizer.forward(compensated(splats, camera, near) if mode == "mip" else splats, camera, near)
     return rasterizer.rendered(camera.width, camera.height, background)
+
+
+def compensated(splats: Splats, camera: Camera, near: float = NEAR) -> Splats:
+    """The splats with the opacities that render mode "mip" gives them before `camera`."""
+    factors = np.empty(len(splats), np.float32)
+    compensations(splats.means, splats.quats, splats.scales, camera_vector(camera, near), factors)
+    return replace(splats, opacities=splats.opacities * factors)

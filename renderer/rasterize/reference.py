@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from renderer.camera import Camera
+from renderer.splats import RenderMode
 
 LOW_PASS = 0.3
 """Variance in px^2 added to every projected splat, so that none is thinner than a pixel."""
@@ -42,7 +43,7 @@ class Projected:
 
     `indices` (M,) rows of the input; `centers` (M, 2) in pixels; `depths` (M,) along +z;
     `covariances` (M, 2, 2) in px^2, low-pass included; `determinants` (M,) of the covariances, from
-    a sum of squares that stays accurate where a c - b^2 cancels.
+    a sum of squares that stays accurate where a c - b^2 cancels; `sharp_determinants` (M,) without low-pass.
     """
 
     indices: Tensor
@@ -50,6 +51,7 @@ class Projected:
     depths: Tensor
     covariances: Tensor
     determinants: Tensor
+    sharp_determinants: Tensor
 
 
 def rasterize_reference(
@@ -62,6 +64,7 @@ def rasterize_reference(
     background: Tensor | Sequence[float] = (0.0, 0.0, 0.0),
     *,
     near: float = 0.01,
+    mode: RenderMode = "default",
 ) -> Rendered:
     """Render N splats in float64, differentiable by autograd in the first five arguments.
 
@@ -69,14 +72,19 @@ def rasterize_reference(
     scales (N, 3) standard deviations; opacities (N,) in [0, 1]; colors (N, 3) and background (3,) RGB.
     `near` is in scene units; splats with z <= near are dropped. The splats are blended by camera
     depth, ties by row: alpha = min(0.99, o exp(-d' conic d / 2)), none below 1/255, and none once the
-    transmittance is below 1e-4. The cut-offs and the sort carry no gradient.
+    transmittance is below 1e-4. The cut-offs and the sort carry no gradient. `mode` "mip" makes up for the
+    low-pass filter, see RenderMode.
 
-    Source: paper Eqs 13-16; 3D Gaussian Splatting (Kerbl et al. 2023); EWA splatting (Zwicker et al. 2001).
+    Source: paper Eqs 13-16; 3D Gaussian Splatting (Kerbl et al. 2023); EWA splatting (Zwicker et al. 2001);
+    Mip-Splatting (Yu et al. 2024).
     """
     projected = project(means, quats, scales, camera, near=near)
     front = projected.indices
     behind = torch.as_tensor(background, dtype=torch.float64, device=means.device)
-    splats = (projected, opacities.double()[front], colors.double()[front])
+    opaque = opacities.double()[front]
+    if mode == "mip":
+        opaque = opaque * (projected.sharp_determinants / projected.determinants).sqrt()
+    splats = (projected, opaque, colors.double()[front])
     rows_per_chunk = max(1, _ENTRIES_PER_CHUNK // (camera.width * max(1, len(front))))
     rows = torch.arange(camera.height, dtype=torch.float64, device=means.device) + 0.5
     columns = torch.arange(camera.width, dtype=torch.float64, device=means.device) + 0.5
@@ -102,8 +110,9 @@ def project(means: Tensor, quats: Tensor, scales: Tensor, camera: Camera, *, nea
     low_pass = LOW_PASS * torch.eye(2, dtype=torch.float64, device=means.device)
     first, second = factor.unbind(1)
     minors = torch.linalg.cross(first, second)
-    determinants = (minors**2).sum(1) + LOW_PASS * (factor**2).sum((1, 2)) + LOW_PASS**2
-    return Projected(order, centers, z, factor @ factor.mT + low_pass, determinants)
+    sharp = (minors**2).sum(1)
+    determinants = sharp + LOW_PASS * (factor**2).sum((1, 2)) + LOW_PASS**2
+    return Projected(order, centers, z, factor @ factor.mT + low_pass, determinants, sharp)
 
 
 def rotations(quats: Tensor) -> Tensor:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from renderer.harmonics import BANDS
 from renderer.ply_elements import Element, Ply
 from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.splat_file import PER_COLOR, RenderMode, SplatFile, SplatFileError, repaired
+from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
+from renderer.splats import RenderMode
 
 MEANS = ("x", "y", "z")
 DC = tuple(f"f_dc_{place}" for place in range(3))

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.raw_gaussians import RawGaussians
+from renderer.splats import RenderMode
 
-RenderMode = Literal["default", "mip"]
-"""mip: the opacity makes up for the low-pass filter of the screen, see viewers' `SplatRenderMode`."""
 PER_COLOR: Final = 0.28209479177387814
 """Colour that a spherical harmonic coefficient of degree 0 makes; 0.5 is added."""
 MOST_LOGIT: Final = np.float32(80.0)

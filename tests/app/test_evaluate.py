@@ -98,7 +98,7 @@ def large_clip(tmp_path_factory: pytest.TempPathFactory) -> Clip:
 def test_the_photo_itself_is_a_perfect_render(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
     assert frame.depth is not None
-    photo = Drawn(frame.image.astype(np.float32) / 255, frame.depth)
+    photo = Drawn(frame.image.astype(np.float32) / 255, frame.depth, np.ones_like(frame.depth))
     measures = measure_frame(frame, photo, large_clip, None, {"raster": 2.0, "deformation": 1.0})
     assert measures.psnr == measures.psnr_masked == math.inf
     assert measures.ssim == pytest.approx(1)
@@ -115,7 +115,8 @@ def test_the_ridges_are_those_of_the_original_photo(large_clip: Clip) -> None:
     mask = frame.evaluation_mask
     ridges = vessel_mask(frame.image, tissue_mask=mask)
     darker = np.where(ridges[..., None], frame.image // 2, frame.image)
-    shown = Drawn(darker.astype(np.float32) / 255, np.zeros(mask.shape, np.float32))
+    empty = np.zeros(mask.shape, np.float32)
+    shown = Drawn(darker.astype(np.float32) / 255, empty, empty)
     # The photo that a run was trained on has vessels elsewhere, which must not matter.
     turned = replace(frame, image=np.ascontiguousarray(frame.image[::-1]))
     measures = measure_frame(turned, shown, large_clip, None, {})
@@ -129,7 +130,8 @@ def test_the_ridges_are_those_of_the_original_photo(large_clip: Clip) -> None:
 def test_the_two_psnr_differ_by_the_evaluated_share_on_a_constant_error(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
     photo = np.clip(frame.image, 0, 245)
-    raised = Drawn((photo + 10).astype(np.float32) / 255, np.ones(photo.shape[:2], np.float32))
+    flat = np.ones(photo.shape[:2], np.float32)
+    raised = Drawn((photo + 10).astype(np.float32) / 255, flat, flat)
     measures = measure_frame(replace(frame, image=photo), raised, large_clip, None, {})
     assert measures.psnr_masked == pytest.approx(-20 * math.log10(10 / 255))
     gap = -10 * math.log10(measures.evaluated_share)

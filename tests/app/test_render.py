@@ -10,15 +10,17 @@ import cv2
 import numpy as np
 import pytest
 
-from app.drawers import drawer
+from app.drawers import Renderer, drawer
 from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from renderer.camera import Camera
 from renderer.near_plane import near_plane
+from renderer.rasterize.cpu import render
 from tests.app.conftest import Call
 from tests.app.fake_steps import model_of
+from tests.renderer.scenes import random_splats, turned_camera
 
 Cli = Callable[..., Call]
 ENDS = ("-depth.npy", "-depth.npy.json", "-depth.png", ".png")
@@ -59,7 +61,7 @@ def test_the_renderers_agree(runs: dict[str, Path], tmp_path: Path, vesselsplat:
 def test_what_opengl_cannot_hold_is_refused_in_a_line() -> None:
     draw, _ = drawer("gl")
     with pytest.raises(UserError, match="40000x2"):
-        draw(model_of(3).at(0.0), Camera.from_fov(60.0, 40_000, 2), 0.01)
+        draw(model_of(3).at(0.0), Camera.from_fov(60.0, 40_000, 2), 0.01, "default")
 
 
 def test_render_takes_another_camera_and_size(
@@ -73,6 +75,35 @@ def test_render_takes_another_camera_and_size(
     path = tmp_path / "out" / "frame-000003.png"
     assert cv2.imread(str(path)).shape == (24, 32, 3)
     assert read_provenance(path)["camera"] == camera.resized(32, 24).to_json()
+
+
+@pytest.mark.parametrize("renderer", ["cpu", "reference", pytest.param("gl", marks=pytest.mark.gl)])
+def test_straight_alpha_lies_over_any_background_as_if_drawn_there(renderer: Renderer) -> None:
+    camera = turned_camera(96, 80)
+    splats = random_splats(150, camera, 3, sigma=(2.0, 9.0))
+    draw, _ = drawer(renderer)
+    picture = draw(splats, camera, 0.01, "default").straight.astype(float) / 255
+    color, alpha = picture[..., :3], picture[..., 3:]
+    assert (alpha == 0).any()
+    assert np.mean((alpha > 0.02) & (alpha < 0.98)) > 0.3
+    for background in ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.1, 0.9, 0.3)):
+        over = alpha * color + (1 - alpha) * np.array(background)
+        assert np.abs(over - render(splats, camera, background).image).max() <= 1.01 / 255
+
+
+def test_a_transparent_picture_has_straight_alpha(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    flags = ("--frames", 3, "--size", 32, 24, "--transparent")
+    assert vesselsplat("render", runs["original"], "--out", tmp_path / "out", *flags).code == 0
+    path = tmp_path / "out" / "frame-000003.png"
+    assert read_provenance(path)["background"] is None
+    run = RunFolder(runs["original"])
+    record, model = run.record(), run.model()
+    camera = record.camera(3).resized(32, 24)
+    drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
+    stored = cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_UNCHANGED), cv2.COLOR_BGRA2RGBA)
+    assert np.array_equal(stored, drawn.straight)
 
 
 @pytest.mark.parametrize(

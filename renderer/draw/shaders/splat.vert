@@ -14,6 +14,7 @@ uniform vec4 lens;               // fx fy cx cy
 uniform vec4 slopes;             // least x/z, y/z and greatest x/z, y/z that the Jacobian follows
 uniform vec2 size;               // width height
 uniform bool depth_as_color;
+uniform bool compensated;        // opacity makes up for the low-pass
 
 in uint splat;
 
@@ -56,7 +57,6 @@ void main() {
     float opacity = mean_opacity.w;
     float z = local.z;
     center = lens.xy * local.xy / z + lens.zw;
-    paint = vec4(depth_as_color ? vec3(z) : color, opacity);
 
     // Rows of J W R S, so that the covariance is their Gram matrix plus the low-pass (Eqs 14, 15).
     vec2 slope = clamp(local.xy / z, slopes.xy, slopes.zw);
@@ -72,6 +72,8 @@ void main() {
     vec3 minors = cross(first * root, second);
     float remainder = dot(minors, minors) + LOW_PASS * (c / a + dot(first * root, first * root));
     shape = vec3(b / a, 1.0 / a, 1.0 / remainder);
+    if (compensated) opacity *= length(minors) * inversesqrt(remainder);
+    paint = vec4(depth_as_color ? vec3(z) : color, opacity);
 
     float reach = sqrt(max(0.0, 2.0 * log(255.0 * opacity)));
     vec2 extent = reach * sqrt(vec2(a, c)) + MARGIN;

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.rasterize.reference import Rendered, rasterize_reference
-from renderer.splats import Splats
+from renderer.splats import RenderMode, Splats
 
 FloatImage = NDArray[np.float32] | NDArray[np.float64]
 
@@ -18,11 +18,14 @@ def reference(
     camera: Camera,
     background: tuple[float, float, float] = (0.0, 0.0, 0.0),
     near: float = 0.01,
+    mode: RenderMode = "default",
 ) -> Rendered:
     splats = splats.seen_from(camera.position)
     fields = (splats.means, splats.quats, splats.scales, splats.opacities, splats.colors)
     means, quats, scales, opacities, colors = (torch.from_numpy(field) for field in fields)
-    return rasterize_reference(means, quats, scales, opacities, colors, camera, background, near=near)
+    return rasterize_reference(
+        means, quats, scales, opacities, colors, camera, background, near=near, mode=mode
+    )
 
 
 def psnr(image: FloatImage, oracle: FloatImage) -> float:
