@@ -75,6 +75,16 @@ class Camera:
             width=width, height=height,
         )  # fmt: skip
 
+    def fitted(self, width: int, height: int) -> Camera:
+        """The whole field of view in the middle of a picture of another shape, pixels scaled evenly."""
+        scale = min(width / self.width, height / self.height)
+        return replace(
+            self, fx=self.fx * scale, fy=self.fy * scale,
+            cx=self.cx * scale + (width - self.width * scale) / 2,
+            cy=self.cy * scale + (height - self.height * scale) / 2,
+            width=width, height=height,
+        )  # fmt: skip
+
     def moved(self, camera_from_world: FloatArray) -> Camera:
         """The same lens at another pose."""
         return replace(self, camera_from_world=camera_from_world)

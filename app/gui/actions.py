@@ -12,11 +12,11 @@ from typing import TypeVar
 from app.errors import UserError
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
-from app.gui.orbit import Orbit
 from app.gui.origin import origin_of
 from app.gui.picture_view import PictureView
 from app.gui.settings import save_settings
 from app.gui.state import AppState, Banner, CurvePoint, Job, Reconstruction, Toast
+from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel
 from app.methods import Look
 from app.run_folder import RunFolder
@@ -94,7 +94,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
 def _show_run(state: AppState, opened: Opened) -> None:
     draft = state.reconstruction
     state.reconstruction = Reconstruction(config=draft.config, input=draft.input, d_factor=draft.d_factor)
-    state.model, state.view, state.orbit = opened.splats, None, Orbit()
+    state.model, state.view, state.viewer = opened.splats, None, Viewer()
     if opened.run is None:
         return
     record, run = opened.run.record, opened.run
@@ -306,11 +306,6 @@ def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
 def point_of(progress: Progress) -> CurvePoint:
     """(iteration, loss, PSNR in dB) for the curves."""
     return float(progress.iteration), progress.loss, progress.psnr
-
-
-def reset_view(state: AppState) -> None:
-    """Back to the clip's own camera."""
-    state.orbit = Orbit()
 
 
 def can_continue(state: AppState) -> bool:

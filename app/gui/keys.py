@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.gui import actions
+from app.gui import actions, camera_actions
 from app.gui.picture_view import PictureView
 from app.gui.state import AppState
 
@@ -36,11 +36,18 @@ class Commands:
 MODIFIERS = int(imgui.Key.mod_mask_)
 PEEK = imgui.Key.space
 PEEK_TEXT = "hold: original in the enhanced pane"
+FLIGHT = {
+    imgui.Key.a: (-1, 0, 0), imgui.Key.d: (1, 0, 0),
+    imgui.Key.q: (0, 1, 0), imgui.Key.e: (0, -1, 0),
+    imgui.Key.s: (0, 0, -1), imgui.Key.w: (0, 0, 1),
+}  # fmt: skip
+"""Right, down and forward. In flight these keys do nothing else."""
+FLIGHT_TEXT = "in flight: forward and back, left and right, down and up; the wheel sets the speed"
 MOUSE = (
     ("Wheel", "zoom at the pointer, both pictures or the 3D view"),
-    ("Drag", "move the pictures; turn the 3D view"),
+    ("Drag", "move the pictures; turn the 3D view around its centre, in flight on the spot"),
     ("Right drag", "move the 3D view"),
-    ("Double click", "fit the pictures; 3D view back to the clip's camera; slider back to its default"),
+    ("Double click", "fit the pictures; turn the 3D view around this point; slider back to its default"),
     ("Ctrl+click on a slider", "type a value"),
 )
 
@@ -56,7 +63,8 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(key.k, "K", "play and pause", actions.toggle_play),
         Shortcut(key.comma, "comma", "one frame back", lambda s: actions.step(s, -1), repeats=True),
         Shortcut(key.period, "full stop", "one frame on", lambda s: actions.step(s, 1), repeats=True),
-        Shortcut(key.home, "Home", "3D view back to the clip's camera", actions.reset_view),
+        Shortcut(key.home, "Home", "3D view back to the clip's camera", camera_actions.reset_view),
+        Shortcut(key.g, "G", "fly through the 3D view and back to turning it", camera_actions.toggle_flight),
         Shortcut(key._0, "0", "fit the pictures", fit_pictures),
         Shortcut(key._1, "1", "pictures at 100 %", one_to_one),
         Shortcut(key.r, "R", "reset all enhancement parameters", actions.reset_params),
@@ -97,9 +105,12 @@ class Keyboard:
         acts, self._was_free = free and self._was_free, free
         # While controls are walked by keyboard, Space presses the one in focus.
         state.peeking = acts and not io.nav_visible and imgui.is_key_down(PEEK)
+        flies = state.viewer.flying
         for entry in self.table if acts else ():
-            if _pressed(entry):
+            if _pressed(entry) and not (flies and entry.chord in FLIGHT):
                 entry.act(state)
+        held = FLIGHT if acts and flies and not io.key_mods else {}
+        _fly(state, [way for key, way in held.items() if imgui.is_key_down(key)], io.delta_time)
 
 
 def _pressed(entry: Shortcut) -> bool:
@@ -107,3 +118,11 @@ def _pressed(entry: Shortcut) -> bool:
     modifiers = entry.chord & MODIFIERS
     key = imgui.Key(entry.chord & ~MODIFIERS)
     return imgui.get_io().key_mods == modifiers and imgui.is_key_pressed(key, entry.repeats)
+
+
+def _fly(state: AppState, ways: list[tuple[int, int, int]], seconds: float) -> None:
+    """Where the held keys together lead."""
+    right, down, forward = (sum(way[axis] for way in ways) for axis in range(3))
+    state.viewer.moving = any((right, down, forward))
+    if state.viewer.moving:
+        camera_actions.fly(state, right, down, forward, seconds)

@@ -10,9 +10,9 @@ from typing import Literal, Protocol
 
 from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.opening import OpenRequest
-from app.gui.orbit import Orbit
 from app.gui.picture_view import PictureView
 from app.gui.settings import Places, Settings
+from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel, View, ViewRequest
 from app.methods import Look
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
@@ -148,7 +148,7 @@ class AppState:
     view_size: tuple[int, int] = (0, 0)
     """Pixels of the 3D view, as last laid out; (0, 0) while it is hidden."""
     view_dragged: bool = False
-    orbit: Orbit = field(default_factory=Orbit)
+    viewer: Viewer = field(default_factory=Viewer)
     linked: bool = True
     """The 3D view follows the clip's frame."""
     view_time: float = 0.0
@@ -202,4 +202,4 @@ class AppState:
         """What the 3D view should show now; None without a model or while it is hidden."""
         if self.model is None or min(self.view_size) < 1:
             return None
-        return self.model.view(self.time, self.orbit, self.view_size)
+        return self.model.view(self.time, self.viewer.free, self.view_size)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from app.gui import actions
+from app.gui import actions, camera_actions
 from app.gui.background import Channel, Failure
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
 from app.gui.opening import Opened, OpenRequest, open_path
+from app.gui.picking import Picked, PickRequest, pick
 from app.gui.state import AppState
 from app.gui.viewing import View, ViewRequest, draw_view
 from app.job import Cancelled, Failed, Paused, Resumed
@@ -30,6 +31,7 @@ class Channels:
 
     opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
     pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
+    picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
     photo: Pictures | None = None
@@ -37,7 +39,7 @@ class Channels:
 
     @property
     def all(self) -> Sequence[Channel[object, object]]:
-        return (self.opening, self.pictures, self.view, self.saving)  # type: ignore[return-value]
+        return (self.opening, self.pictures, self.picks, self.view, self.saving)  # type: ignore[return-value]
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -47,6 +49,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
         state.toast = None
     _take_opened(state, channels)
     _take_pictures(state, channels)
+    _take_pick(state, channels)
     _take_view(state, channels)
     _take_saved(state, channels)
     _follow_job(state)
@@ -87,6 +90,17 @@ def _may_show(state: AppState, pictures: Pictures) -> bool:
         return True
     same_frame = state.pictures.request.frame_index == pictures.request.frame_index
     return not same_frame and state.now - state.asked_at > PATIENCE
+
+
+def _take_pick(state: AppState, channels: Channels) -> None:
+    taken = channels.picks.take()
+    if taken is None:
+        return
+    request, answer = taken
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the point cannot be found: {answer.message}")
+    else:
+        camera_actions.take_point(state, request, answer)
 
 
 def _take_view(state: AppState, channels: Channels) -> None:
@@ -167,7 +181,7 @@ def _waits(state: AppState) -> bool:
 def view_request(state: AppState) -> ViewRequest | None:
     """What the 3D view should show, smaller while it moves when a whole one takes long."""
     request = state.view_request
-    moving = state.view_dragged or state.playing
+    moving = state.view_dragged or state.viewer.moving or state.playing
     if request is None or not moving or not is_slow(state.view):
         return request
     return request.scaled(REDUCED)
@@ -188,6 +202,9 @@ def _ask(state: AppState, channels: Channels) -> None:
     if pictures is not None and channels.pictures.asked != pictures:
         state.asked_at = state.now
         channels.pictures.ask(pictures)
+    pick = state.viewer.pick
+    if pick is not None and channels.picks.asked is not pick:
+        channels.picks.ask(pick)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

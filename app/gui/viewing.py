@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from app.gui.orbit import Orbit
+from app.gui.free_view import FreeView
 from app.gui.origin import Origin
 from renderer.camera import Camera
 from renderer.clip import ByteImage
@@ -38,10 +38,17 @@ class ShownModel:
     """The run or file it comes from; None when that left nothing to read."""
     mode: RenderMode = "default"
 
-    def view(self, time: float, orbit: Orbit, size: tuple[int, int]) -> ViewRequest:
-        """The view of (width, height) pixels at `time` in [0, 1] through the orbited camera of that time."""
-        index = min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)
-        return ViewRequest(self, time, orbit.camera(self.cameras[index], self.distance, size))
+    def camera_at(self, time: float) -> Camera:
+        """The clip's own, of the frame nearest to `time` in [0, 1]."""
+        return self.cameras[min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)]
+
+    def view(self, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:
+        """The view of (width, height) pixels at `time` in [0, 1]: the free one, or that of the clip's camera.
+
+        The photo's whole field stays in view, whatever the shape of the view.
+        """
+        camera = self.camera_at(time) if free is None else free.camera
+        return ViewRequest(self, time, camera.fitted(*size))
 
 
 @dataclass(frozen=True)

@@ -180,7 +180,7 @@ class Window:
         # Without anything to show there, the pictures have its space.
         params.docking_params.dockable_window_of_name("3D view").is_visible = self.state.has_view
         idling = params.fps_idling
-        idling.enable_idling = not self.state.playing
+        idling.enable_idling = not (self.state.playing or self.state.viewer.moving)
         idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
 
     def _draw_pictures(self) -> None:

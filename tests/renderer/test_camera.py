@@ -77,3 +77,19 @@ def test_json_without_a_field_says_so() -> None:
     del values["cx"]
     with pytest.raises(ValueError, match="cx"):
         Camera.from_json(values)
+
+
+@pytest.mark.parametrize("size", [(900, 220), (300, 900), (64, 64), (640, 512)])
+def test_a_fitted_camera_holds_the_whole_field_in_the_middle(size: tuple[int, int]) -> None:
+    camera = Camera(500.0, 480.0, 310.0, 250.0, 640, 512)
+    fitted = camera.fitted(*size)
+    corners = np.array([[0, 0], [640, 512]], dtype=float)
+    rays = np.stack([(corners[:, 0] - 310) / 500, (corners[:, 1] - 250) / 480, np.ones(2)], axis=1)
+    (first, last), _ = fitted.project(rays)
+    assert (first >= -1e-9).all()
+    assert last[0] <= size[0] + 1e-9
+    assert last[1] <= size[1] + 1e-9
+    assert first + last == pytest.approx(np.array(size, dtype=float))
+    assert fitted.fx / fitted.fy == pytest.approx(500 / 480)
+    if size == (640, 512):
+        assert fitted == camera

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 
 from app.gui import actions, theme
-from app.gui.keys import MOUSE, PEEK_TEXT, Shortcut
+from app.gui.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT, Shortcut
 from app.gui.state import AppState
 from app.gui.widgets import button, em
 from app.provenance import NOTICE
@@ -102,7 +102,12 @@ def draw_help(state: AppState, table: tuple[Shortcut, ...]) -> None:
         state.help_open = bool(window.opened)
         if not window:
             return
-        rows = [("Space", PEEK_TEXT), *((entry.keys, entry.text) for entry in table), *MOUSE]
+        rows = [
+            ("Space", PEEK_TEXT),
+            *((entry.keys, entry.text) for entry in table),
+            ("W S A D Q E", FLIGHT_TEXT),
+            *MOUSE,
+        ]
         with imgui_ctx.begin_table("keys", 2, imgui.TableFlags_.row_bg) as table_shown:
             if not table_shown:
                 return

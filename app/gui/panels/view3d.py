@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import math
 
-from imgui_bundle import ImVec2, ImVec4, imgui
+import numpy as np
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, theme
+from app.gui import actions, camera_actions, theme
+from app.gui.free_view import Vector
 from app.gui.legible import legible
-from app.gui.orbit import Orbit
+from app.gui.picture_view import PictureView, Placement
 from app.gui.state import AppState
 from app.gui.viewport import OnScreen, Viewport
 from app.gui.widgets import button, centered, em, explain, stack_tags
+from renderer.camera import Camera
 
 TURN = 2.2
 """Radians for a drag across the whole view."""
 WHEEL_STEP = 1.12
+SPEED_STEP = 1.25
 Tag = tuple[str, ImVec4]
 
 
@@ -35,6 +39,7 @@ def draw_view3d(state: AppState, viewport: Viewport) -> None:
         "view", size, buttons.mouse_button_left | buttons.mouse_button_right | buttons.mouse_button_middle
     )
     _move(state, size)
+    _pick(state, corner, size)
     scale = imgui.get_io().display_framebuffer_scale
     state.view_size = (int(size.x * scale.x), int(size.y * scale.y))
     _draw_picture(state, viewport.show(state), corner, size)
@@ -46,8 +51,13 @@ def _draw_empty(state: AppState) -> None:
 
 
 def _draw_toolbar(state: AppState) -> None:
-    button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: actions.reset_view(state))
-    explain("Home or a double click: the view of the clip's own camera.")
+    button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
+    explain("Home: the view of the clip's own camera.")
+    imgui.same_line()
+    flying = state.viewer.flying
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if flying else theme.grey(0.25)):
+        button(f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly", lambda: camera_actions.toggle_flight(state))
+    explain("G: fly with W, S, A, D, Q and E, look by dragging, speed by the wheel. Home: back.")
     imgui.same_line()
     if state.clip is None:
         _draw_time(state)
@@ -69,23 +79,56 @@ def _draw_time(state: AppState) -> None:
 
 
 def _move(state: AppState, size: ImVec2) -> None:
-    """Left drag turns, right or middle drag moves, the wheel goes nearer, a double click goes back."""
+    """Left drag turns, right or middle drag moves, the wheel goes nearer, or sets the speed of flight."""
     io = imgui.get_io()
-    across, down = io.mouse_delta.x / size.x, io.mouse_delta.y / size.x
     held = imgui.is_item_active() and not imgui.is_mouse_double_clicked(imgui.MouseButton_.left)
     state.view_dragged = held and any(imgui.is_mouse_down(index) for index in range(3))
-    if held and (across or down):
+    if held and (io.mouse_delta.x or io.mouse_delta.y):
         if imgui.is_mouse_down(imgui.MouseButton_.left):
-            state.orbit = state.orbit.orbited(-TURN * across, TURN * down)
+            camera_actions.turn(state, -TURN * io.mouse_delta.x / size.x, TURN * io.mouse_delta.y / size.x)
         else:
-            field = 2 * math.tan(math.radians(30))
-            state.orbit = state.orbit.panned(field * across, field * down)
+            zoom = placement(state.model.cameras[0], size).zoom if state.model else 1.0
+            camera_actions.pan(state, io.mouse_delta.x / zoom, io.mouse_delta.y / zoom)
     if imgui.is_item_hovered():
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel:
-            state.orbit = state.orbit.zoomed(WHEEL_STEP**io.mouse_wheel)
-        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-            actions.reset_view(state)
+            step = SPEED_STEP if state.viewer.flying else WHEEL_STEP
+            camera_actions.zoom(state, step**io.mouse_wheel)
+
+
+def _pick(state: AppState, corner: ImVec2, size: ImVec2) -> None:
+    """A double click, or O, makes the surface under the pointer the centre of the orbit."""
+    request = state.view_request
+    if request is None or not imgui.is_item_hovered():
+        return
+    typing = imgui.get_io().want_text_input
+    if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) or (
+        imgui.is_key_pressed(imgui.Key.o, False) and not typing
+    ):
+        camera_actions.ask_point(state, pixel_at(request.camera, corner, size), "orbit")
+
+
+def placement(camera: Camera, size: ImVec2) -> Placement:
+    """Where a camera's picture lies in the view: as large as fits, in the middle."""
+    return PictureView().place((camera.width, camera.height), (size.x, size.y))
+
+
+def pixel_at(camera: Camera, corner: ImVec2, size: ImVec2) -> tuple[int, int]:
+    """Column and row of the picture under the pointer; it may lie outside the picture."""
+    mouse = imgui.get_mouse_pos()
+    x, y = placement(camera, size).picture_at(mouse.x - corner.x, mouse.y - corner.y)
+    return math.floor(x), math.floor(y)
+
+
+def on_screen(camera: Camera, point: Vector, corner: ImVec2, size: ImVec2) -> ImVec2 | None:
+    """Where a point of the world is seen; None behind the camera."""
+    (pixel,), (depth,) = camera.project(np.array([point]))
+    if depth <= 0:
+        return None
+    place = placement(camera, size)
+    return ImVec2(
+        corner.x + place.offset_x + place.zoom * pixel[0], corner.y + place.offset_y + place.zoom * pixel[1]
+    )
 
 
 def _draw_picture(state: AppState, shown: OnScreen | None, corner: ImVec2, size: ImVec2) -> None:
@@ -95,8 +138,21 @@ def _draw_picture(state: AppState, shown: OnScreen | None, corner: ImVec2, size:
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.grey(0.0)))
     if shown is not None:
         draw.add_image(shown.texture, corner, end, shown.uv0, shown.uv1)
+        _draw_centre(state, shown, corner, size)
     stack_tags(view_tags(state, shown), corner)
     draw.pop_clip_rect()
+
+
+def _draw_centre(state: AppState, shown: OnScreen, corner: ImVec2, size: ImVec2) -> None:
+    """A small ring around what the view turns around."""
+    pivot = state.viewer.pivot
+    if pivot is None or state.viewer.flying:
+        return
+    at = on_screen(shown.request.camera, pivot, corner, size)
+    if at is not None:
+        draw, radius = imgui.get_window_draw_list(), em(0.32)
+        draw.add_circle(at, radius, imgui.get_color_u32(theme.grey(0.0, 0.7)), thickness=em(0.18))
+        draw.add_circle(at, radius, imgui.get_color_u32(theme.grey(1.0, 0.9)), thickness=em(0.08))
 
 
 def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
@@ -111,7 +167,9 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     is_file = model.iterations == 0
     said = f"SPLATS · {legible(model.name)}" if is_file else f"RECONSTRUCTION · time {shown.request.time:.3f}"
     tags.append((said, theme.TAG_ORIGINAL))
-    if state.orbit != Orbit():
+    if state.viewer.flying:
+        tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G ends", theme.TAG_CAUTION))
+    if state.viewer.free is not None:
         tags.append(("FREE VIEW · not the endoscope's", theme.TAG_ORIGINAL))
     if shown.request.reduced:
         tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))

@@ -8,12 +8,10 @@ import pytest
 
 from app.gui import actions
 from app.gui.opening import Opened
-from app.gui.orbit import Orbit
 from app.gui.settings import load_settings
 from app.gui.state import AppState
 from app.training import TrainRequest
 from enhance import EnhanceParams
-from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Progress
 from tests.app.gui.conftest import FakeJob, make_clip
@@ -234,12 +232,6 @@ def test_unlinked_the_view_keeps_its_time(state: AppState) -> None:
     actions.toggle_link(state)
     actions.seek_view(state, 0.5)
     assert state.frame_index == 3
-
-
-def test_reset_view_is_the_clip_camera(state: AppState, clip: Clip) -> None:
-    state.orbit = Orbit().orbited(1.0, 0.3).zoomed(3)
-    actions.reset_view(state)
-    assert state.orbit.camera(clip.cameras[0], 50.0, clip.size) == clip.cameras[0]
 
 
 def test_acknowledging_is_remembered(places) -> None:  # type: ignore[no-untyped-def]

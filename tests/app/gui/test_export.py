@@ -53,7 +53,7 @@ def test_the_3d_view_is_drawn_at_the_photo_s_resolution(
     tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
 ) -> None:
     shown = ShownModel(model, clip.cameras, 50.0, "run-1", 7, 7, live=False)
-    view = shown.view(0.5, state.orbit, (24, 20))
+    view = shown.view(0.5, None, (24, 20))
     (saved,) = save_picture(SaveRequest(tmp_path, None, view))
     facts = read_provenance(saved.path)["view"]
     assert (facts["camera"]["width"], facts["camera"]["height"]) == SIZE
@@ -100,7 +100,7 @@ def test_a_run_s_view_names_its_own_clip_whatever_is_open(
     assert shown is not None
     assert shown.model is not None
     clip.path.mkdir()
-    view = shown.model.view(0.5, state.orbit, (24, 20))
+    view = shown.model.view(0.5, None, (24, 20))
     (saved,) = save_picture(SaveRequest(tmp_path / "out", pair(clip, None), view))
     facts = read_provenance(saved.path)
     assert facts["source"]["name"] == clip.name

@@ -259,16 +259,56 @@ def test_the_3d_view_turns_moves_and_zooms(ui: Ui, opened: AppState, model: Dyna
     start_live(opened, model)
     draw: Draw = lambda: draw_view3d(opened, StillViewport())  # noqa: E731
     ui.frame(draw)
+    middle = np.array([[0.0, 0.0, 50.0]])
+
+    def seen(point: np.ndarray) -> tuple[np.ndarray, float]:
+        assert opened.view_request is not None
+        at, depth = opened.view_request.camera.project(point)
+        return at[0], float(depth[0])
+
+    start, _ = seen(middle)
     ui.drag(draw, (400, 300), (500, 340))
-    assert opened.orbit.yaw < 0 < opened.orbit.pitch
-    ui.drag(draw, (400, 300), (450, 300), button=1)
-    assert opened.orbit.pan[0] > 0
+    assert seen(middle)[0] == pytest.approx(start)
+    assert seen(middle * 0.9)[0][0] > start[0] + 1  # The near side follows the hand.
+    assert seen(middle * 0.9)[0][1] > start[1] + 1
+    ui.drag(draw, (400, 300), (450, 320), button=1)
+    assert seen(middle)[0] == pytest.approx(start + np.array((50, 20)))
     ui.scroll(draw, (400, 300), 2.0)
-    assert opened.orbit.dolly < 1
+    assert seen(middle)[1] < 45
     assert not opened.view_dragged
+
+
+def test_a_double_click_asks_for_the_point_under_the_pointer(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: draw_view3d(opened, StillViewport())  # noqa: E731
+    ui.frame(draw)
     for _ in range(2):
         ui.drag(draw, (400, 300), (400, 300))
-    assert opened.orbit == type(opened.orbit)()
+    assert opened.viewer.pick is not None
+    assert opened.viewer.free is None
+    width, height = opened.view_size
+    left, top = (900 - width) // 2, 700 - imgui.get_style().window_padding.y - height
+    assert opened.viewer.pick.pixel == (400 - left, 300 - top)
+
+
+def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    saved: list[str] = []
+    keyboard = Keyboard(shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture"))))
+    draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
+    ui.press(draw, imgui.Key.g)
+    assert opened.viewer.flying
+    ui.press(draw, imgui.Key.s, imgui.Key.a)
+    free = opened.viewer.free
+    assert free is not None
+    assert free.camera.position[0] == free.camera.position[2] < 0
+    assert not saved
+    assert not opened.viewer.moving
+    ui.press(draw, imgui.Key.home)
+    ui.press(draw, imgui.Key.s)
+    assert (opened.viewer.free, saved) == (None, ["picture"])
 
 
 def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: DynamicGaussians) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui import actions
+from app.gui import actions, camera_actions
 from app.gui.background import Channel
 from app.gui.enhancing import PictureRequest, Pictures
 from app.gui.opening import Opened
@@ -239,7 +239,7 @@ def test_the_view_is_asked_for_only_when_it_changes(
     assert first.image.shape == (24, 32, 3)
     settle(state, channels)
     assert state.view is first
-    state.orbit = state.orbit.orbited(0.1, 0.0)
+    camera_actions.turn(state, 0.1, 0.0)
     settle(state, channels)
     assert state.view is not first
 

@@ -6,8 +6,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui import actions
-from app.gui.orbit import Orbit
+from app.gui import actions, camera_actions
 from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.viewing import draw_view
@@ -24,7 +23,7 @@ def live(state: AppState, model: DynamicGaussians) -> AppState:
     actions.start_reconstruction(state, FakeJob)
     actions.show_live_model(state, model)
     state.view_size = SIZE
-    state.orbit = state.orbit.orbited(0.3, 0.2)
+    camera_actions.turn(state, 0.3, 0.2)
     return state
 
 
@@ -56,14 +55,14 @@ def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live:
 def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: AppState) -> None:
     """In metres, or in no units at all: what counts is the near plane's share of the scene."""
     assert live.model is not None
-    large = live.model.view(0.0, Orbit(), SIZE)
+    large = live.model.view(0.0, None, SIZE)
     share = 1e-4
     raw = live.model.model.raw
     smaller = replace(
         raw, means=raw.means * np.float32(share), log_scales=raw.log_scales + np.float32(np.log(share))
     )
     model = replace(live.model.model, raw=smaller)
-    tiny = replace(live.model, model=model, distance=live.model.distance * share).view(0.0, Orbit(), SIZE)
+    tiny = replace(live.model, model=model, distance=live.model.distance * share).view(0.0, None, SIZE)
     assert large.near / live.model.distance == pytest.approx(tiny.near / tiny.shown.distance)
     (wanted,), (seen,) = draw_view(large), draw_view(tiny)
     assert wanted.image.max() > 60

@@ -1,0 +1,39 @@
+"""Points on the surface of the reconstruction, asked for by a pixel of the 3D view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from app.gui.free_view import Vector, vector
+from app.gui.viewing import ViewRequest
+
+Purpose = Literal["orbit"]
+
+
+@dataclass(frozen=True, eq=False)
+class PickRequest:
+    """One wish for the point behind a pixel; a second wish for the same pixel is another request."""
+
+    view: ViewRequest
+    pixel: tuple[int, int]
+    """Column and row of the view's picture."""
+    purpose: Purpose
+
+
+@dataclass(frozen=True)
+class Picked:
+    """None: nothing solid is there."""
+
+    point: Vector | None
+
+
+def pick(request: PickRequest) -> Iterator[Picked]:
+    """Where the expected depth of the view says that the surface is."""
+    # Its kernels take seconds to import on a first start; the window must not wait for them.
+    from renderer.picking import surface_point
+
+    view = request.view
+    point = surface_point(view.shown.model.at(view.time), view.camera, request.pixel, view.near)
+    yield Picked(None if point is None else vector(point))

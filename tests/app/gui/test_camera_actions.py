@@ -1,0 +1,122 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from app.gui import actions, camera_actions
+from app.gui.picking import Picked, PickRequest, pick
+from app.gui.state import AppState
+from app.gui.viewing import ViewRequest
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import SIZE, FakeJob, make_model
+
+Act = Callable[[AppState], None]
+
+
+@pytest.fixture
+def seen(state: AppState, model: DynamicGaussians) -> AppState:
+    """A reconstruction on screen, through the clip's camera and as large as its photos."""
+    actions.start_reconstruction(state, FakeJob)
+    actions.show_live_model(state, model)
+    state.view_size = SIZE
+    return state
+
+
+def request(state: AppState) -> ViewRequest:
+    assert state.view_request is not None
+    return state.view_request
+
+
+MOVES: dict[str, Act] = {
+    "turn": lambda state: camera_actions.turn(state, 0.2, 0.1),
+    "pan": lambda state: camera_actions.pan(state, 5, 3),
+    "zoom": lambda state: camera_actions.zoom(state, 1.5),
+}
+
+
+@pytest.mark.parametrize("move", MOVES.values(), ids=MOVES)
+def test_home_is_the_clip_s_camera_again(seen: AppState, move: Act) -> None:
+    start = request(seen)
+    assert start.camera == seen.model.cameras[0]  # type: ignore[union-attr]
+    move(seen)
+    assert request(seen) != start
+    camera_actions.reset_view(seen)
+    assert request(seen) == start
+    assert seen.viewer.pivot is None
+
+
+def test_a_picked_point_becomes_the_centre_and_stays_on_its_pixel(seen: AppState) -> None:
+    camera_actions.ask_point(seen, (24, 20), "orbit")
+    wish = seen.viewer.pick
+    assert wish is not None
+    (answer,) = pick(wish)
+    assert answer.point is not None
+    camera_actions.take_point(seen, wish, answer)
+    assert seen.viewer.pivot == answer.point
+    assert answer.point[2] == pytest.approx(50.0, abs=1e-3)  # The sheet of the model.
+    for move in (MOVES["turn"], MOVES["zoom"]):
+        move(seen)
+        (at,), _ = request(seen).camera.project(np.array([answer.point]))
+        assert at == pytest.approx((24.5, 20.5), abs=1e-6)
+
+
+def test_nothing_is_picked_beside_the_tissue_or_of_a_view_that_is_gone(seen: AppState) -> None:
+    camera_actions.ask_point(seen, (-3, 2), "orbit")
+    wish = seen.viewer.pick
+    assert wish is not None
+    (answer,) = pick(wish)
+    assert answer == Picked(None)
+    camera_actions.take_point(seen, wish, answer)
+    assert seen.viewer.pivot is None
+    assert seen.toast is not None
+    actions.show_live_model(seen, make_model())
+    camera_actions.take_point(seen, wish, Picked((1.0, 2.0, 3.0)))
+    assert seen.viewer.pivot is None
+
+
+def test_flight_moves_at_its_speed_and_takes_the_centre_along(seen: AppState) -> None:
+    camera_actions.fly(seen, 0, 0, 1, 0.05)
+    assert seen.viewer.free is None  # Not in flight yet.
+    camera_actions.toggle_flight(seen)
+    camera_actions.fly(seen, 0, 0, 1, 0.05)
+    step = seen.viewer.speed * 50.0 * 0.05
+    assert request(seen).camera.position == pytest.approx((0, 0, step))
+    assert seen.viewer.pivot == pytest.approx((0, 0, 50 + step))
+    camera_actions.turn(seen, 0.3, 0.0)
+    assert request(seen).camera.position == pytest.approx((0, 0, step))
+    speed = seen.viewer.speed
+    camera_actions.zoom(seen, 2.0)
+    assert seen.viewer.speed == pytest.approx(2 * speed)
+    camera_actions.toggle_flight(seen)
+    before = request(seen).camera
+    camera_actions.turn(seen, 0.5, 0.0)
+    (at,), _ = before.project(np.array([seen.viewer.pivot]))
+    (now,), _ = request(seen).camera.project(np.array([seen.viewer.pivot]))
+    assert now == pytest.approx(at)
+
+
+def test_a_pause_of_the_window_is_no_leap(seen: AppState) -> None:
+    camera_actions.toggle_flight(seen)
+    camera_actions.fly(seen, 1, 0, 0, 60.0)
+    assert request(seen).camera.position[0] <= seen.viewer.speed * 50.0 * camera_actions.LONGEST_STEP + 1e-9
+
+
+def test_the_free_view_stays_while_the_clip_s_time_goes_on(seen: AppState) -> None:
+    camera_actions.turn(seen, 0.2, 0.0)
+    before = request(seen).camera
+    actions.seek(seen, 3)
+    assert request(seen).camera == before
+
+
+def test_wishes_are_by_value_and_need_a_view(state: AppState) -> None:
+    camera_actions.ask_point(state, (1, 1), "orbit")
+    for move in MOVES.values():
+        move(state)
+    camera_actions.toggle_flight(state)
+    assert (state.viewer.pick, state.viewer.free, state.viewer.flying) == (None, None, False)
+
+
+def test_two_wishes_for_a_pixel_are_two(seen: AppState) -> None:
+    assert PickRequest(request(seen), (1, 1), "orbit") != PickRequest(request(seen), (1, 1), "orbit")
