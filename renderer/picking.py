@@ -6,14 +6,16 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.rasterize.binning import TILE
-from renderer.rasterize.cpu import BLACK, Rasterizer
-from renderer.splats import Splats
+from renderer.rasterize.cpu import BLACK, Rasterizer, compensated
+from renderer.splats import RenderMode, Splats
 
 SOLID = 0.5
 """Alpha above which expected depth is taken for a surface, as in training."""
 
 
-def surface_point(splats: Splats, camera: Camera, pixel: tuple[int, int], near: float) -> FloatArray | None:
+def surface_point(
+    splats: Splats, camera: Camera, pixel: tuple[int, int], near: float, mode: RenderMode = "default"
+) -> FloatArray | None:
     """(3,) in the world: expected depth on the ray through the middle of pixel (column, row).
 
     None where there is no surface: outside the picture, or alpha <= 0.5. Only the pixel's tile is blended,
@@ -25,7 +27,8 @@ def surface_point(splats: Splats, camera: Camera, pixel: tuple[int, int], near: 
     rasterizer = Rasterizer(camera.width, camera.height)
     wanted = np.zeros((rasterizer.rows, rasterizer.columns), bool)
     wanted[row // TILE, column // TILE] = True
-    rasterizer.forward(splats, camera, near, wanted)
+    drawn = compensated(splats, camera, near) if mode == "mip" else splats
+    rasterizer.forward(drawn, camera, near, wanted)
     rendered = rasterizer.rendered(camera.width, camera.height, BLACK)
     if rendered.alpha[row, column] <= SOLID:
         return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from app.gui.free_view import FreeView, Vector, vector
@@ -17,7 +19,20 @@ LONGEST_STEP = 0.1
 
 def reset_view(state: AppState) -> None:
     """Back to the clip's own camera, and down from flight."""
-    state.viewer = Viewer(speed=state.viewer.speed)
+    state.viewer = Viewer(speed=state.viewer.speed, blend=state.viewer.blend)
+
+
+def toggle_snap(state: AppState) -> None:
+    """The clip's camera to the pixel, under its photo; and back to filling the view."""
+    if not state.has_photos:
+        return
+    viewer = state.viewer
+    state.viewer = replace(viewer, free=None, pivot=None, flying=False, snapped=not viewer.snapped)
+
+
+def blend(state: AppState, share: float) -> None:
+    """Share of the photo in a snapped view."""
+    state.viewer.blend = min(max(share, 0.0), 1.0)
 
 
 def turn(state: AppState, yaw: float, pitch: float) -> None:
@@ -51,6 +66,7 @@ def zoom(state: AppState, factor: float) -> None:
 def toggle_flight(state: AppState) -> None:
     if state.model is not None:
         state.viewer.flying = not state.viewer.flying
+        _leave(state, state.model)
 
 
 def fly(state: AppState, right: float, down: float, forward: float, seconds: float) -> None:
@@ -87,9 +103,9 @@ def centre(state: AppState, model: ShownModel) -> Vector:
 
 
 def _leave(state: AppState, model: ShownModel) -> FreeView:
-    """The view as it stands, no longer the clip's camera: that goes on, the view and its centre stay."""
+    """The view as it stands, no longer the clip's camera nor under its photo; its centre stays, too."""
     viewer = state.viewer
-    viewer.pivot = centre(state, model)
+    viewer.pivot, viewer.snapped = centre(state, model), False
     viewer.free = viewer.free or FreeView.of(model.camera_at(state.time))
     return viewer.free
 

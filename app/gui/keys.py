@@ -33,6 +33,7 @@ class Commands:
     screenshot: Callable[[], None]
 
 
+BLEND_STEP = 0.1
 MODIFIERS = int(imgui.Key.mod_mask_)
 PEEK = imgui.Key.space
 PEEK_TEXT = "hold: original in the enhanced pane"
@@ -64,6 +65,9 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(key.comma, "comma", "one frame back", lambda s: actions.step(s, -1), repeats=True),
         Shortcut(key.period, "full stop", "one frame on", lambda s: actions.step(s, 1), repeats=True),
         Shortcut(key.home, "Home", "3D view back to the clip's camera", camera_actions.reset_view),
+        Shortcut(key.c, "C", "3D view to the clip's camera, under its photo", camera_actions.toggle_snap),
+        Shortcut(key.left_bracket, "[", "less of the photo over the 3D view", fade_photo, repeats=True),
+        Shortcut(key.right_bracket, "]", "more of the photo over the 3D view", raise_photo, repeats=True),
         Shortcut(key.g, "G", "fly through the 3D view and back to turning it", camera_actions.toggle_flight),
         Shortcut(key._0, "0", "fit the pictures", fit_pictures),
         Shortcut(key._1, "1", "pictures at 100 %", one_to_one),
@@ -76,6 +80,14 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(imgui.Key.mod_shift | key.slash, "?", "this help", toggle_help),
         Shortcut(key.f1, "F1", "this help", toggle_help),
     )
+
+
+def fade_photo(state: AppState) -> None:
+    camera_actions.blend(state, state.viewer.blend - BLEND_STEP)
+
+
+def raise_photo(state: AppState) -> None:
+    camera_actions.blend(state, state.viewer.blend + BLEND_STEP)
 
 
 def fit_pictures(state: AppState) -> None:

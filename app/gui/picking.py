@@ -35,5 +35,7 @@ def pick(request: PickRequest) -> Iterator[Picked]:
     from renderer.picking import surface_point
 
     view = request.view
-    point = surface_point(view.shown.model.at(view.time), view.camera, request.pixel, view.near)
+    shown = view.shown
+    splats = shown.model.at(view.time)
+    point = surface_point(splats, view.camera, request.pixel, view.near, mode=shown.mode)
     yield Picked(None if point is None else vector(point))

@@ -10,6 +10,7 @@ from typing import Literal, Protocol
 
 from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.opening import OpenRequest
+from app.gui.photos import PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.settings import Places, Settings
 from app.gui.viewer import Viewer
@@ -202,4 +203,18 @@ class AppState:
         """What the 3D view should show now; None without a model or while it is hidden."""
         if self.model is None or min(self.view_size) < 1:
             return None
+        if self.viewer.snapped:
+            return self.model.snapped(self.time)
         return self.model.view(self.time, self.viewer.free, self.view_size)
+
+    @property
+    def has_photos(self) -> bool:
+        """The open clip is the one that the 3D view is of."""
+        return self.model is not None and self.clip is not None and self.model.cameras == self.clip.cameras
+
+    @property
+    def photo_request(self) -> PhotoRequest | None:
+        """The photo that should lie over the 3D view now; None without one."""
+        if self.model is None or self.clip is None or not self.viewer.snapped or not self.has_photos:
+            return None
+        return PhotoRequest(self.clip, self.model.frame_at(self.time))

@@ -10,6 +10,7 @@ from app.gui.background import Channel, Failure
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
 from app.gui.opening import Opened, OpenRequest, open_path
+from app.gui.photos import Photo, PhotoRequest, read_photo
 from app.gui.picking import Picked, PickRequest, pick
 from app.gui.state import AppState
 from app.gui.viewing import View, ViewRequest, draw_view
@@ -32,6 +33,7 @@ class Channels:
     opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
     pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
     picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
+    photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
     photo: Pictures | None = None
@@ -39,7 +41,7 @@ class Channels:
 
     @property
     def all(self) -> Sequence[Channel[object, object]]:
-        return (self.opening, self.pictures, self.picks, self.view, self.saving)  # type: ignore[return-value]
+        return (self.opening, self.pictures, self.picks, self.photos, self.view, self.saving)  # type: ignore[return-value]
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -50,6 +52,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_opened(state, channels)
     _take_pictures(state, channels)
     _take_pick(state, channels)
+    _take_photo(state, channels)
     _take_view(state, channels)
     _take_saved(state, channels)
     _follow_job(state)
@@ -101,6 +104,16 @@ def _take_pick(state: AppState, channels: Channels) -> None:
         actions.fail(state, f"the point cannot be found: {answer.message}")
     else:
         camera_actions.take_point(state, request, answer)
+
+
+def _take_photo(state: AppState, channels: Channels) -> None:
+    taken = channels.photos.take()
+    if taken is None:
+        return
+    if isinstance(taken[1], Failure):
+        actions.fail(state, f"the photo cannot be read: {taken[1].message}")
+    else:
+        state.viewer.photo = taken[1]
 
 
 def _take_view(state: AppState, channels: Channels) -> None:
@@ -205,6 +218,9 @@ def _ask(state: AppState, channels: Channels) -> None:
     pick = state.viewer.pick
     if pick is not None and channels.picks.asked is not pick:
         channels.picks.ask(pick)
+    photo = state.photo_request
+    if photo is not None and channels.photos.asked != photo:
+        channels.photos.ask(photo)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.gui.free_view import FreeView, Vector
+from app.gui.photos import Photo
 from app.gui.picking import PickRequest
 
 MIN_SPEED, MAX_SPEED = 0.02, 4.0
@@ -16,6 +17,12 @@ class Viewer:
 
     free: FreeView | None = None
     """None: the clip's own camera, at every time."""
+    snapped: bool = False
+    """The clip's camera with its own pixels, under its photo."""
+    blend: float = 0.5
+    """Share of the photo in a snapped view, in [0, 1]."""
+    photo: Photo | None = None
+    """The newest photo for a snapped view."""
     pivot: Vector | None = None
     """What the view turns around; None: the middle of the tissue, until the view leaves the clip's camera."""
     flying: bool = False

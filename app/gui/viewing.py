@@ -38,9 +38,18 @@ class ShownModel:
     """The run or file it comes from; None when that left nothing to read."""
     mode: RenderMode = "default"
 
+    def frame_at(self, time: float) -> int:
+        """The frame of the clip that is nearest to `time` in [0, 1]."""
+        return min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)
+
     def camera_at(self, time: float) -> Camera:
-        """The clip's own, of the frame nearest to `time` in [0, 1]."""
-        return self.cameras[min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)]
+        """The clip's own, of the frame nearest to `time`."""
+        return self.cameras[self.frame_at(time)]
+
+    def snapped(self, time: float) -> ViewRequest:
+        """The frame nearest to `time` as the clip's camera took it: moment, pose, lens, pixels."""
+        frame = self.frame_at(time)
+        return ViewRequest(self, frame / len(self.cameras), self.cameras[frame])
 
     def view(self, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:
         """The view of (width, height) pixels at `time` in [0, 1]: the free one, or that of the clip's camera.

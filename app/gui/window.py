@@ -33,6 +33,7 @@ from app.gui.update import Channels, update
 from app.gui.viewport import ProcessorViewport, Viewport, make_viewport
 from app.job import TrainingJob
 from assets import phantom_path
+from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 IDLE_FPS = 9.0
@@ -189,7 +190,11 @@ class Window:
 
     def _draw_view(self) -> None:
         assert self._viewport is not None
-        draw_view3d(self.state, self._viewport)
+        draw_view3d(self.state, self._viewport, self._photo_texture)
+
+    def _photo_texture(self, image: ByteImage) -> imgui.ImTextureRef:
+        assert self._textures is not None
+        return self._textures.whole("photo over view", image)
 
     def _draw_log(self) -> None:
         overlays.draw_log(self.state, imgui.set_clipboard_text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
@@ -11,20 +12,24 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.gui import actions, camera_actions, theme
 from app.gui.free_view import Vector
 from app.gui.legible import legible
+from app.gui.photos import Photo
 from app.gui.picture_view import PictureView, Placement
 from app.gui.state import AppState
 from app.gui.viewport import OnScreen, Viewport
 from app.gui.widgets import button, centered, em, explain, stack_tags
 from renderer.camera import Camera
+from renderer.clip import ByteImage
 
 TURN = 2.2
 """Radians for a drag across the whole view."""
 WHEEL_STEP = 1.12
 SPEED_STEP = 1.25
+PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
+"""What shows a whole photo."""
 Tag = tuple[str, ImVec4]
 
 
-def draw_view3d(state: AppState, viewport: Viewport) -> None:
+def draw_view3d(state: AppState, viewport: Viewport, photo_texture: PhotoTexture) -> None:
     """The view with its controls."""
     if state.model is None:
         state.view_size = (0, 0)
@@ -42,7 +47,7 @@ def draw_view3d(state: AppState, viewport: Viewport) -> None:
     _pick(state, corner, size)
     scale = imgui.get_io().display_framebuffer_scale
     state.view_size = (int(size.x * scale.x), int(size.y * scale.y))
-    _draw_picture(state, viewport.show(state), corner, size)
+    _draw_picture(state, viewport.show(state), photo_texture, corner, size)
 
 
 def _draw_empty(state: AppState) -> None:
@@ -59,6 +64,7 @@ def _draw_toolbar(state: AppState) -> None:
         button(f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly", lambda: camera_actions.toggle_flight(state))
     explain("G: fly with W, S, A, D, Q and E, look by dragging, speed by the wheel. Home: back.")
     imgui.same_line()
+    _draw_snap(state)
     if state.clip is None:
         _draw_time(state)
         return
@@ -69,6 +75,24 @@ def _draw_toolbar(state: AppState) -> None:
     if not state.linked:
         imgui.same_line()
         _draw_time(state)
+
+
+def _draw_snap(state: AppState) -> None:
+    snapped = state.viewer.snapped
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if snapped else theme.grey(0.25)):
+        label = f"{icons.ICON_FA_CLONE}  Photo###snap"
+        button(label, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
+    explain("C: the clip's camera to the pixel, its photo over the reconstruction. Moving the view ends it.")
+    imgui.same_line()
+    if not snapped:
+        return
+    imgui.set_next_item_width(em(8))
+    flags = imgui.SliderFlags_.always_clamp
+    changed, percent = imgui.slider_float("##blend", 100 * state.viewer.blend, 0, 100, "photo %.0f %%", flags)
+    explain("[ and ]: from the reconstruction alone, 0, to the photo alone, 100.")
+    imgui.same_line()
+    if changed:
+        camera_actions.blend(state, percent / 100)
 
 
 def _draw_time(state: AppState) -> None:
@@ -131,16 +155,35 @@ def on_screen(camera: Camera, point: Vector, corner: ImVec2, size: ImVec2) -> Im
     )
 
 
-def _draw_picture(state: AppState, shown: OnScreen | None, corner: ImVec2, size: ImVec2) -> None:
+def _draw_picture(
+    state: AppState, shown: OnScreen | None, photo_texture: PhotoTexture, corner: ImVec2, size: ImVec2
+) -> None:
     end = ImVec2(corner.x + size.x, corner.y + size.y)
     draw = imgui.get_window_draw_list()
     draw.push_clip_rect(corner, end, True)
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.grey(0.0)))
     if shown is not None:
-        draw.add_image(shown.texture, corner, end, shown.uv0, shown.uv1)
+        low, high = bounds(shown.request.camera, corner, size)
+        draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
+        if (photo := photo_over(state)) is not None:
+            tint = imgui.get_color_u32(theme.grey(1.0, state.viewer.blend))
+            draw.add_image(photo_texture(photo.image), low, high, (0, 0), (1, 1), tint)
         _draw_centre(state, shown, corner, size)
     stack_tags(view_tags(state, shown), corner)
     draw.pop_clip_rect()
+
+
+def bounds(camera: Camera, corner: ImVec2, size: ImVec2) -> tuple[ImVec2, ImVec2]:
+    """Upper left and lower right end of a camera's picture on screen."""
+    place = placement(camera, size)
+    low = ImVec2(corner.x + place.offset_x, corner.y + place.offset_y)
+    return low, ImVec2(low.x + place.zoom * camera.width, low.y + place.zoom * camera.height)
+
+
+def photo_over(state: AppState) -> Photo | None:
+    """The photo of the very frame that a snapped view shows; None while it is being read, or without one."""
+    photo = state.viewer.photo
+    return photo if photo is not None and photo.request == state.photo_request else None
 
 
 def _draw_centre(state: AppState, shown: OnScreen, corner: ImVec2, size: ImVec2) -> None:
@@ -169,6 +212,9 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     tags.append((said, theme.TAG_ORIGINAL))
     if state.viewer.flying:
         tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G ends", theme.TAG_CAUTION))
+    if state.viewer.snapped:
+        share = f"PHOTO {100 * state.viewer.blend:.0f} % over the reconstruction"
+        tags.append((share if photo_over(state) else "READING THE PHOTO…", theme.TAG_ENHANCED))
     if state.viewer.free is not None:
         tags.append(("FREE VIEW · not the endoscope's", theme.TAG_ORIGINAL))
     if shown.request.reduced:

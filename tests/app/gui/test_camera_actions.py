@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,3 +121,44 @@ def test_wishes_are_by_value_and_need_a_view(state: AppState) -> None:
 
 def test_two_wishes_for_a_pixel_are_two(seen: AppState) -> None:
     assert PickRequest(request(seen), (1, 1), "orbit") != PickRequest(request(seen), (1, 1), "orbit")
+
+
+@pytest.mark.parametrize("move", MOVES.values(), ids=MOVES)
+def test_a_snapped_view_is_the_clip_s_camera_exactly_until_it_is_moved(seen: AppState, move: Act) -> None:
+    seen.view_size = (301, 77)
+    assert seen.clip is not None
+    assert request(seen).camera != seen.clip.cameras[2]
+    actions.seek(seen, 2)
+    move(seen)
+    camera_actions.toggle_snap(seen)
+    assert request(seen).camera == seen.clip.cameras[2]
+    assert request(seen).time == seen.clip.times[2]
+    assert seen.photo_request is not None
+    assert (seen.photo_request.clip, seen.photo_request.frame) == (seen.clip, 2)
+    move(seen)
+    assert not seen.viewer.snapped
+    assert request(seen).camera.width == 301
+    assert seen.photo_request is None
+
+
+def test_a_snapped_view_between_two_frames_is_of_the_nearer_one(seen: AppState) -> None:
+    actions.toggle_link(seen)
+    actions.seek_view(seen, 3.4 / 6)
+    camera_actions.toggle_snap(seen)
+    assert request(seen).time == 3 / 6
+    assert seen.photo_request is not None
+    assert seen.photo_request.frame == 3
+
+
+def test_without_the_model_s_own_clip_there_is_no_photo(seen: AppState) -> None:
+    assert seen.clip is not None
+    other = seen.clip.cameras[0].resized(10, 10)
+    seen.clip = replace(seen.clip, cameras=(other,) * 6)
+    camera_actions.toggle_snap(seen)
+    assert not seen.viewer.snapped
+
+
+def test_the_photo_s_share_stays_between_none_and_all(seen: AppState) -> None:
+    for share, kept in ((-0.3, 0.0), (0.4, 0.4), (7.0, 1.0)):
+        camera_actions.blend(seen, share)
+        assert seen.viewer.blend == kept

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
-from app.gui import actions
+from app.gui import actions, camera_actions
 from app.gui.enhancing import PictureMaker, Pictures
 from app.gui.keys import Commands, Keyboard, shortcuts
 from app.gui.panels import overlays
@@ -17,11 +17,13 @@ from app.gui.panels.compare import draw_compare, enhanced_tags, original_tags, s
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
-from app.gui.panels.view3d import draw_view3d, view_tags
+from app.gui.panels.view3d import bounds, draw_view3d, photo_over, view_tags
 from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.photos import read_photo
 from app.gui.picture_view import Placement
 from app.gui.state import AppState
 from app.gui.textures import OnPane
+from app.gui.viewing import draw_view
 from app.gui.viewport import OnScreen
 from app.gui.widgets import seconds
 from enhance import EnhanceParams
@@ -103,6 +105,10 @@ class StillViewport:
         return None if request is None else OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request)
 
     def release(self) -> None: ...
+
+
+def no_texture(image: ByteImage) -> imgui.ImTextureRef:
+    return imgui.ImTextureRef(1)
 
 
 @pytest.fixture
@@ -246,7 +252,7 @@ def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
     ui.frame(lambda: draw_enhancement(state))
     ui.frame(lambda: draw_reconstruction(state, FakeJob))
     ui.frame(lambda: draw_timeline(state, lambda: None))
-    ui.frame(lambda: draw_view3d(state, StillViewport()))
+    ui.frame(lambda: draw_view3d(state, StillViewport(), no_texture))
     ui.frame(compare(state, Shown()))
 
 
@@ -257,7 +263,7 @@ def start_live(state: AppState, model: DynamicGaussians) -> None:
 
 def test_the_3d_view_turns_moves_and_zooms(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    draw: Draw = lambda: draw_view3d(opened, StillViewport())  # noqa: E731
+    draw: Draw = lambda: draw_view3d(opened, StillViewport(), no_texture)  # noqa: E731
     ui.frame(draw)
     middle = np.array([[0.0, 0.0, 50.0]])
 
@@ -282,7 +288,7 @@ def test_a_double_click_asks_for_the_point_under_the_pointer(
     ui: Ui, opened: AppState, model: DynamicGaussians
 ) -> None:
     start_live(opened, model)
-    draw: Draw = lambda: draw_view3d(opened, StillViewport())  # noqa: E731
+    draw: Draw = lambda: draw_view3d(opened, StillViewport(), no_texture)  # noqa: E731
     ui.frame(draw)
     for _ in range(2):
         ui.drag(draw, (400, 300), (400, 300))
@@ -291,6 +297,37 @@ def test_a_double_click_asks_for_the_point_under_the_pointer(
     width, height = opened.view_size
     left, top = (900 - width) // 2, 700 - imgui.get_style().window_padding.y - height
     assert opened.viewer.pick.pixel == (400 - left, 300 - top)
+
+
+def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    assert opened.clip is not None
+    actions.seek(opened, 4)
+    camera_actions.toggle_snap(opened)
+    wish = opened.photo_request
+    assert wish is not None
+    (opened.viewer.photo,) = read_photo(wish)
+    laid: list[ByteImage] = []
+
+    def draw() -> None:
+        draw_view3d(opened, StillViewport(), lambda image: laid.append(image) or imgui.ImTextureRef(1))
+
+    ui.frame(draw)
+    request = opened.view_request
+    assert request is not None
+    assert request.camera == opened.clip.cameras[4]
+    (view,) = draw_view(request)
+    assert view.image.shape == laid[0].shape
+    np.testing.assert_array_equal(laid[0], opened.clip.read_image(4))
+    corner, size = ImVec2(10, 20), ImVec2(300, 200)
+    (low, high), zoom = bounds(request.camera, corner, size), 200 / 40
+    assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
+    assert "PHOTO 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
+    ui.drag(draw, (400, 300), (420, 300))
+    assert not opened.viewer.snapped
+    assert photo_over(opened) is None
 
 
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
