@@ -114,7 +114,7 @@ def _blocks(rows: Float32Array) -> Float32Array:
 
 
 def _times(rows: Float32Array, matrix: Float32Array) -> Float32Array:
-    return (_blocks(rows) @ matrix).reshape(len(rows), -1)
+    return (_blocks(rows) @ matrix).reshape(len(rows), matrix.shape[1])
 
 
 def _across(left: Float32Array, right: Float32Array) -> Float32Array:
