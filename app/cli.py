@@ -24,6 +24,7 @@ COMMANDS = {
     "evaluate": "measure a finished run on its held-out frames",
     "metrics": "DV/BV and contrast of images",
     "report": "error against run time, stability, what was left out: one page",
+    "replay": "make an exported file again from its provenance, and compare",
     "phantom": "write a synthetic clip with exact truth",
     "info": "versions, devices and licences",
 }

@@ -8,10 +8,13 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import platform
 import re
 import struct
 import zlib
 from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed_version
 from pathlib import Path
 from typing import Any
@@ -33,6 +36,7 @@ from renderer.readers.structure_from_motion import is_structure_from_motion
 NOTICE = "Research use only. Not a medical device."
 KEYWORD = "vesselsplat"
 SCHEMA = 1
+PIXEL_LIBRARIES = ("numpy", "numba", "opencv-contrib-python-headless", "pillow", "av")
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
@@ -59,10 +63,23 @@ def _plain(value: Any) -> Any:
 
 
 def provenance(**facts: object) -> dict[str, Any]:
-    """The given facts below what every export says: app, version, schema, UTC time, notice."""
+    """The given facts below what every export says: app, version, libraries, schema, UTC time, notice."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     head = {"app": "VesselSplat", "version": version(), "schema": SCHEMA, "utc": now, "notice": NOTICE}
-    return head | facts
+    return head | {"libraries": dict(libraries())} | facts
+
+
+@cache
+def libraries() -> tuple[tuple[str, str], ...]:
+    """Names and versions of what pixels pass through, and the kind of processor."""
+    return *((name, _installed(name)) for name in PIXEL_LIBRARIES), ("processor", platform.machine())
+
+
+def _installed(name: str) -> str:
+    try:
+        return installed_version(name)
+    except PackageNotFoundError:
+        return "none"
 
 
 def source(path: Path) -> dict[str, str]:

@@ -134,14 +134,18 @@ class _Job:
 class _Picture:
     name: str
     source: dict[str, str]
+    frame: int | None
+    """Of a video."""
     job: _Job
     result: Enhanced
 
     @property
     def facts(self) -> dict[str, Any]:
         return {
+            "kind": "enhanced picture",
             "source": self.source,
             "picture": self.name,
+            "frame": self.frame,
             "method": self.job.method,
             "params": self.job.params,
             "pixels": self.job.pixels,
@@ -202,7 +206,8 @@ def _enhanced(
                 result = apply(job.method, job.params, image, mask, job.statistics, enhancer)
             except (ImageError, UserError) as error:
                 raise UserError(f"{error}: {series.sources[index]}") from error
-            yield _Picture(series.names[index], next(origins), job, result)
+            frame = index if series.is_video else None
+            yield _Picture(series.names[index], next(origins), frame, job, result)
     finally:
         images.close()
 
@@ -253,6 +258,6 @@ def _write_video(
     like = series.sources[0] if series.is_video else None
     written = write_video(output, frames(), series.frames_per_second, like=like)
     notices.extend(written.notices)
-    record = provenance(encoding=written.encoding, notices=notices, pictures=facts)
-    write_sidecar(output, record)
+    record = {"kind": "enhanced video", "frames_per_second": series.frames_per_second, "pictures": facts}
+    write_sidecar(output, provenance(**record, encoding=written.encoding, notices=notices))
     return facts

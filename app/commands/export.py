@@ -62,7 +62,7 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment]) -> None:
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             raw = scene.model.motion.moved(scene.model.raw, moment.time)
-            facts = provenance(**scene.facts, frame=moment.frame, time=moment.time)
+            facts = provenance(kind="splats", **scene.facts, frame=moment.frame, time=moment.time)
             comment = f"vesselsplat {json.dumps(json.loads(strict_json(facts)))}"
             (staging / f"{moment.name}.ply").write_bytes(ply_bytes(raw, scene.mode, [comment]))
             report(done, moment.name)
@@ -72,16 +72,18 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment]) -> None:
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
     draw, name = drawer(flags.renderer)
 
+    views = [moment.facts | {"near": near_plane(scene.model, moment.camera)} for moment in wanted]
+
     def pictures() -> Iterator[ArrayImage]:
         with progress("draw", len(wanted)) as report:
-            for done, moment in enumerate(wanted, start=1):
-                near = near_plane(scene.model, moment.camera)
-                yield draw(scene.model.at(moment.time), moment.camera, near, scene.mode).bytes
+            for done, (moment, view) in enumerate(zip(wanted, views, strict=True), start=1):
+                yield draw(scene.model.at(moment.time), moment.camera, view["near"], scene.mode).bytes
                 report(done, moment.name)
 
     written = write_video(flags.video, pictures(), flags.frames_per_second)
     facts = scene.facts | {"renderer": name, "background": (0.0, 0.0, 0.0), "video": written}
-    write_sidecar(flags.video, provenance(**facts, moments=[moment.facts for moment in wanted]))
+    facts |= {"frames_per_second": flags.frames_per_second, "moments": views}
+    write_sidecar(flags.video, provenance(kind="render video", **facts))
     sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {name}\n")
 
 

@@ -38,7 +38,7 @@ def run(flags: argparse.Namespace) -> None:
             drawn = draw(scene.model.at(moment.time), moment.camera, near, scene.mode)
             shown = drawn.straight if flags.transparent else drawn.bytes
             own_facts = facts | moment.facts | {"near": near}
-            write_png(staging / f"{moment.name}.png", shown, provenance(**own_facts))
+            write_png(staging / f"{moment.name}.png", shown, provenance(kind="render", **own_facts))
             if flags.depth:
                 _write_depth(staging, moment, drawn, own_facts)
             report(done, moment.name)
@@ -47,7 +47,7 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:
     picture, (nearest, farthest) = colored_depth(drawn.depth)
-    shown = facts | {"shows": "expected depth", "nearest": nearest, "farthest": farthest}
-    depth_facts = provenance(**facts, holds="expected depth in scene units, 0 where nothing is")
+    shown = {"shows": "expected depth", "nearest": nearest, "farthest": farthest}
+    depth_facts = provenance(kind="depth", **facts, holds="expected depth in scene units, 0 where nothing is")
     write_image(folder / f"{moment.name}-depth.npy", drawn.depth, depth_facts)
-    write_png(folder / f"{moment.name}-depth.png", picture, provenance(**shown))
+    write_png(folder / f"{moment.name}-depth.png", picture, provenance(kind="depth", **facts, **shown))

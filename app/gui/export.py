@@ -18,6 +18,7 @@ from app.methods import PAPER, VESSEL
 from app.provenance import NOTICE, provenance, source, write_png
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 INK, GROUND = (235, 235, 235), (28, 28, 28)
 
@@ -29,6 +30,8 @@ class SaveRequest:
     folder: Path
     pictures: Pictures | None
     view: ViewRequest | None
+    clip_options: ClipOptions = DEFAULTS
+    """How the clip of the pictures was read."""
 
     @property
     def stem(self) -> str:
@@ -67,18 +70,32 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
         wanted = pictures.request
         label = wanted.clip.labels[wanted.frame_index]
         facts["source"] = source(wanted.clip.path)
-        panels.append(Panel(f"Original   {label}", pictures.photo))
+        panels += picture_panels(pictures)
+        facts["clip_options"] = request.clip_options
         facts["frame"] = {"index": wanted.frame_index, "label": label}
         if pictures.enhanced is not None:
-            panels.append(Panel("Enhanced   " + describe(pictures), pictures.enhanced))
             facts["method"] = VESSEL if isinstance(wanted.params, VesselParams) else PAPER
             facts |= {"params": wanted.params, "statistics": pictures.statistics}
-            facts["tissue_only"] = wanted.tissue_only
+            facts |= {"scope": wanted.scope, "tissue_only": wanted.tissue_only}
     if request.view is not None:
         view = _drawn(request.view)
-        panels.append(Panel(f"Reconstruction   {view.request.shown.name}", view.image))
+        panels.append(view_panel(view.request.shown.name, view.image))
         facts["view"] = _view_facts(view.request)
     return panels, provenance(**facts)
+
+
+def picture_panels(pictures: Pictures) -> list[Panel]:
+    """The photo, and what became of it where it is enhanced."""
+    label = pictures.request.clip.labels[pictures.request.frame_index]
+    photo = Panel(f"Original   {label}", pictures.photo)
+    if pictures.enhanced is None:
+        return [photo]
+    return [photo, Panel("Enhanced   " + describe(pictures), pictures.enhanced)]
+
+
+def view_panel(name: str, image: ByteImage) -> Panel:
+    """A model, by the name of its run or file."""
+    return Panel(f"Reconstruction   {name}", image)
 
 
 def _view_facts(request: ViewRequest) -> dict[str, Any]:

@@ -213,7 +213,9 @@ class Window:
         """Ask for a PNG of what is shown, made in the background."""
         state = self.state
         if state.pictures is not None or state.view_request is not None:
-            request = SaveRequest(state.places.pictures, state.pictures, state.view_request)
+            request = SaveRequest(
+                state.places.pictures, state.pictures, state.view_request, state.opened_options
+            )
             self._channels.saving.ask(request)
 
     def close(self) -> None:

@@ -1,0 +1,57 @@
+"""`vesselsplat replay FILE`: an exported file made again from its provenance, and compared."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from app.atomic import filled
+from app.errors import UserError
+from app.provenance import provenance, strict_json
+from app.replay import replay
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "file", metavar="FILE", type=Path, help="picture, video or splat file that VesselSplat wrote"
+    )
+    parser.add_argument(
+        "--source",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="PATH",
+        help="what it was made of, or a folder with it; else looked for beside FILE and in this folder",
+    )
+    parser.add_argument("--out", type=Path, metavar="FILE", help="keep the file that was made again")
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def run(flags: argparse.Namespace) -> None:
+    with _target(flags) as target:
+        replayed = replay(flags.file, tuple(flags.source), target)
+    if flags.json:
+        found = {"file": flags.file.name, "identical": replayed.difference.is_none, "replayed": replayed}
+        sys.stdout.write(strict_json(provenance(**found, sentence=replayed.sentence)) + "\n")
+    if not replayed.difference.is_none:
+        raise UserError(f"{flags.file}: {replayed.sentence}")
+    if not flags.json:
+        sys.stdout.write(f"{flags.file}: identical\n")
+
+
+@contextmanager
+def _target(flags: argparse.Namespace) -> Iterator[Path]:
+    """Where the file is made again: in the place asked for, or in a folder that vanishes."""
+    out: Path | None = flags.out
+    if out is None:
+        with tempfile.TemporaryDirectory(prefix="vesselsplat-") as folder:
+            yield Path(folder) / flags.file.name
+        return
+    if out.suffix.lower() != flags.file.suffix.lower() or out.resolve() == flags.file.resolve():
+        raise UserError(f"--out: expected another file named *{flags.file.suffix}, got {out}")
+    with filled(out.parent) as staging:
+        yield staging / out.name

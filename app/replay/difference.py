@@ -1,0 +1,83 @@
+"""How far two files of one kind are apart: pictures, numpy arrays, videos and splat files, value by value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.lib.recfunctions import structured_to_unstructured
+from numpy.typing import NDArray
+
+from app.pictures import read_image
+from renderer.ply_elements import read_ply
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Over all values of both files."""
+
+    largest: float = 0.0
+    """Absolute, in the file's own units: grey levels of a picture or a video."""
+    share: float = 0.0
+    """Of the values that are not the same, in [0, 1]."""
+    scale: float | None = None
+    """The largest value that the type holds; None for floats."""
+    unlike: str = ""
+    """How they cannot be compared: another size, type or number of frames."""
+
+    @property
+    def is_none(self) -> bool:
+        return not self.unlike and self.share == 0
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        if self.unlike:
+            return f"differs, {self.unlike}"
+        most = f"{self.largest:.4g}" + (f" of {self.scale:.0f}" if self.scale else "")
+        return f"differs in {100 * self.share:.3g} % of its values, by {most} at most"
+
+
+def difference(first: Path, second: Path) -> Difference:
+    """Of two files with the same suffix."""
+    largest, changed, count, scale = 0.0, 0, 0, None
+    for place, (one, other) in enumerate(zip_longest(_arrays(first), _arrays(second))):
+        if one is None or other is None:
+            return Difference(unlike=f"one of the two ends after {place} frames")
+        if (one.shape, one.dtype) != (other.shape, other.dtype):
+            return Difference(
+                unlike=f"{one.dtype} of shape {one.shape} became {other.dtype} of shape {other.shape}"
+            )
+        scale = float(np.iinfo(one.dtype).max) if one.dtype.kind == "u" else None
+        apart = one.astype(np.float64) - other
+        unequal = (one != other) & ~(np.isnan(one) & np.isnan(other))
+        largest = max(largest, float(np.nanmax(np.abs(apart), initial=0.0)))
+        changed, count = changed + int(unequal.sum()), count + one.size
+    return Difference(largest, changed / max(count, 1), scale)
+
+
+def _arrays(path: Path) -> Iterator[Array]:
+    suffix = path.suffix.lower()
+    if suffix == ".ply":
+        elements = read_ply(path.read_bytes()).elements
+        return (structured_to_unstructured(element.rows) for element in elements)
+    return _frames(path) if suffix == ".mp4" else iter((read_image(path),))
+
+
+def _frames(path: Path) -> Iterator[Array]:
+    capture = cv2.VideoCapture(str(path))
+    try:
+        while True:
+            more, frame = capture.read()
+            if not more:
+                return
+            yield np.asarray(frame)
+    finally:
+        capture.release()

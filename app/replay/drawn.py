@@ -1,0 +1,143 @@
+"""Pictures, depth, videos and splat files of a model, made again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pydantic import ConfigDict, TypeAdapter
+from pydantic.dataclasses import dataclass
+
+from app.atomic import write_bytes
+from app.drawers import Draw, Renderer, drawer
+from app.drawing import Drawn, colored_depth
+from app.errors import UserError
+from app.pictures import ArrayImage, write_image
+from app.provenance import strict_json, write_sidecar
+from app.replay.recorded import Facts, again
+from app.replay.sources import Named, NamedRun, Sources
+from app.scene import Scene, open_scene
+from app.video import write_video
+from renderer.camera import Camera
+from renderer.splat_files.inria_ply import ply_bytes
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class SceneFacts:
+    """Which model: of a run, or of a file of splats."""
+
+    run: NamedRun | None = None
+    splats: Named | None = None
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class ViewFacts:
+    """When, and from where it is seen."""
+
+    time: float
+    camera: dict[str, Any]
+    near: float
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class RenderFacts:
+    """What draws it."""
+
+    renderer: str
+    background: tuple[float, float, float] | None = (0.0, 0.0, 0.0)
+    """None: alpha says where nothing is."""
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class VideoFacts:
+    """What it takes to draw all frames."""
+
+    frames_per_second: float
+    moments: tuple[ViewFacts, ...]
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class MomentFacts:
+    """When."""
+
+    time: float
+
+
+SCENE, VIEW, RENDER = TypeAdapter(SceneFacts), TypeAdapter(ViewFacts), TypeAdapter(RenderFacts)
+VIDEO, MOMENT = TypeAdapter(VideoFacts), TypeAdapter(MomentFacts)
+
+
+def scene_of(facts: Facts, sources: Sources) -> Scene:
+    """Raises UserError or pydantic.ValidationError."""
+    named = SCENE.validate_python(facts)
+    if named.run is not None:
+        return open_scene(sources.find_run(named.run).path)
+    if named.splats is not None:
+        return open_scene(sources.find(named.splats))
+    raise UserError(
+        f"expected the run or the file of splats that it was made of, got neither: {sources.file}"
+    )
+
+
+def drawer_of(facts: Facts) -> tuple[Draw, str]:
+    """The kind of renderer that drew, as it is here. Raises UserError or pydantic.ValidationError."""
+    said = RENDER.validate_python(facts).renderer
+    kinds: dict[str, Renderer] = {"OpenGL": "gl", "float64": "reference"}
+    return drawer(next((kind for word, kind in kinds.items() if said.startswith(word)), "cpu"))
+
+
+def drawn(scene: Scene, facts: Facts, draw: Draw) -> Drawn:
+    """Raises UserError or pydantic.ValidationError."""
+    view = VIEW.validate_python(facts)
+    return draw(scene.model.at(view.time), _camera(view), view.near, scene.mode)
+
+
+def remake_render(facts: Facts, sources: Sources, target: Path) -> str:
+    """Raises UserError or pydantic.ValidationError."""
+    draw, name = drawer_of(facts)
+    picture = drawn(scene_of(facts, sources), facts, draw)
+    transparent = RENDER.validate_python(facts).background is None
+    write_image(target, picture.straight if transparent else picture.bytes, again(facts))
+    return name
+
+
+def remake_depth(facts: Facts, sources: Sources, target: Path) -> str:
+    """As numbers or in colours. Raises UserError or pydantic.ValidationError."""
+    draw, name = drawer_of(facts)
+    depth = drawn(scene_of(facts, sources), facts, draw).depth
+    write_image(target, depth if target.suffix == ".npy" else colored_depth(depth)[0], again(facts))
+    return name
+
+
+def remake_video(facts: Facts, sources: Sources, target: Path) -> str:
+    """Raises UserError or pydantic.ValidationError."""
+    video, scene = VIDEO.validate_python(facts), scene_of(facts, sources)
+    if not video.moments:
+        raise UserError(f"expected at least one frame, got none: {sources.file}")
+    draw, name = drawer_of(facts)
+
+    def frames() -> Iterator[ArrayImage]:
+        for view in video.moments:
+            yield draw(scene.model.at(view.time), _camera(view), view.near, scene.mode).bytes
+
+    write_video(target, frames(), video.frames_per_second)
+    write_sidecar(target, again(facts))
+    return name
+
+
+def remake_splats(facts: Facts, sources: Sources, target: Path) -> None:
+    """Raises UserError or pydantic.ValidationError."""
+    scene, time = scene_of(facts, sources), MOMENT.validate_python(facts).time
+    raw = scene.model.motion.moved(scene.model.raw, time)
+    comment = f"vesselsplat {json.dumps(json.loads(strict_json(again(facts))))}"
+    write_bytes(target, ply_bytes(raw, scene.mode, [comment]))
+
+
+def _camera(view: ViewFacts) -> Camera:
+    """Raises UserError for what is none."""
+    try:
+        return Camera.from_json(view.camera)
+    except (KeyError, TypeError, ValueError) as error:
+        raise UserError(f"expected a camera in the provenance, got a damaged one: {error}") from error

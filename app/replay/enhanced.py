@@ -1,0 +1,89 @@
+"""Enhanced pictures and videos, made again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+from pydantic import ConfigDict, TypeAdapter
+from pydantic.dataclasses import dataclass
+
+from app.errors import UserError
+from app.methods import METHODS, LookEnhancer, apply
+from app.pictures import ArrayImage, write_image
+from app.provenance import write_sidecar
+from app.replay.recorded import Facts, again
+from app.replay.sources import Named, Sources
+from app.run_folder import RecordedLook
+from app.series import Series, open_series
+from app.video import write_video
+from enhance import Statistics
+from enhance.surround import inside
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class EnhancedFacts:
+    """What an enhanced picture says of itself, as far as its pixels depend on it."""
+
+    source: Named
+    frame: int | None
+    """Of a video."""
+    method: str
+    params: RecordedLook | None
+    pixels: Literal["all", "tissue"]
+    statistics: Statistics | None
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class VideoFacts:
+    """What an enhanced video says of itself."""
+
+    frames_per_second: float
+    pictures: tuple[EnhancedFacts, ...]
+
+
+PICTURE = TypeAdapter(EnhancedFacts)
+VIDEO = TypeAdapter(VideoFacts)
+
+
+def remake_enhanced(facts: Facts, sources: Sources, target: Path) -> None:
+    """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
+    picture = PICTURE.validate_python(facts)
+    series = open_series(sources.find(picture.source))
+    write_image(target, _enhanced(picture, series, LookEnhancer()), again(facts))
+
+
+def remake_enhanced_video(facts: Facts, sources: Sources, target: Path) -> None:
+    """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
+    video = VIDEO.validate_python(facts)
+    if not video.pictures:
+        raise UserError(f"expected at least one frame, got none: {sources.file}")
+    enhancer = LookEnhancer()
+
+    @lru_cache(maxsize=1)
+    def opened(source: Named) -> Series:
+        return open_series(sources.find(source))
+
+    def frames() -> Iterator[ArrayImage]:
+        for picture in video.pictures:
+            yield _enhanced(picture, opened(picture.source), enhancer)
+
+    first = opened(video.pictures[0].source)
+    like = first.sources[0] if first.is_video else None
+    write_video(target, frames(), video.frames_per_second, like=like)
+    write_sidecar(target, again(facts))
+
+
+def _enhanced(picture: EnhancedFacts, series: Series, enhancer: LookEnhancer) -> ArrayImage:
+    """Statistics of the picture alone are measured again; those of all pictures together are taken over."""
+    frame = picture.frame or 0
+    if picture.method not in METHODS or not 0 <= frame < len(series):
+        raise UserError(
+            f"expected one of {len(series)} frames and a known method, got {picture.method} of {frame}"
+        )
+    image = series.read(frame)
+    pooled = picture.statistics if picture.statistics and picture.statistics.scope != "image" else None
+    mask = inside([image]) if pooled is None and picture.pixels == "tissue" else None
+    return apply(picture.method, picture.params, image, mask, pooled, enhancer).image

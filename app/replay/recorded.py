@@ -1,0 +1,57 @@
+"""What an exported file says of itself: inside a PNG or PLY file, beside any other."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from app.errors import UserError
+from app.provenance import KEYWORD, provenance, read_provenance
+from renderer.ply_elements import PlyError, read_ply
+
+Facts = dict[str, Any]
+HEAD = ("app", "version", "libraries", "schema", "utc", "notice")
+
+
+def recorded(path: Path) -> Facts:
+    """Raises UserError: no such file, or nothing that VesselSplat wrote about it."""
+    if not path.is_file():
+        raise UserError(f"expected a file that VesselSplat wrote, got no such file: {path}")
+    if path.suffix.lower() == ".png":
+        return read_provenance(path)
+    return _in_comment(path) if path.suffix.lower() == ".ply" else _beside(path)
+
+
+def again(facts: Facts) -> Facts:
+    """The provenance of the file made again: the same facts below this version and this hour."""
+    return provenance(**{name: value for name, value in facts.items() if name not in HEAD})
+
+
+def _in_comment(path: Path) -> Facts:
+    try:
+        comments = read_ply(path.read_bytes()).comments
+    except PlyError as error:
+        raise UserError(f"{error}: {path}") from error
+    for comment in comments:
+        word, _, text = comment.partition(" ")
+        if word == KEYWORD:
+            return _parsed(text, path)
+    raise UserError(f"expected a PLY file written by VesselSplat, found no provenance in {path}")
+
+
+def _beside(path: Path) -> Facts:
+    sidecar = path.with_name(f"{path.name}.json")
+    if not sidecar.is_file():
+        raise UserError(f"expected {sidecar.name} beside {path.name}, which holds its provenance: {path}")
+    return _parsed(sidecar.read_text(encoding="utf-8", errors="replace"), sidecar)
+
+
+def _parsed(text: str, path: Path) -> Facts:
+    try:
+        facts = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise UserError(f"expected the JSON of a provenance, got other text: {path}") from error
+    if not isinstance(facts, dict):
+        raise UserError(f"expected a JSON object, got {type(facts).__name__}: {path}")
+    return facts

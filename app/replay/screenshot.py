@@ -1,0 +1,64 @@
+"""What the window showed, made again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import ConfigDict, TypeAdapter
+from pydantic.dataclasses import dataclass
+
+from app.errors import UserError
+from app.gui.enhancing import PictureMaker, PictureRequest, Scope
+from app.gui.export import Panel, picture_panels, sheet, view_panel
+from app.provenance import write_png
+from app.replay.drawn import drawer_of, drawn, scene_of
+from app.replay.recorded import Facts, again
+from app.replay.sources import Named, Sources
+from app.run_folder import RecordedLook
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.sources import open_clip
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class FrameFacts:
+    """Which frame."""
+
+    index: int
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class PairFacts:
+    """What the two pictures say of themselves."""
+
+    source: Named
+    frame: FrameFacts
+    params: RecordedLook | None = None
+    scope: Scope = "image"
+    tissue_only: bool = False
+    clip_options: ClipOptions = DEFAULTS
+
+
+PAIR = TypeAdapter(PairFacts)
+
+
+def remake_screenshot(facts: Facts, sources: Sources, target: Path) -> str | None:
+    """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
+    panels: list[Panel] = []
+    if "source" in facts:
+        panels += _pair(PAIR.validate_python(facts), sources)
+    name = None
+    if "view" in facts:
+        view = facts["view"]
+        draw, name = drawer_of(view)
+        scene = scene_of(view, sources)
+        panels.append(view_panel(scene.name, drawn(scene, view, draw).bytes))
+    write_png(target, sheet(panels), again(facts))
+    return name
+
+
+def _pair(facts: PairFacts, sources: Sources) -> list[Panel]:
+    clip = open_clip(sources.find(facts.source), facts.clip_options)
+    if not 0 <= facts.frame.index < len(clip):
+        raise UserError(f"expected one of {len(clip)} frames, got {facts.frame.index}: {clip.path}")
+    request = PictureRequest(clip, facts.frame.index, facts.params, facts.scope, facts.tissue_only)
+    return picture_panels(list(PictureMaker().make(request))[-1])

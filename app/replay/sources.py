@@ -1,0 +1,81 @@
+"""Where the sources of an exported file lie now: known by name, recognised by their bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass
+
+from app.errors import UserError
+from app.provenance import digest
+from app.run_folder import RunFolder
+from assets import phantom_path
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class Named:
+    """A file or folder, as provenance names it."""
+
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class NamedRun:
+    """A run folder, as provenance names it."""
+
+    name: str
+    model_sha256: str | None
+    """None: the model was still being trained."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Looks for them beside the file, in the current folder, and where it is told to."""
+
+    file: Path
+    given: tuple[Path, ...] = ()
+
+    def find(self, named: Named) -> Path:
+        """The file or folder with these bytes. Raises UserError: missing, or its bytes have changed."""
+        return self._found(named.name, named.sha256, digest)
+
+    def find_run(self, run: NamedRun) -> RunFolder:
+        """The run with this model. Raises UserError: missing, with another model, or never finished."""
+        if run.model_sha256 is None:
+            raise UserError(
+                f"{self.file.name} shows {run.name} while it was being trained: that model is gone"
+            )
+        return RunFolder(self._found(run.name, run.model_sha256, _digest_of_model))
+
+    def _found(self, name: str, sha256: str, digest_of: Callable[[Path], str]) -> Path:
+        candidates = list(dict.fromkeys(path.absolute() for path in self._candidates(name)))
+        for path in candidates:
+            if digest_of(path) == sha256:
+                return path
+        if not candidates:
+            raise UserError(
+                f"expected the source {name} beside {self.file.name}, in the current folder or by --source, "
+                "found none"
+            )
+        shown = candidates[0]
+        raise UserError(
+            f"the source has changed since {self.file.name} was made: expected SHA-256 {sha256[:12]}…, "
+            f"got {digest_of(shown)[:12]}…: {shown}"
+        )
+
+    def _candidates(self, name: str) -> Iterator[Path]:
+        """What is there under this name; a source that is given may have another one."""
+        for path in self.given:
+            yield path / name if (path / name).exists() else path
+        for folder in (self.file.absolute().parent, Path.cwd(), phantom_path().parent):
+            path = folder / name
+            if path.exists() and path != self.file.absolute():
+                yield path
+
+
+def _digest_of_model(path: Path) -> str:
+    run = RunFolder(path)
+    return digest(run.model_path) if run.is_finished else "no finished run"

@@ -1,0 +1,205 @@
+"""`vesselsplat replay`: the same pixels again from what a file says of itself, and what is said when not."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.gui.enhancing import PictureMaker, PictureRequest, Scope
+from app.gui.export import SaveRequest, save_picture
+from app.gui.opening import OpenRequest, open_path
+from app.gui.orbit import Orbit
+from app.pictures import read_image
+from app.provenance import read_provenance, write_png
+from app.replay import replay
+from app.replay.difference import difference
+from assets import phantom_path
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from renderer.sources import open_clip
+from tests.app.conftest import Call
+
+Cli = Callable[..., Call]
+
+
+def changed(path: Path, **facts: object) -> None:
+    """Write other facts into a picture, whose pixels stay."""
+    write_png(path, read_image(path), read_provenance(path) | facts)
+
+
+@pytest.mark.parametrize(
+    "flags",
+    [
+        (),
+        ("--z", "0.3", "--p", "0.4", "0.5", "0.6", "--d-factor", "2"),
+        ("--statistics", "clip", "--pixels", "tissue"),
+        ("--pixels", "tissue"),
+        ("--method", "vessel", "--strength", "1.5"),
+        ("--method", "clahe"),
+    ],
+)
+def test_enhanced_pictures_come_again(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...]
+) -> None:
+    assert vesselsplat("enhance", folder, tmp_path / "out", *flags).code == 0
+    for name in ("0.png", "2.png"):
+        call = vesselsplat("replay", tmp_path / "out" / name, "--source", folder)
+        assert (call.code, call.error) == (0, "")
+        assert call.out.endswith(": identical\n")
+
+
+@pytest.mark.parametrize("suffix", [".tiff", ".jpg", ".npy"])
+def test_other_formats_come_again_by_the_file_beside_them(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, suffix: str
+) -> None:
+    out, again = folder / f"out{suffix}", tmp_path / f"again{suffix}"
+    assert vesselsplat("enhance", folder / "1.png", out).code == 0
+    assert vesselsplat("replay", out, "--out", again).code == 0
+    assert np.array_equal(read_image(again), read_image(out))
+    assert vesselsplat("replay", again, "--source", folder).code == 0
+
+
+def test_an_enhanced_video_comes_again(folder: Path, vesselsplat: Cli) -> None:
+    out = folder.parent / "out.mp4"
+    assert vesselsplat("enhance", folder, out, "--statistics", "clip").code == 0
+    call = vesselsplat("replay", out, "--source", folder)
+    assert (call.code, call.error) == (0, "")
+    second = folder.parent / "twice.mp4"
+    assert vesselsplat("enhance", out, second).code == 0
+    assert vesselsplat("replay", second, "--json").code == 0
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("renderer", ["cpu", "gl"])
+def test_renders_and_depth_come_again(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, renderer: str
+) -> None:
+    flags = ("--frames", 3, "--depth", "--with", renderer, *(["--transparent"] if renderer == "gl" else []))
+    assert vesselsplat("render", runs["enhanced"], "--out", tmp_path, *flags).code == 0
+    for name in ("frame-000003.png", "frame-000003-depth.png", "frame-000003-depth.npy"):
+        call = vesselsplat("replay", tmp_path / name, "--source", runs["enhanced"], "--json")
+        assert (call.code, call.error) == (0, "")
+        assert json.loads(call.out)["identical"]
+
+
+def test_exports_come_again(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    video, ply = tmp_path / "a.mp4", tmp_path / "frame-000004.ply"
+    flags = ("--ply", tmp_path, "--video", video, "--frames", 2, 4)
+    assert vesselsplat("export", runs["original"], *flags).code == 0
+    for path in (video, ply):
+        call = vesselsplat("replay", path, "--source", runs["original"].parent)
+        assert (call.code, call.error) == (0, "")
+    assert vesselsplat("render", ply, "--out", tmp_path, "--size", 64, 48).code == 0
+    call = vesselsplat("replay", tmp_path / "frame-000000.png")  # The splat file lies beside it.
+    assert (call.code, call.error) == (0, "")
+
+
+@pytest.mark.parametrize("params", [None, EnhanceParams(d_factor=0.5), VesselParams(lift=0.4)])
+@pytest.mark.parametrize("scope", ["image", "clip"])
+def test_a_screenshot_comes_again(
+    runs: dict[str, Path], tmp_path: Path, params: EnhanceParams | VesselParams | None, scope: Scope
+) -> None:
+    clip = open_clip(phantom_path())
+    (pictures,) = list(PictureMaker().make(PictureRequest(clip, 3, params, scope, tissue_only=True)))[-1:]
+    (opened,) = open_path(OpenRequest(runs["original"]))
+    assert opened.run is not None
+    assert opened.run.model is not None
+    view = opened.run.model.view(0.3, Orbit(yaw=0.1), (70, 50))
+    (saved,) = save_picture(SaveRequest(tmp_path / "pictures", pictures, view))
+    again = tmp_path / "again.png"
+    assert replay(saved.path, (runs["original"],), again).difference.is_none
+    assert np.array_equal(read_image(again), read_image(saved.path))
+
+
+def test_a_changed_parameter_is_found_out(folder: Path, vesselsplat: Cli) -> None:
+    out = folder / "out.png"
+    assert vesselsplat("enhance", folder / "1.png", out, "--z", "0.3").code == 0
+    facts = read_provenance(out)
+    changed(out, params=facts["params"] | {"z": 0.35})
+    call = vesselsplat("replay", out, "--json")
+    assert call.code == 2
+    assert call.error.count("\n") == 1
+    assert "has been changed since" in call.error
+    found = json.loads(call.out)
+    assert not found["identical"]
+    assert found["replayed"]["difference"]["largest"] >= 1
+
+
+def test_another_version_and_driver_are_named(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    assert vesselsplat("render", runs["original"], "--out", tmp_path, "--frames", 3).code == 0
+    path = tmp_path / "frame-000003.png"
+    image = read_image(path)
+    image[0, 0] ^= 1
+    facts = read_provenance(path)
+    libraries = facts["libraries"] | {"numba": "0.1"}
+    write_png(path, image, facts | {"version": "0.0.1", "renderer": "numba", "libraries": libraries})
+    call = vesselsplat("replay", path, "--source", runs["original"])
+    assert call.code == 2
+    for words in ("VesselSplat 0.0.1, here ", "numba 0.1, here ", "renderer numba, here numba on the CPU"):
+        assert words in call.error
+    assert "by 1 of 255 at most" in call.error
+
+
+def test_a_missing_or_changed_source_is_one_line(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    out = tmp_path / "out" / "1.png"
+    assert vesselsplat("enhance", folder / "1.png", out).code == 0
+    call = vesselsplat("replay", out)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert "expected the source 1.png beside" in call.error
+    cv2.imwrite(str(folder / "1.png"), np.zeros((4, 4, 3), np.uint8))
+    call = vesselsplat("replay", out, "--source", folder)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert "has changed since 1.png was made" in call.error
+
+
+def test_a_source_is_known_by_its_bytes(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    out = tmp_path / "out.png"
+    assert vesselsplat("enhance", folder / "1.png", out).code == 0
+    moved = Path(shutil.move(folder / "1.png", tmp_path / "another name.png"))
+    assert vesselsplat("replay", out, "--source", moved).code == 0
+
+
+def test_what_cannot_be_made_again_is_one_line(
+    folder: Path, runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    out = folder / "out.png"
+    assert vesselsplat("enhance", folder / "1.png", out).code == 0
+    facts = read_provenance(out)
+    cases: list[tuple[dict[str, object], str]] = [
+        ({"kind": "poster"}, "got kind poster"),
+        ({"params": facts["params"] | {"z": 7}}, "says of itself"),
+        ({"source": {"name": "1.png"}}, "sha256"),
+        ({"method": "magic"}, "magic"),
+    ]
+    for wrong, said in cases:
+        changed(out, **facts | wrong)
+        call = vesselsplat("replay", out)
+        assert (call.code, call.error.count("\n")) == (2, 1)
+        assert said in call.error
+    for path in (folder / "0.png", folder / "none.png", runs["original"] / "run.json"):
+        call = vesselsplat("replay", path)
+        assert (call.code, call.error.count("\n")) == (2, 1)
+    changed(out, **facts)
+    for target in (out, tmp_path / "again.jpg"):
+        call = vesselsplat("replay", out, "--out", target)
+        assert (call.code, "--out" in call.error) == (2, True)
+
+
+def test_difference_counts_values_and_frames(tmp_path: Path) -> None:
+    one, other = np.zeros((4, 5, 3)), np.zeros((4, 5, 3))
+    one[0, 0, 0] = other[0, 0, 0] = np.nan
+    other[1, 1, 1] = 0.5
+    for name, array in (("a", one), ("b", other), ("c", np.zeros((5, 4, 3)))):
+        np.save(tmp_path / f"{name}.npy", array)
+    a, b, c = (tmp_path / f"{name}.npy" for name in "abc")
+    assert difference(a, a).is_none
+    assert (difference(a, b).largest, difference(a, b).share) == (0.5, 1 / 60)
+    assert "shape" in difference(a, c).text
