@@ -18,6 +18,7 @@ COMMANDS = {
     "gui": "open the app, on a clip, image, video or run when one is given",
     "demo": "phantom clip: enhance, train, render, compare sheet and report",
     "enhance": "enhance the vessels of an image, a folder of images or a video",
+    "tune": "try a grid of settings on a picture, and measure each",
     "train": "reconstruct a clip as dynamic 3D Gaussians",
     "render": "draw the frames of a finished run, or a file of splats",
     "export": "splat files, a video or camera poses of a finished run, for other programs",

@@ -19,6 +19,7 @@ from app.replay.enhanced import remake_enhanced, remake_enhanced_video
 from app.replay.recorded import Facts, recorded
 from app.replay.screenshot import remake_screenshot
 from app.replay.sources import Sources
+from app.replay.tuned import remake_tuning_sheet
 
 Remake = Callable[[Facts, Sources, Path], str | None]
 """What a file says of itself and where its sources lie, to the file made again at a path; it tells the
@@ -33,6 +34,7 @@ KINDS: Final[Mapping[str, Remake]] = MappingProxyType(
         "render video": remake_video,
         "splats": remake_splats,
         "screenshot": remake_screenshot,
+        "tuning sheet": remake_tuning_sheet,
     }
 )
 

@@ -1,0 +1,198 @@
+"""`vesselsplat tune INPUT --vary NAME=FROM:TO:COUNT --out DIR`: a grid of settings, seen and measured."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from rich.table import Table
+
+from app.arguments import add_fields, parameters
+from app.atomic import filled
+from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
+from app.contact_sheet import columns_of, contact_sheet, tile
+from app.errors import UserError
+from app.methods import PAPER, VESSEL, Look
+from app.pictures import ArrayImage, write_image
+from app.progress import progress
+from app.provenance import provenance, source, strict_json, write_png
+from app.series import open_series
+from app.sheet import Tile
+from app.terminal import table_terminal
+from app.tuning import DEFINITIONS, METRICS, Axis, Cell, Measures, Setting, axis, ranked, settings, tried
+from enhance import EnhanceParams, ImageError
+from enhance.image import BoolImage
+from enhance.surround import inside
+from enhance.vessel import VesselParams
+
+LOOKS: dict[str, type[Look]] = {PAPER: EnhanceParams, VESSEL: VesselParams}
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("input", metavar="INPUT", type=Path, help="picture, folder of pictures or video")
+    parser.add_argument(
+        "--vary",
+        action="append",
+        required=True,
+        metavar="NAME=FROM:TO:COUNT|NAME=VALUE,VALUE",
+        help="a parameter and its values, such as d_factor=0:2:5 or z=auto,0.3; give it again for a grid",
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
+    parser.add_argument("--frame", type=int, default=0, metavar="I", help="of a folder or video (default 0)")
+    parser.add_argument("--sort", choices=METRICS, help="best first by this measure (default: as varied)")
+    parser.add_argument("--method", choices=LOOKS, default=PAPER, help=f"default {PAPER}")
+    parser.add_argument(
+        "--pixels",
+        choices=("all", "tissue"),
+        default="all",
+        help="measured for automatic values (default all)",
+    )
+    group = parser.add_argument_group("what stays the same", "of either method; see enhance --help")
+    names = [name for name in VESSEL_FIELDS if name not in FIELDS]
+    add_fields(cast(argparse.ArgumentParser, group), EnhanceParams, FIELDS)
+    add_fields(cast(argparse.ArgumentParser, group), VesselParams, names)
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """The picture that is tuned on, and what every file says about it."""
+
+    image: ArrayImage
+    tissue: BoolImage | None
+    facts: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A cell once its picture is written."""
+
+    output: str
+    setting: Setting
+    tile: Tile
+    measures: Measures
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        return {"output": self.output, "label": self.setting.label, "params": self.setting.params} | asdict(
+            self.measures
+        )
+
+
+def run(flags: argparse.Namespace) -> None:
+    base = _base(flags)
+    axes = [axis(text, type(base)) for text in flags.vary]
+    wanted, origin = settings(base, axes), _origin(flags)
+    with filled(flags.out) as staging:
+        rows = _tried(staging, origin, wanted)
+        rows = (
+            [rows[place] for place in ranked([row.measures for row in rows], flags.sort)]
+            if flags.sort
+            else rows
+        )
+        report = _write_summary(staging, origin, axes, rows, flags.sort)
+    if flags.json:
+        sys.stdout.write(strict_json(report) + "\n")
+    else:
+        _print(rows)
+        sys.stdout.write(f"{flags.out}: sheet.png, tuning.csv, tuning.json and {len(rows)} pictures\n")
+
+
+def _base(flags: argparse.Namespace) -> Look:
+    """What the varied parameters start from. Raises UserError for flags of the other method."""
+    for name in (*FIELDS, *VESSEL_FIELDS):
+        if name in flags and name not in OWN_FIELDS[flags.method]:
+            raise UserError(f"--{name.replace('_', '-')} does nothing with --method {flags.method}")
+    return parameters(LOOKS[flags.method], flags)
+
+
+def _origin(flags: argparse.Namespace) -> Origin:
+    series = open_series(flags.input)
+    if not 0 <= flags.frame < len(series):
+        raise UserError(f"--frame: expected 0 to {len(series) - 1}, got {flags.frame}: {flags.input}")
+    image, path = series.read(flags.frame), series.sources[flags.frame]
+    frame = flags.frame if series.is_video else None
+    try:
+        tissue = inside([image]) if flags.pixels == "tissue" else None
+    except ImageError as error:
+        raise UserError(f"{error}: {path}") from error
+    facts = {"source": source(path), "frame": frame, "method": flags.method, "pixels": flags.pixels}
+    return Origin(image, tissue, facts)
+
+
+def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]:
+    """Write each picture as it comes; the rows in the order of the grid."""
+    rows: dict[Setting, Row] = {}
+    places = {setting: place for place, setting in enumerate(wanted)}
+    suffix = ".tiff" if origin.image.dtype.kind == "f" else ".png"
+    with progress("tune", len(wanted)) as report:
+        try:
+            for cell in tried(origin.image, wanted, origin.tissue):
+                name = f"setting-{places[cell.setting]:03d}{suffix}"
+                write_image(folder / name, cell.image, provenance(**_cell_facts(origin, cell)))
+                rows[cell.setting] = Row(name, cell.setting, tile(cell), cell.measures)
+                report(len(rows), cell.setting.label)
+        except ImageError as error:
+            raise UserError(f"{error}: {origin.facts['source']['name']}") from error
+    return [rows[setting] for setting in wanted]
+
+
+def _cell_facts(origin: Origin, cell: Cell) -> dict[str, Any]:
+    own = {"params": cell.setting.params, "statistics": cell.statistics, "measures": cell.measures}
+    return {"kind": "enhanced picture"} | origin.facts | own
+
+
+def _write_summary(
+    folder: Path, origin: Origin, axes: Sequence[Axis], rows: Sequence[Row], sort: str | None
+) -> dict[str, Any]:
+    """The sheet, the table and all of it as JSON, which is returned."""
+    title = f"{origin.facts['source']['name']}: " + ", ".join(one.name for one in axes)
+    title += f", best {sort} first" if sort else ""
+    columns = columns_of([len(one.values) for one in axes], in_order=sort is None)
+    shown = [{"label": row.setting.label, "params": row.setting.params} for row in rows]
+    facts = origin.facts | {"title": title, "columns": columns, "settings": shown}
+    picture = contact_sheet(title, [row.tile for row in rows], columns)
+    write_png(folder / "sheet.png", picture, provenance(kind="tuning sheet", **facts))
+    (folder / "tuning.csv").write_bytes(_table(axes, rows))
+    report = provenance(
+        **origin.facts,
+        axes=axes,
+        sort=sort,
+        cells=[row.facts for row in rows],
+        definitions=dict(DEFINITIONS),
+    )
+    (folder / "tuning.json").write_bytes(strict_json(report, indent=2).encode())
+    return report
+
+
+def _table(axes: Sequence[Axis], rows: Sequence[Row]) -> bytes:
+    """CSV; an empty field is what could not be measured."""
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(["output", *(one.name for one in axes), *METRICS])
+    for row in rows:
+        values = [one.values[place] for one, place in zip(axes, row.setting.places, strict=True)]
+        measured = [getattr(row.measures, name) for name in METRICS]
+        writer.writerow(
+            [row.output, *map(_plain, values), *(value if value == value else "" for value in measured)]
+        )
+    return text.getvalue().encode()
+
+
+def _plain(value: object) -> object:
+    return "/".join(map(str, value)) if isinstance(value, tuple) else value
+
+
+def _print(rows: Sequence[Row]) -> None:
+    table = Table("setting", *METRICS)
+    for row in rows:
+        table.add_row(row.setting.label, *(f"{getattr(row.measures, name):.4g}" for name in METRICS))
+    console = table_terminal()
+    console.print(table)
+    console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")

@@ -1,0 +1,151 @@
+"""A grid of settings: which cells there are, that each is what the library makes, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.contact_sheet import columns_of
+from app.errors import UserError
+from app.pictures import read_image
+from app.provenance import read_provenance
+from app.tuning import METRICS, Axis, Measures, axis, ranked, settings, tried
+from enhance import EnhanceParams, enhance
+from enhance.metrics import dvbv_otsu, noise_gain
+from enhance.vessel import VesselParams, enhance_vessels
+from enhance.vesselness import field_of_view
+from tests.app.conftest import Call, tissue
+
+Cli = Callable[..., Call]
+
+
+def test_an_axis_is_a_range_or_a_list() -> None:
+    assert axis("d_factor=0:2:5", EnhanceParams) == Axis("d_factor", (0.0, 0.5, 1.0, 1.5, 2.0))
+    assert axis("d-factor=1:1:1", EnhanceParams).values == (1.0,)
+    assert axis("p=auto, 0.5,0.1/0.2/0.3", EnhanceParams).values == ("auto", "0.5", ("0.1", "0.2", "0.3"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["speed=1", "d_factor", "d_factor=", "d_factor=0:1", "d_factor=0:x:3", "d_factor=0:1:0", "z=0:inf:3"],
+)
+def test_a_bad_axis_is_one_line(text: str) -> None:
+    with pytest.raises(UserError, match=r"--vary: expected") as caught:
+        axis(text, EnhanceParams)
+    assert "\n" not in str(caught.value)
+
+
+def test_settings_are_every_combination_of_the_values() -> None:
+    axes = [axis("p=auto,0.5", EnhanceParams), axis("d_factor=0:2:3", EnhanceParams)]
+    made = settings(EnhanceParams(z=0.2), axes)
+    expected = [EnhanceParams(z=0.2, p=p, d_factor=d) for p in (None, 0.5) for d in (0.0, 1.0, 2.0)]
+    assert [setting.params for setting in made] == expected
+    assert (made[-1].places, made[-1].label) == ((1, 2), "p 0.5 · d_factor 2")
+    (joined,) = settings(EnhanceParams(), [axis("radii=4/16", EnhanceParams)])
+    assert (joined.params, joined.label) == (EnhanceParams(radii=(4, 16)), "radii 4/16")
+
+
+@pytest.mark.parametrize(
+    "texts", [(), ("z=0:1:2", "z=0:1:3"), ("z=0:1:21", "d_factor=0:1:20"), ("z=0:2:3",), ("subsample=1:8:3",)]
+)
+def test_impossible_grids_are_one_line(texts: tuple[str, ...]) -> None:
+    with pytest.raises(UserError, match="expected") as caught:
+        settings(EnhanceParams(), [axis(text, EnhanceParams) for text in texts])
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("base", [EnhanceParams(z=0.3), VesselParams(lift=0.4)])
+def test_each_cell_is_what_the_library_makes_of_the_picture(base: EnhanceParams | VesselParams) -> None:
+    """The shared enhancer leaves out work, never a difference."""
+    image = tissue(3)
+    slow = "eps=0.001,0.01" if isinstance(base, EnhanceParams) else "radius=4,9"
+    wanted = settings(base, [axis("d_factor=0:2:3", type(base)), axis(slow, type(base))])
+    cells = list(tried(image, wanted))
+    assert {cell.setting for cell in cells} == set(wanted)
+    # Cells that share what takes longest follow each other.
+    shared = [cell.setting.places[1] for cell in cells]
+    assert shared == sorted(shared)
+    for cell in cells:
+        params = cell.setting.params
+        alone = (
+            enhance(image, params) if isinstance(params, EnhanceParams) else enhance_vessels(image, params)
+        )
+        assert np.array_equal(cell.image, alone.image)
+        assert cell.measures.dv_bv == dvbv_otsu(alone.image).ratio
+        view = field_of_view(image)
+        np.testing.assert_equal(cell.measures.noise_gain, noise_gain(alone.image, image, tissue_mask=view))
+
+
+def test_the_best_comes_first_and_what_was_not_measured_last() -> None:
+    def measures(value: float) -> Measures:
+        return Measures(**dict.fromkeys(METRICS, value))
+
+    cells = [measures(value) for value in (1.0, math.nan, 3.0, 2.0)]
+    assert ranked(cells, "vessel_contrast") == [2, 3, 0, 1]
+    assert ranked(cells, "noise_gain") == [0, 3, 2, 1]
+
+
+def test_two_axes_in_order_are_rows_and_columns() -> None:
+    assert columns_of([3, 5], in_order=True) == 5
+    assert columns_of([3, 5], in_order=False) == 4
+    assert columns_of([1], in_order=True) == 1
+
+
+def test_the_command_writes_pictures_sheet_and_tables(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    out = tmp_path / "out"
+    flags = ("--vary", "d_factor=0:2:2", "--vary", "p=auto,0.5", "--frame", 1, "--z", "0.3", "--json")
+    call = vesselsplat("tune", folder, "--out", out, *flags)
+    assert call.code == 0, call.error
+    report = json.loads(call.out)
+    assert report == json.loads((out / "tuning.json").read_text())
+    assert [cell["label"] for cell in report["cells"]][:2] == ["d_factor 0 · p auto", "d_factor 0 · p 0.5"]
+    for cell in report["cells"]:
+        params = EnhanceParams(**cell["params"])
+        assert params.z == 0.3
+        assert np.array_equal(
+            read_image(out / cell["output"]), enhance(read_image(folder / "1.png"), params).image
+        )
+    rows = list(csv.DictReader((out / "tuning.csv").read_text().splitlines()))
+    assert [row["d_factor"] for row in rows] == ["0.0", "0.0", "2.0", "2.0"]
+    assert [float(row["dv_bv"]) for row in rows] == [cell["dv_bv"] for cell in report["cells"]]
+    assert str(tmp_path) not in json.dumps(report) + json.dumps(read_provenance(out / "sheet.png"))
+    for name in ("sheet.png", "setting-003.png"):
+        again = vesselsplat("replay", out / name, "--source", folder)
+        assert (again.code, again.error) == (0, "")
+
+
+def test_sorted_cells_keep_their_pictures(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    flags = ("--method", "vessel", "--vary", "strength=0:4:3", "--sort", "saturated_share", "--json")
+    call = vesselsplat("tune", folder / "2.png", "--out", tmp_path / "out", *flags)
+    cells = json.loads(call.out)["cells"]
+    shares = [cell["saturated_share"] for cell in cells]
+    assert shares == sorted(shares)
+    for cell in cells:
+        made = read_provenance(tmp_path / "out" / cell["output"])
+        assert made["params"] == cell["params"]
+    assert vesselsplat("replay", tmp_path / "out" / "sheet.png", "--source", folder).code == 0
+
+
+@pytest.mark.parametrize(
+    ("flags", "said"),
+    [
+        (("--vary", "speed=1:2:3"), "expected one of z, p"),
+        (("--vary", "z=0:2:3"), "z: expected"),
+        (("--vary", "z=0:1:3", "--frame", "7"), "--frame"),
+        (("--vary", "z=0:1:3", "--strength", "1"), "--strength"),
+        ((), "--vary"),
+    ],
+)
+def test_a_mistake_is_one_line_and_writes_nothing(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], said: str
+) -> None:
+    call = vesselsplat("tune", folder, "--out", tmp_path / "out", *flags)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert said in call.error
+    assert not (tmp_path / "out").exists()
