@@ -25,7 +25,7 @@ def tile(cell: Cell) -> Tile:
 def measured(measures: Measures) -> str:
     """The three that tell most, in words."""
     contrast, noise = measures.vessel_contrast, measures.noise_gain
-    return f"DV/BV {measures.dv_bv:.3g} · contrast {contrast:.3g} · noise ×{noise:.2g}"
+    return f"DV/BV {measures.dv_bv:.3g} · contrast {contrast:.3g} · noise gain {noise:.2g}"
 
 
 def _small(cell: Cell) -> ByteImage:

@@ -13,8 +13,8 @@ import pytest
 
 from app.gui.enhancing import PictureMaker, PictureRequest, Scope
 from app.gui.export import SaveRequest, save_picture
+from app.gui.free_view import FreeView
 from app.gui.opening import OpenRequest, open_path
-from app.gui.orbit import Orbit
 from app.pictures import read_image
 from app.provenance import read_provenance, write_png
 from app.replay import replay
@@ -110,7 +110,9 @@ def test_a_screenshot_comes_again(
     (opened,) = open_path(OpenRequest(runs["original"]))
     assert opened.run is not None
     assert opened.run.model is not None
-    view = opened.run.model.view(0.3, Orbit(yaw=0.1), (70, 50))
+    model = opened.run.model
+    free = FreeView.of(model.camera_at(0.3)).looked(0.1, 0.02)
+    view = model.view(0.3, free, (70, 50))
     (saved,) = save_picture(SaveRequest(tmp_path / "pictures", pictures, view))
     again = tmp_path / "again.png"
     assert replay(saved.path, (runs["original"],), again).difference.is_none
