@@ -13,31 +13,28 @@ from typing import Literal
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.draw.context import is_software
+from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
-from renderer.projection import ALPHA_CUT
+from renderer.draw.storage import Storage
 from renderer.splats import Float32Array, RenderMode, Splats
 
 Precision = Literal["half", "float"]
 """The target in which colour is blended: 16 bits for the screen, 32 for exports."""
 
-_SPLATS_PER_ROW = 1024
-_TEXELS_PER_SPLAT = 4
 _GUARD_BAND = 0.3
 
 
 class SplatView:
-    """Draws one set of splats into framebuffers of one OpenGL 3.3 context.
+    """Draws one set of splats, at one time or over time, into framebuffers of one OpenGL 3.3 context.
 
     `near` > 0 in scene units: splats at or before it are not drawn. Without a `precision` a GPU blends
     in half floats and a software driver, for which they are no faster and which truncates them, in
-    floats. The splats are sorted, by `keys`, only when they or the depth axis of the camera changed, and
-    coloured again only when they have harmonics and the camera's centre changed. Drawing leaves the OpenGL
-    state as it found it.
+    floats. The splats are sorted, by `keys`, only when they, the time or the depth axis of the camera
+    changed. Drawing leaves the OpenGL state as it found it.
     """
 
     def __init__(
@@ -61,10 +58,10 @@ class SplatView:
         self._color_screen = ctx.vertex_array(self._resolve_color, [])
         self._depth_screen = ctx.vertex_array(self._resolve_depth, [])
         self._targets: dict[Precision, _Target] = {}
-        self._storage = _Storage(ctx, self._program, rows=1)
-        self._splats: Splats | None = None
+        self._storage: Storage | None = None
+        self._keyframes = Keyframes(_NO_SPLATS)
+        self._time = 0.0
         self._mode: RenderMode = "default"
-        self._colored_from: FloatArray | None = None
         self._sorted_along: FloatArray | None = None
         self._visible = 0
 
@@ -75,18 +72,26 @@ class SplatView:
             ValueError: a value that is not finite, naming the field and the first such row, or more
                 splats than a texture holds.
         """
-        _require_finite(splats)
-        rows = max(1, -(-len(splats) // _SPLATS_PER_ROW))
-        most = int(self._ctx.info["GL_MAX_TEXTURE_SIZE"])
-        if rows > most:
-            raise ValueError(f"expected at most {most * _SPLATS_PER_ROW} splats here, got {len(splats)}")
-        if self._storage.records.height != rows:
+        self.upload_keyframes(Keyframes(splats), mode)
+
+    def upload_keyframes(self, keyframes: Keyframes, mode: RenderMode = "default") -> None:
+        """Replace what is drawn by splats that move; the time is that of the first keyframe.
+
+        Raises:
+            ValueError: as `upload`, or more keyframes than a texture has layers.
+        """
+        _require_finite(keyframes)
+        storage = Storage(self._ctx, self._program, keyframes)
+        if self._storage is not None:
             self._storage.release()
-            self._storage = _Storage(self._ctx, self._program, rows)
-        self._storage.records.write(_packed(splats, rows))
-        self._splats = splats
-        self._mode = mode
-        self._colored_from = self._sorted_along = None
+        self._storage, self._keyframes, self._mode = storage, keyframes, mode
+        self._time, self._sorted_along = float(keyframes.times[0]), None
+
+    def seek(self, time: float) -> None:
+        """Draw the splats of `time` in [0, 1] from now on; nothing is uploaded but a new order."""
+        if time != self._time and self._keyframes.offsets:
+            self._sorted_along = None
+        self._time = time
 
     def draw(
         self,
@@ -100,7 +105,6 @@ class SplatView:
         The picture is stored as OpenGL stores images, bottom row first; background is RGB.
         """
         with self._state.preserved():
-            self._color(camera.position)
             target = self._accumulate(_fitted(camera, framebuffer), self._precision, depth_as_color=False)
             self._resolve_color["background"] = background
             self._resolve(target, self._color_screen, framebuffer)
@@ -129,7 +133,6 @@ class SplatView:
     def read_color(self, camera: Camera) -> Float32Array:
         """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first."""
         with self._state.preserved():
-            self._color(camera.position)
             return self._read(camera, depth_as_color=False)
 
     def read_depth(self, camera: Camera) -> Float32Array:
@@ -149,7 +152,8 @@ class SplatView:
         """Give the OpenGL objects back; the view cannot be used afterwards."""
         for target in self._targets.values():
             target.release()
-        self._storage.release()
+        if self._storage is not None:
+            self._storage.release()
         for screen in (self._color_screen, self._depth_screen):
             screen.release()
         for program in (self._program, self._resolve_color, self._resolve_depth):
@@ -160,44 +164,30 @@ class SplatView:
         target = self._target((camera.width, camera.height), precision)
         target.framebuffer.use()
         target.framebuffer.clear()
-        self._sort(camera)
+        if self._storage is None:
+            return target
+        self._sort(camera, self._storage)
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self._aim(camera)
         self._program["depth_as_color"] = depth_as_color
         self._program["compensated"] = self._mode == "mip"
-        self._storage.records.use(0)
+        self._storage.use()
         if self._visible:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)
         return target
 
-    def _color(self, center: FloatArray) -> None:
-        """Write the colours that `center` sees, where that makes a difference."""
-        splats, last = self._splats, self._colored_from
-        if splats is None or not splats.harmonics.size:
-            return
-        if last is not None and np.array_equal(last, center):
-            return
-        self._colored_from = center
-        records = self._storage.records
-        records.write(_packed(splats.seen_from(center), records.height))
-
-    def _sort(self, camera: Camera) -> None:
+    def _sort(self, camera: Camera, storage: Storage) -> None:
         """Write the indices of the visible splats, farthest first."""
-        if self._splats is None:
-            return
         axis = camera.camera_from_world[2]
         if self._sorted_along is not None and np.array_equal(self._sorted_along, axis):
             return
         self._sorted_along = axis
-        depths = self._splats.means @ axis[:3] + axis[3]
-        drawn = (depths > self._near) & (self._splats.opacities >= ALPHA_CUT)
-        visible = np.flatnonzero(drawn).astype(np.uint32)
+        depths = self._keyframes.depths(axis, self._time)
+        visible = np.flatnonzero((depths > self._near) & self._keyframes.drawable).astype(np.uint32)
         self._visible = len(visible)
-        order = visible[depth_order(depths[visible], self._keys)]
-        self._storage.order.orphan()
-        self._storage.order.write(np.ascontiguousarray(order[::-1]))
+        storage.write_order(visible[depth_order(depths[visible], self._keys)][::-1])
 
     def _aim(self, camera: Camera) -> None:
         """Set the camera's uniforms; the slopes are those that the reference clamps to."""
@@ -207,7 +197,9 @@ class SplatView:
         least = (-cx / fx - band_x, -cy / fy - band_y)
         greatest = ((camera.width - cx) / fx + band_x, (camera.height - cy) / fy + band_y)
         pose = camera.camera_from_world
-        self._program["splats_per_row"] = _SPLATS_PER_ROW
+        before, after, share = self._keyframes.between(self._time)
+        self._program["layers"], self._program["share"] = (before, after), share
+        self._program["eye"] = tuple(camera.position.tolist())
         self._program["rotation"] = tuple(pose[:3, :3].T.ravel().tolist())
         self._program["translation"] = tuple(pose[:3, 3].tolist())
         self._program["lens"] = (fx, fy, cx, cy)
@@ -246,21 +238,6 @@ class _Target:
         self.texture.release()
 
 
-class _Storage:
-    """Room for `rows` * 1024 splats: a texture of records, and the order in which they are drawn."""
-
-    def __init__(self, ctx: moderngl.Context, program: moderngl.Program, rows: int) -> None:
-        self.records = ctx.texture((_SPLATS_PER_ROW * _TEXELS_PER_SPLAT, rows), 4, dtype="f4")
-        self.records.filter = moderngl.NEAREST, moderngl.NEAREST
-        self.order = ctx.buffer(reserve=4 * _SPLATS_PER_ROW * rows, dynamic=True)
-        self.quads = ctx.vertex_array(program, [(self.order, "1u4/i", "splat")])
-
-    def release(self) -> None:
-        self.quads.release()
-        self.order.release()
-        self.records.release()
-
-
 def _shader(name: str) -> str:
     return files("renderer.draw").joinpath("shaders", name).read_text(encoding="utf-8")
 
@@ -271,22 +248,22 @@ def _fitted(camera: Camera, framebuffer: moderngl.Framebuffer) -> Camera:
     return camera if (camera.width, camera.height) == (width, height) else camera.resized(width, height)
 
 
-def _require_finite(splats: Splats) -> None:
-    for item in fields(splats):
-        values = getattr(splats, item.name)
-        finite = np.isfinite(values)
+def _require_finite(keyframes: Keyframes) -> None:
+    splats = keyframes.rest
+    values = {item.name: getattr(splats, item.name) for item in fields(splats)}
+    for name, array in values.items():
+        finite = np.isfinite(array)
         if not finite.all():
             place = tuple(np.argwhere(~finite)[0])
-            raise ValueError(f"Splats.{item.name} must be finite, got {values[place]} in row {place[0]}")
+            raise ValueError(f"Splats.{name} must be finite, got {array[place]} in row {place[0]}")
+    for offsets in keyframes.offsets.values():
+        if not np.isfinite(offsets).all():
+            raise ValueError("expected splats that stay finite at every keyframe, got some that do not")
 
 
-def _packed(splats: Splats, rows: int) -> NDArray[np.float32]:
-    """The records as `splat.vert` reads them: (rows * 1024, 16)."""
-    records = np.zeros((rows * _SPLATS_PER_ROW, 4 * _TEXELS_PER_SPLAT), dtype=np.float32)
-    count = len(splats)
-    records[:count, 0:3] = splats.means
-    records[:count, 3] = splats.opacities
-    records[:count, 4:8] = splats.quats
-    records[:count, 8:11] = splats.scales
-    records[:count, 12:15] = splats.colors
-    return records
+def _no_splats() -> Splats:
+    none = np.zeros((0, 3), np.float32)
+    return Splats(none, np.zeros((0, 4), np.float32), none, np.zeros(0, np.float32), none)
+
+
+_NO_SPLATS = _no_splats()

@@ -6,8 +6,17 @@ const float LOW_PASS = 0.3;      // px^2
 const float MARGIN = 0.02;       // px; covers the snapping of corners to the sub-pixel grid
 const float LARGEST = 1e12;      // scene units; flat over any picture, and its square still a float
 
-uniform sampler2D records;       // four texels a splat: mean opacity | quat wxyz | scales - | color -
-uniform int splats_per_row;
+const int ROW = 1024;            // splats in a row of records and offsets
+const int HARMONICS_ROW = 256;
+
+uniform sampler2D records;       // four texels a splat: mean opacity | quat wxyz | scales - | color slot
+uniform sampler2D harmonics;     // `functions` texels a splat
+uniform int functions;
+uniform vec3 eye;                // the camera's centre
+uniform sampler2DArray place_offsets, turn_offsets, size_offsets, paint_offsets;   // a layer a keyframe
+uniform bvec4 moves;             // which of them there are
+uniform ivec2 layers;            // the keyframes before and after
+uniform float share;             // of the way between them
 uniform mat3 rotation;           // camera_from_world
 uniform vec3 translation;
 uniform vec4 lens;               // fx fy cx cy
@@ -21,6 +30,32 @@ in uint splat;
 flat out vec2 center;            // px
 flat out vec3 shape;             // of the covariance (a b; b c): b / a, 1 / a, a / determinant
 flat out vec4 paint;             // rgb, opacity
+
+// What time adds to a texel of the splat in `slot`.
+vec4 offset(sampler2DArray offsets, int slot) {
+    ivec2 at = ivec2(slot % ROW, slot / ROW);
+    vec4 before = texelFetch(offsets, ivec3(at, layers.x), 0);
+    return share > 0.0 ? mix(before, texelFetch(offsets, ivec3(at, layers.y), 0), share) : before;
+}
+
+// What the direction from the eye adds to the colour: the functions of harmonics.py.
+vec3 seen_from(vec3 direction, ivec2 at) {
+    float range = length(direction);
+    vec3 d = range > 0.0 ? direction / range : vec3(0.0);
+    float x = d.x, y = d.y, z = d.z, xx = x * x, yy = y * y, zz = z * z;
+    float values[15] = float[15](
+        -0.4886025119 * y, 0.4886025119 * z, -0.4886025119 * x,
+        1.0925484306 * x * y, -1.0925484306 * y * z, 0.3153915653 * (2.0 * zz - xx - yy),
+        -1.0925484306 * x * z, 0.5462742153 * (xx - yy),
+        -0.5900435899 * y * (3.0 * xx - yy), 2.8906114426 * x * y * z,
+        -0.4570457995 * y * (4.0 * zz - xx - yy), 0.3731763326 * z * (2.0 * zz - 3.0 * (xx + yy)),
+        -0.4570457995 * x * (4.0 * zz - xx - yy), 1.4453057213 * z * (xx - yy),
+        -0.5900435899 * x * (xx - 3.0 * yy));
+    vec3 sum = vec3(0.0);
+    for (int index = 0; index < functions; ++index)
+        sum += values[index] * texelFetch(harmonics, at + ivec2(index, 0), 0).rgb;
+    return sum;
+}
 
 mat3 rotation_from(vec4 quat) {
     vec4 magnitude = abs(quat);
@@ -46,12 +81,24 @@ mat2 half_axes(float a, float b, float c, float determinant, float reach) {
 
 void main() {
     int index = int(splat);
-    ivec2 texel = ivec2(4 * (index % splats_per_row), index / splats_per_row);
+    ivec2 texel = ivec2(4 * (index % ROW), index / ROW);
     vec4 mean_opacity = texelFetch(records, texel, 0);
     vec4 quat = texelFetch(records, texel + ivec2(1, 0), 0);
     vec3 scales = texelFetch(records, texel + ivec2(2, 0), 0).xyz;
+    vec4 color_slot = texelFetch(records, texel + ivec2(3, 0), 0);
+    vec3 color = color_slot.rgb;
+    int slot = int(color_slot.a) - 1;
+    if (slot >= 0) {
+        if (moves.x) mean_opacity += offset(place_offsets, slot);
+        if (moves.y) quat += offset(turn_offsets, slot);
+        if (moves.z) scales += offset(size_offsets, slot).xyz;
+        if (moves.w) color += offset(paint_offsets, slot).rgb;
+    }
     scales = min(abs(scales), vec3(LARGEST));
-    vec3 color = texelFetch(records, texel + ivec2(3, 0), 0).rgb;
+    if (functions > 0) {
+        ivec2 at = ivec2(functions * (index % HARMONICS_ROW), index / HARMONICS_ROW);
+        color += seen_from(mean_opacity.xyz - eye, at);
+    }
 
     vec3 local = rotation * mean_opacity.xyz + translation;
     float opacity = mean_opacity.w;
