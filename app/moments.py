@@ -14,7 +14,9 @@ from app.errors import UserError
 from app.scene import Scene, open_scene
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
+from renderer.view_files import read_views
 
+FRAMES_PER_SECOND = 15.0
 MOST_PIXELS = 16384
 """Each way: the largest framebuffer of common graphics cards."""
 
@@ -47,6 +49,19 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="to see it from: JSON of a camera; or of several, a picture each: cameras.json, transforms.json "
         "or a folder with COLMAP's images.txt",
     )
+    parser.add_argument(
+        "--path",
+        type=Path,
+        metavar="FILE",
+        help="along a camera path of the window, with its poses and times, in place of frames",
+    )
+    parser.add_argument(
+        "--frames-per-second",
+        type=float,
+        default=FRAMES_PER_SECOND,
+        metavar="F",
+        help="of videos and paths (15)",
+    )
     parser.add_argument("--size", type=int, nargs=2, metavar=("W", "H"), help="pixels (default the clip's)")
     parser.add_argument(
         "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
@@ -55,6 +70,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     """The scene, what was repaired of it told on stderr. Raises UserError for what there is not."""
+    if not 0 < flags.frames_per_second <= 1000:
+        raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
     scene = open_scene(flags.scene)
     wanted = list(_moments(flags, scene))
     for notice in scene.notices:
@@ -64,6 +81,9 @@ def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
 
 def _moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
     """Raises UserError for what the scene does not have."""
+    if flags.path:
+        yield from _along(flags)
+        return
     given = _read_cameras(flags.camera) if flags.camera else ()
     fixed = given[0].camera if len(given) == 1 else None
     if flags.time is not None and (flags.frames or not 0 <= flags.time <= 1):
@@ -103,6 +123,21 @@ def _views(given: Sequence[NamedCamera], flags: argparse.Namespace) -> Iterator[
     for place, one in enumerate(given):
         name = re.sub(r"[^\w.-]+", "-", one.name) or "camera"
         yield Moment(f"{place:04d}-{name}", None, flags.time or 0.0, _resized(one.camera, flags.size))
+
+
+def _along(flags: argparse.Namespace) -> Iterator[Moment]:
+    """Evenly along a path. Raises UserError for an empty path, or flags that say otherwise."""
+    for name in ("frames", "time", "camera"):
+        if getattr(flags, name) is not None:
+            raise UserError(f"expected --path without --{name}: it says when and from where")
+    try:
+        path = read_views(flags.path).path
+    except CameraFileError as error:
+        raise UserError(str(error)) from error
+    if not path.keyframes:
+        raise UserError(f"expected a path of at least one keyframe, got none: {flags.path}")
+    for place, key in enumerate(path.moments(flags.frames_per_second)):
+        yield Moment(f"path-{place:06d}", None, key.time, _resized(key.camera, flags.size))
 
 
 def _read_cameras(path: Path) -> tuple[NamedCamera, ...]:

@@ -24,8 +24,6 @@ from app.video import write_video
 from renderer.near_plane import near_plane
 from renderer.splat_files.inria_ply import ply_bytes
 
-FRAMES_PER_SECOND = 15.0
-
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -36,16 +34,11 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
     moments.add_flags(parser)
-    parser.add_argument(
-        "--frames-per-second", type=float, default=FRAMES_PER_SECOND, metavar="F", help="of the video (15)"
-    )
 
 
 def run(flags: argparse.Namespace) -> None:
     if not (flags.ply or flags.video or flags.cameras):
         raise UserError("expected what to export: --ply DIR, --video FILE or --cameras FILE")
-    if not 0 < flags.frames_per_second <= 1000:
-        raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
     scene, wanted = moments.chosen(flags)
     if flags.ply:
         _write_plys(flags.ply, scene, wanted)

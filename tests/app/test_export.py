@@ -15,12 +15,16 @@ from app.drawing import draw_on_cpu
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from app.scene import open_scene
+from renderer.camera import Camera
+from renderer.camera_path import CameraPath, Keyframe
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import near_plane
 from renderer.ply_elements import read_ply
 from renderer.rasterize.cpu import render
+from renderer.rotations import exponential, matrix
 from renderer.splat_files import read_splats
+from renderer.view_files import Views, read_views, views_json
 from tests.app.conftest import Call
 
 Cli = Callable[..., Call]
@@ -151,3 +155,74 @@ def test_cameras_come_back_as_they_went(runs: dict[str, Path], tmp_path: Path, v
     call = vesselsplat("render", runs["original"], "--camera", file, "--frames", 1, "--out", tmp_path / "no")
     assert call.code == 2
     assert "--frames" in call.error
+
+
+SLOWLY = ("--frames-per-second", "8")
+
+
+def path_file(folder: Path, run: Path) -> Path:
+    """From the clip's camera to one nearer and turned, backwards in time."""
+    camera = RunFolder(run).record().camera(0)
+    turned = camera.camera_from_world.copy()
+    turned[:3, :3] = matrix(exponential(np.array([0.0, 0.3, 0.1]))) @ turned[:3, :3]
+    turned[2, 3] -= 5
+    keys = (Keyframe(0.0, 0.9, camera), Keyframe(0.5, 0.25, camera.moved(turned)))
+    file = folder / "path.json"
+    file.write_bytes(views_json(Views(path=CameraPath(keys), unit="mm")))
+    return file
+
+
+def test_a_path_is_filmed_from_its_very_poses_and_times_and_again_the_same(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    file, first, second = path_file(tmp_path, runs["original"]), tmp_path / "a.mp4", tmp_path / "b.mp4"
+    for video in (first, second):
+        call = vesselsplat("export", runs["original"], "--video", video, "--path", file, *SLOWLY)
+        assert call.code == 0, call.error
+    assert first.read_bytes() == second.read_bytes()
+    moments = json.loads((tmp_path / "a.mp4.json").read_text())["moments"]
+    wanted = read_views(file).path.moments(8.0)
+    assert [moment["time"] for moment in moments] == [key.time for key in wanted]
+    assert [Camera.from_json(moment["camera"]) for moment in moments] == [key.camera for key in wanted]
+    assert len(moments) == 5
+
+
+def test_pictures_along_a_path_are_the_model_at_its_moments(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    file = path_file(tmp_path, runs["original"])
+    call = vesselsplat("render", runs["original"], "--out", tmp_path / "out", "--path", file, *SLOWLY)
+    assert call.code == 0, call.error
+    model = RunFolder(runs["original"]).model()
+    for place, key in enumerate(read_views(file).path.moments(8.0)):
+        picture = cv2.imread(str(tmp_path / "out" / f"path-{place:06d}.png"))[..., ::-1]
+        drawn = draw_on_cpu(model.at(key.time), key.camera, near_plane(model, key.camera)).bytes
+        np.testing.assert_array_equal(picture, drawn)
+
+
+@pytest.mark.parametrize(
+    ("content", "flags", "words"),
+    [
+        (None, ("--time", "0.5"), "without --time"),
+        (None, ("--frames", "all"), "without --frames"),
+        (b"{}", (), "format"),
+        (views_json(Views()), (), "at least one keyframe"),
+        (None, ("--frames-per-second", "-1"), "--frames-per-second"),
+    ],
+)
+def test_a_path_that_cannot_be_followed_is_one_line(
+    runs: dict[str, Path],
+    tmp_path: Path,
+    vesselsplat: Cli,
+    content: bytes | None,
+    flags: tuple[str, ...],
+    words: str,
+) -> None:
+    file = path_file(tmp_path, runs["original"])
+    if content is not None:
+        file.write_bytes(content)
+    call = vesselsplat("render", runs["original"], "--out", tmp_path / "out", "--path", file, *flags)
+    assert call.code == 2
+    assert words in call.error
+    assert call.error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
