@@ -101,7 +101,7 @@ def fill_entries(
     slot_starts: NDArray[np.int64],
     tile_starts: NDArray[np.int64],
     entry_splats: NDArray[np.int32],  # out, grouped by tile, front to back in each
-    entry_slots: NDArray[np.int32],  # out: the entry's own place for its gradient sums, grouped by splat
+    slot_entries: NDArray[np.int32],  # out: the entries grouped by splat, row by row
 ) -> None:
     columns = tile_wanted.shape[1]
     cursors = tile_starts[:-1].copy()
@@ -112,7 +112,7 @@ def fill_entries(
                 if tile_wanted[row, column]:
                     tile = row * columns + column
                     place = cursors[tile]
-                    entry_splats[place], entry_slots[place] = n, slot
+                    entry_splats[place], slot_entries[slot] = n, place
                     cursors[tile] = place + 1
                     slot += 1
 

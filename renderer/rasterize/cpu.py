@@ -37,7 +37,7 @@ from renderer.rasterize.tiles import (
     TOTAL,
     blend,
     blend_backward,
-    reduce_slots,
+    reduce_sums,
 )
 from renderer.splats import Float32Array, RenderMode, Splats
 
@@ -96,8 +96,8 @@ class Rasterizer:
 
     def _reserve_entries(self, count: int) -> None:
         self._entry_splats = np.zeros(count, np.int32)
-        self._entry_slots = np.zeros(count, np.int32)
-        self._slots = np.zeros((count, SUM_SIZE), np.float32)
+        self._slot_entries = np.zeros(count, np.int32)
+        self._entry_sums = np.zeros((count, SUM_SIZE), np.float32)
 
     def forward(
         self, splats: Splats, camera: Camera, near: float = NEAR, tile_wanted: BoolArray | None = None
@@ -130,7 +130,7 @@ class Rasterizer:
         order = depth_order(self.records, self.visible)
         fill_entries(
             order, self.wanted, self._rectangles, self._slot_starts, self._tile_starts,
-            self._entry_splats, self._entry_slots,
+            self._entry_splats, self._slot_entries,
         )  # fmt: skip
         self._tile_order = balanced_order(self._tile_starts, get_num_threads())
         blend(
@@ -143,9 +143,9 @@ class Rasterizer:
         """From `adjoint` to the gradient sums of each splat; `visible` then says which have any."""
         blend_backward(
             self.records, self._tile_starts, self._tile_ends, self._tile_order,
-            self._entry_splats, self._entry_slots, self.columns, self.adjoint, self._slots,
+            self._entry_splats, self.columns, self.adjoint, self._entry_sums,
         )  # fmt: skip
-        reduce_slots(self._slots, self._slot_starts, self.visible, self.sums)
+        reduce_sums(self._entry_sums, self._slot_entries, self._slot_starts, self.visible, self.sums)
 
     def backward(self, splats: Splats) -> Gradients:
         """Gradients of the loss described by `adjoint`, for the splats of the last `forward`."""

@@ -1,10 +1,12 @@
 """The hot loops: blending of the tile lists (paper Eq 16) and its gradient, 16 pixels a vector.
 
-The shape of these loops is what makes them fast, so that LLVM turns each `for x` loop into straight
-vector code: one local block of constant shape holds a tile's state, so that its planes cannot overlap;
-the trip count is the constant 16; arithmetic is float32 only; choices are selects, not branches.
-`contract` lets multiplications and additions fuse; sums are never reordered, so that results repeat
-bit for bit whatever the number of threads.
+The shape of these loops is what makes them fast, so that LLVM turns each `for lane` loop into straight
+vector code: a tile is 16 blocks of 4x4 pixels, a block is one vector, and only blocks that a splat's
+rectangle reaches are visited; state lies on the stack, aligned, so that its planes cannot overlap; the trip
+count is the constant 16; arithmetic is float32 only; choices are selects, not branches. Within a block the
+exponent is its value at the corner, its slopes there, and `bend`, the same for all blocks of a splat.
+`contract` lets multiplications and additions fuse; the order of sums is fixed when compiled, so that results
+repeat bit for bit whatever the number of threads.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ from renderer.projection import (
     DEPTH,
     GREEN,
     HALF_HEIGHT,
+    HALF_WIDTH,
     LOG2_OPACITY,
+    RECORD_SIZE,
     RED,
     SUM_BLUE,
     SUM_DEPTH,
@@ -41,6 +45,7 @@ from renderer.projection import (
 )
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.exp2 import exp2
+from renderer.rasterize.stack import stack_array
 
 # Planes of the blended picture: what light is left, colour without background, and sum of w z.
 LEFT, PLANE_RED, PLANE_GREEN, PLANE_BLUE, PLANE_DEPTH = range(5)
@@ -49,25 +54,30 @@ PLANES = 5
 # dL/dw = color . (BY_RED, BY_GREEN, BY_BLUE) + z BY_DEPTH + BY_WEIGHT; TOTAL is the sum of w dL/dw.
 BY_RED, BY_GREEN, BY_BLUE, BY_DEPTH, BY_WEIGHT, TOTAL = range(6)
 ADJOINT_PLANES = 6
+_STATE_PLANES = ADJOINT_PLANES + 2
+"""Of the backward pass: the adjoint, then the light left, then the running sum."""
 
-ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
+ZERO, ONE, TWO, HALF = np.float32(0.0), np.float32(1.0), np.float32(2.0), np.float32(0.5)
+BLOCK = 4
+"""Side of a block in pixels. Its 16 pixels are one vector; a splat costs nothing where it does not reach."""
+BLOCKS_ACROSS = TILE // BLOCK
+BLOCKS, LANES = BLOCKS_ACROSS**2, BLOCK**2
 ALPHA_CAP = np.float32(0.99)
 LOG2_CUT = np.float32(math.log2(1.0 / 255.0))
 LOWEST = np.float32(-9.0)
 """Exponents below the cut that exp2 still takes."""
 STOP = np.float32(1e-4)
 """A pixel takes no more splats once less light than this is left."""
-_CHECK = 8
-"""Entries between two looks at whether a whole tile has stopped."""
+BATCH = 16
+"""Records fetched together, which hides their way from memory; then a look at whether all have stopped."""
 
 
 @njit(inline="always")
-def _rows(record: NDArray[np.float32], top: int) -> tuple[np.float32, int, int]:
-    """A splat's centre in rows of the tile that begins at pixel row `top`; first and last row reached."""
-    center = record[CENTER_Y] - np.float32(top) - HALF
-    first = max(0, math.ceil(center - record[HALF_HEIGHT]))
-    last = min(TILE - 1, math.floor(center + record[HALF_HEIGHT]))
-    return center, first, last
+def _blocks(center: np.float32, half: np.float32) -> tuple[int, int]:
+    """First and last block, of the tile's four, that center +- half reaches; in pixels of the tile."""
+    first = max(0, math.ceil(center - half))
+    last = min(TILE - 1, math.floor(center + half))
+    return first // BLOCK, last // BLOCK
 
 
 @njit(inline="always")
@@ -77,6 +87,81 @@ def _alpha(exponent: np.float32, light: np.float32) -> np.float32:
     alpha = alpha if alpha < ALPHA_CAP else ALPHA_CAP
     alpha = alpha if exponent >= LOG2_CUT else ZERO
     return alpha if light >= STOP else ZERO
+
+
+@njit(inline="always")
+def _set_lanes(across: NDArray[np.float32], down: NDArray[np.float32]) -> None:
+    """Each lane's pixel within a block."""
+    for lane in range(LANES):
+        across[lane] = np.float32(lane % BLOCK)
+        down[lane] = np.float32(lane // BLOCK)
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _blend_tile(
+    records: NDArray[np.float32],
+    splats: NDArray[np.int32],  # front to back
+    left: int,
+    top: int,
+    planes: NDArray[np.float32],  # (PLANES, TILE, TILE), out
+) -> int:
+    """Blend one tile at (left, top); returns how many of its splats were taken."""
+    state = stack_array(PLANES, BLOCKS, LANES)
+    across = stack_array(LANES)
+    down = stack_array(LANES)
+    bend = stack_array(LANES)
+    batch = stack_array(BATCH, RECORD_SIZE)
+    _set_lanes(across, down)
+    for block in range(BLOCKS):
+        for lane in range(LANES):
+            state[LEFT, block, lane] = ONE
+            for plane in range(1, PLANES):
+                state[plane, block, lane] = ZERO
+    end = len(splats)
+    for begin in range(0, len(splats), BATCH):
+        count = min(BATCH, len(splats) - begin)
+        for i in range(count):
+            for column in range(RECORD_SIZE):
+                batch[i, column] = records[splats[begin + i], column]
+        for i in range(count):
+            record = batch[i]
+            a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
+            red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
+            center_x = record[CENTER_X] - np.float32(left) - HALF
+            center_y = record[CENTER_Y] - np.float32(top) - HALF
+            first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
+            first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
+            for lane in range(LANES):
+                x, y = across[lane], down[lane]
+                bend[lane] = x * (a * x + b * y) + c * y * y
+            for row in range(first_row, last_row + 1):
+                dy = np.float32(BLOCK * row) - center_y
+                for column in range(first_column, last_column + 1):
+                    dx = np.float32(BLOCK * column) - center_x
+                    level = log2_opacity + dx * (a * dx + b * dy) + c * dy * dy
+                    slope_x, slope_y = TWO * a * dx + b * dy, TWO * c * dy + b * dx
+                    block = BLOCKS_ACROSS * row + column
+                    for lane in range(LANES):
+                        exponent = level + bend[lane] + across[lane] * slope_x + down[lane] * slope_y
+                        light = state[LEFT, block, lane]
+                        alpha = _alpha(exponent, light)
+                        weight = alpha * light
+                        state[LEFT, block, lane] = light - weight
+                        state[PLANE_RED, block, lane] += weight * red
+                        state[PLANE_GREEN, block, lane] += weight * green
+                        state[PLANE_BLUE, block, lane] += weight * blue
+                        state[PLANE_DEPTH, block, lane] += weight * depth
+        if _stopped(state):
+            end = begin + count
+            break
+    for plane in range(PLANES):
+        for y in range(TILE):
+            for column in range(BLOCKS_ACROSS):
+                for x in range(BLOCK):
+                    planes[plane, y, BLOCK * column + x] = state[
+                        plane, BLOCKS_ACROSS * (y // BLOCK) + column, BLOCK * (y % BLOCK) + x
+                    ]
+    return end
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -92,59 +177,116 @@ def blend(
     """Front-to-back blending of every tile."""
     for position in prange(len(tile_order)):
         tile = tile_order[position]
-        state = np.empty((PLANES, TILE, TILE), np.float32)
-        lane = np.empty(TILE, np.float32)
         top, left = (tile // columns) * TILE, (tile % columns) * TILE
-        for x in range(TILE):
-            lane[x] = np.float32(x) + HALF
-        for y in range(TILE):
-            for x in range(TILE):
-                state[LEFT, y, x] = ONE
-                for plane in range(1, PLANES):
-                    state[plane, y, x] = ZERO
-        end = tile_starts[tile + 1]
-        for entry in range(tile_starts[tile], tile_starts[tile + 1]):
-            record = records[entry_splats[entry]]
-            a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
-            red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
-            start = np.float32(left) - record[CENTER_X]
-            center_row, first, last = _rows(record, top)
-            for y in range(first, last + 1):
-                dy = np.float32(y) - center_row
-                row_slope, row_level = b * dy, log2_opacity + c * dy * dy
-                for x in range(TILE):
-                    dx = lane[x] + start
-                    exponent = row_level + dx * (row_slope + a * dx)
-                    light = state[LEFT, y, x]
-                    alpha = _alpha(exponent, light)
-                    weight = alpha * light
-                    state[LEFT, y, x] = light - weight
-                    state[PLANE_RED, y, x] += weight * red
-                    state[PLANE_GREEN, y, x] += weight * green
-                    state[PLANE_BLUE, y, x] += weight * blue
-                    state[PLANE_DEPTH, y, x] += weight * depth
-            if entry % _CHECK == 0 and _stopped(state):
-                end = entry + 1
-                break
-        tile_ends[tile] = end
-        for plane in range(PLANES):
-            for y in range(TILE):
-                for x in range(TILE):
-                    planes[plane, top + y, left + x] = state[plane, y, x]
+        start, end = tile_starts[tile], tile_starts[tile + 1]
+        tile_ends[tile] = start + _blend_tile(
+            records,
+            entry_splats[start:end],
+            left,
+            top,
+            planes[:, top : top + TILE, left : left + TILE],
+        )
 
 
 @njit(inline="always")
 def _stopped(state: NDArray[np.float32]) -> bool:
     most = ZERO
-    for y in range(TILE):
-        for x in range(TILE):
-            light = state[LEFT, y, x]
+    for block in range(BLOCKS):
+        for lane in range(LANES):
+            light = state[LEFT, block, lane]
             most = light if light > most else most
     return bool(most < STOP)
 
 
-# Rows of the lane sums that the backward pass keeps for one entry.
-_Q, _QY, _QYY, _WR, _WG, _WB, _WD = range(7)
+# Rows of the lane sums that the backward pass keeps for one entry; the moments are of the blocks' corners.
+_Q, _QX, _QY, _QXX, _QXY, _QYY, _WR, _WG, _WB, _WD = range(10)
+_LANE_SUMS = 10
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _blend_tile_backward(
+    records: NDArray[np.float32],
+    splats: NDArray[np.int32],  # front to back
+    left: int,
+    top: int,
+    adjoint: NDArray[np.float32],  # (ADJOINT_PLANES, TILE, TILE)
+    sums: NDArray[np.float32],  # (splats, SUM_SIZE), out
+) -> None:
+    """Gradient sums of one tile's splats."""
+    state = stack_array(_STATE_PLANES, BLOCKS, LANES)
+    lanes = stack_array(_LANE_SUMS, LANES)
+    across = stack_array(LANES)
+    down = stack_array(LANES)
+    bend = stack_array(LANES)
+    batch = stack_array(BATCH, RECORD_SIZE)
+    _set_lanes(across, down)
+    for plane in range(ADJOINT_PLANES):
+        for y in range(TILE):
+            for column in range(BLOCKS_ACROSS):
+                for x in range(BLOCK):
+                    state[plane, BLOCKS_ACROSS * (y // BLOCK) + column, BLOCK * (y % BLOCK) + x] = adjoint[
+                        plane, y, BLOCK * column + x
+                    ]
+    for block in range(BLOCKS):
+        for lane in range(LANES):
+            state[ADJOINT_PLANES, block, lane] = ONE
+            state[ADJOINT_PLANES + 1, block, lane] = ZERO
+    for begin in range(0, len(splats), BATCH):
+        count = min(BATCH, len(splats) - begin)
+        for i in range(count):
+            for column in range(RECORD_SIZE):
+                batch[i, column] = records[splats[begin + i], column]
+        for i in range(count):
+            record = batch[i]
+            a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
+            red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
+            center_x = record[CENTER_X] - np.float32(left) - HALF
+            center_y = record[CENTER_Y] - np.float32(top) - HALF
+            first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
+            first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
+            for lane in range(LANES):
+                x, y = across[lane], down[lane]
+                bend[lane] = x * (a * x + b * y) + c * y * y
+            for total in range(_LANE_SUMS):
+                for lane in range(LANES):
+                    lanes[total, lane] = ZERO
+            for row in range(first_row, last_row + 1):
+                dy = np.float32(BLOCK * row) - center_y
+                for column in range(first_column, last_column + 1):
+                    dx = np.float32(BLOCK * column) - center_x
+                    level = log2_opacity + dx * (a * dx + b * dy) + c * dy * dy
+                    slope_x, slope_y = TWO * a * dx + b * dy, TWO * c * dy + b * dx
+                    dxx, dxy, dyy = dx * dx, dx * dy, dy * dy
+                    block = BLOCKS_ACROSS * row + column
+                    for lane in range(LANES):
+                        exponent = level + bend[lane] + across[lane] * slope_x + down[lane] * slope_y
+                        light = state[ADJOINT_PLANES, block, lane]
+                        alpha = _alpha(exponent, light)
+                        weight = alpha * light
+                        by_weight = (
+                            red * state[BY_RED, block, lane]
+                            + green * state[BY_GREEN, block, lane]
+                            + blue * state[BY_BLUE, block, lane]
+                            + depth * state[BY_DEPTH, block, lane]
+                            + state[BY_WEIGHT, block, lane]
+                        )
+                        running = state[ADJOINT_PLANES + 1, block, lane] + weight * by_weight
+                        behind = state[TOTAL, block, lane] - running
+                        q = weight * by_weight - behind * (alpha / (ONE - alpha))
+                        q = q if alpha < ALPHA_CAP else ZERO
+                        state[ADJOINT_PLANES, block, lane] = light - weight
+                        state[ADJOINT_PLANES + 1, block, lane] = running
+                        lanes[_Q, lane] += q
+                        lanes[_QX, lane] += q * dx
+                        lanes[_QY, lane] += q * dy
+                        lanes[_QXX, lane] += q * dxx
+                        lanes[_QXY, lane] += q * dxy
+                        lanes[_QYY, lane] += q * dyy
+                        lanes[_WR, lane] += weight * state[BY_RED, block, lane]
+                        lanes[_WG, lane] += weight * state[BY_GREEN, block, lane]
+                        lanes[_WB, lane] += weight * state[BY_BLUE, block, lane]
+                        lanes[_WD, lane] += weight * state[BY_DEPTH, block, lane]
+            _store(lanes, across, down, sums[begin + i])
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -154,10 +296,9 @@ def blend_backward(
     tile_ends: NDArray[np.int64],
     tile_order: NDArray[np.int32],
     entry_splats: NDArray[np.int32],
-    entry_slots: NDArray[np.int32],
     columns: int,
     adjoint: NDArray[np.float32],  # (ADJOINT_PLANES, rows * TILE, columns * TILE)
-    slots: NDArray[np.float32],  # (entries, SUM_SIZE), out
+    entry_sums: NDArray[np.float32],  # (entries, SUM_SIZE), out
 ) -> None:
     """Gradient sums of every entry, front to back.
 
@@ -166,90 +307,50 @@ def blend_backward(
     """
     for position in prange(len(tile_order)):
         tile = tile_order[position]
-        # State planes 0 to 5 are the adjoint, then the light left, then the running sum.
-        state = np.empty((ADJOINT_PLANES + 2, TILE, TILE), np.float32)
-        lanes = np.empty((7, TILE), np.float32)
-        lane = np.empty(TILE, np.float32)
         top, left = (tile // columns) * TILE, (tile % columns) * TILE
-        for x in range(TILE):
-            lane[x] = np.float32(x) + HALF
-        for plane in range(ADJOINT_PLANES):
-            for y in range(TILE):
-                for x in range(TILE):
-                    state[plane, y, x] = adjoint[plane, top + y, left + x]
-        for y in range(TILE):
-            for x in range(TILE):
-                state[ADJOINT_PLANES, y, x] = ONE
-                state[ADJOINT_PLANES + 1, y, x] = ZERO
-        for entry in range(tile_ends[tile], tile_starts[tile + 1]):
-            slots[entry_slots[entry]] = ZERO
-        for entry in range(tile_starts[tile], tile_ends[tile]):
-            record = records[entry_splats[entry]]
-            a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
-            red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
-            start = np.float32(left) - record[CENTER_X]
-            center_row, first, last = _rows(record, top)
-            for row in range(7):
-                for x in range(TILE):
-                    lanes[row, x] = ZERO
-            for y in range(first, last + 1):
-                dy = np.float32(y) - center_row
-                row_slope, row_level = b * dy, log2_opacity + c * dy * dy
-                for x in range(TILE):
-                    dx = lane[x] + start
-                    exponent = row_level + dx * (row_slope + a * dx)
-                    light = state[ADJOINT_PLANES, y, x]
-                    alpha = _alpha(exponent, light)
-                    weight = alpha * light
-                    by_weight = (
-                        red * state[BY_RED, y, x]
-                        + green * state[BY_GREEN, y, x]
-                        + blue * state[BY_BLUE, y, x]
-                        + depth * state[BY_DEPTH, y, x]
-                        + state[BY_WEIGHT, y, x]
-                    )
-                    running = state[ADJOINT_PLANES + 1, y, x] + weight * by_weight
-                    behind = state[TOTAL, y, x] - running
-                    q = weight * by_weight - behind * (alpha / (ONE - alpha))
-                    q = q if alpha < ALPHA_CAP else ZERO
-                    state[ADJOINT_PLANES, y, x] = light - weight
-                    state[ADJOINT_PLANES + 1, y, x] = running
-                    lanes[_Q, x] += q
-                    lanes[_QY, x] += q * dy
-                    lanes[_QYY, x] += q * dy * dy
-                    lanes[_WR, x] += weight * state[BY_RED, y, x]
-                    lanes[_WG, x] += weight * state[BY_GREEN, y, x]
-                    lanes[_WB, x] += weight * state[BY_BLUE, y, x]
-                    lanes[_WD, x] += weight * state[BY_DEPTH, y, x]
-            _store(lanes, lane, start, slots[entry_slots[entry]])
+        start, end = tile_starts[tile], tile_ends[tile]
+        entry_sums[end : tile_starts[tile + 1]] = ZERO
+        _blend_tile_backward(
+            records,
+            entry_splats[start:end],
+            left,
+            top,
+            adjoint[:, top : top + TILE, left : left + TILE],
+            entry_sums[start:end],
+        )
 
 
-@njit(inline="always")
+@njit(fastmath={"contract", "reassoc"})
 def _store(
-    lanes: NDArray[np.float32], lane: NDArray[np.float32], start: np.float32, slot: NDArray[np.float32]
+    lanes: NDArray[np.float32],
+    across: NDArray[np.float32],
+    down: NDArray[np.float32],
+    slot: NDArray[np.float32],
 ) -> None:
-    """Sum the lanes, with the moments in x taken here once for the whole entry."""
+    """Sum the lanes, with the moments within a block taken here once for the whole entry."""
     q = qx = qy = qxx = qxy = qyy = red = green = blue = depth = ZERO
-    for x in range(TILE):
-        dx = lane[x] + start
-        q += lanes[_Q, x]
-        qx += lanes[_Q, x] * dx
-        qxx += lanes[_Q, x] * dx * dx
-        qy += lanes[_QY, x]
-        qxy += lanes[_QY, x] * dx
-        qyy += lanes[_QYY, x]
-        red += lanes[_WR, x]
-        green += lanes[_WG, x]
-        blue += lanes[_WB, x]
-        depth += lanes[_WD, x]
+    for lane in range(LANES):
+        x, y = across[lane], down[lane]
+        by, by_x, by_y = lanes[_Q, lane], lanes[_QX, lane], lanes[_QY, lane]
+        q += by
+        qx += by_x + by * x
+        qy += by_y + by * y
+        qxx += lanes[_QXX, lane] + x * (TWO * by_x + x * by)
+        qxy += lanes[_QXY, lane] + x * by_y + y * (by_x + x * by)
+        qyy += lanes[_QYY, lane] + y * (TWO * by_y + y * by)
+        red += lanes[_WR, lane]
+        green += lanes[_WG, lane]
+        blue += lanes[_WB, lane]
+        depth += lanes[_WD, lane]
     slot[SUM_Q], slot[SUM_QX], slot[SUM_QY] = q, qx, qy
     slot[SUM_QXX], slot[SUM_QXY], slot[SUM_QYY] = qxx, qxy, qyy
     slot[SUM_RED], slot[SUM_GREEN], slot[SUM_BLUE], slot[SUM_DEPTH] = red, green, blue, depth
 
 
 @njit(parallel=True, cache=True)
-def reduce_slots(
-    slots: NDArray[np.float32],
+def reduce_sums(
+    entry_sums: NDArray[np.float32],
+    slot_entries: NDArray[np.int32],
     slot_starts: NDArray[np.int64],
     seen: NDArray[np.bool_],  # (N,), out
     sums: NDArray[np.float32],  # (N, SUM_SIZE), out
@@ -260,5 +361,6 @@ def reduce_slots(
         for column in range(SUM_SIZE):
             sums[n, column] = ZERO
         for slot in range(slot_starts[n], slot_starts[n + 1]):
+            entry = slot_entries[slot]
             for column in range(SUM_SIZE):
-                sums[n, column] += slots[slot, column]
+                sums[n, column] += entry_sums[entry, column]
