@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, Protocol
 
+from app.gui.baking import Baked
 from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.opening import OpenRequest
 from app.gui.photos import PhotoRequest
@@ -146,6 +147,8 @@ class AppState:
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
     model: ShownModel | None = None
     view: View | None = None
+    baked: Baked | None = None
+    """Keyframes for the graphics card, of `model` or of one before it; more to come while they are None."""
     view_size: tuple[int, int] = (0, 0)
     """Pixels of the 3D view, as last laid out; (0, 0) while it is hidden."""
     view_dragged: bool = False

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from app.gui import actions, camera_actions
 from app.gui.background import Channel, Failure
+from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
 from app.gui.opening import Opened, OpenRequest, open_path
@@ -35,13 +36,14 @@ class Channels:
     picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
     photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
     def all(self) -> Sequence[Channel[object, object]]:
-        return (self.opening, self.pictures, self.picks, self.photos, self.view, self.saving)  # type: ignore[return-value]
+        return (self.opening, self.pictures, self.picks, self.photos, self.view, self.bakes, self.saving)  # type: ignore[return-value]
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -54,6 +56,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_pick(state, channels)
     _take_photo(state, channels)
     _take_view(state, channels)
+    _take_baked(state, channels)
     _take_saved(state, channels)
     _follow_job(state)
     _play(state, elapsed)
@@ -124,6 +127,18 @@ def _take_view(state: AppState, channels: Channels) -> None:
         actions.fail(state, f"the 3D view cannot be drawn: {taken[1].message}")
     else:
         state.view = taken[1]
+
+
+def _take_baked(state: AppState, channels: Channels) -> None:
+    taken = channels.bakes.take()
+    if taken is None or taken[0].shown is not state.model:
+        return
+    if isinstance(taken[1], Failure):
+        actions.say(state, f"the 3D view does without keyframes: {taken[1].message}")
+        return
+    state.baked = taken[1]
+    if state.baked.said:
+        actions.say(state, state.baked.said)
 
 
 def _take_saved(state: AppState, channels: Channels) -> None:
@@ -221,6 +236,18 @@ def _ask(state: AppState, channels: Channels) -> None:
     photo = state.photo_request
     if photo is not None and channels.photos.asked != photo:
         channels.photos.ask(photo)
+    _ask_for_keyframes(state, channels)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)
+
+
+def _ask_for_keyframes(state: AppState, channels: Channels) -> None:
+    """Part by part, so that pictures are made between them."""
+    shown, asked, baked = state.model, channels.bakes.asked, state.baked
+    if shown is None or state.processor_draws or not can_bake(shown):
+        return
+    if asked is None or asked.shown is not shown:
+        channels.bakes.ask(BakeRequest(shown))
+    elif baked is not None and baked.request is asked and baked.keyframes is None:
+        channels.bakes.ask(BakeRequest(shown, baked.baker))

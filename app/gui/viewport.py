@@ -10,8 +10,9 @@ from imgui_bundle import imgui
 
 from app.gui.state import AppState
 from app.gui.textures import Textures
-from app.gui.viewing import BACKGROUND, ShownModel, ViewRequest
+from app.gui.viewing import BACKGROUND, ViewRequest
 from renderer.draw.context import is_software
+from renderer.draw.keyframes import Keyframes
 from renderer.draw.splat_view import SplatView
 
 
@@ -56,7 +57,8 @@ class GraphicsViewport:
         self._near = 0.0
         self._target: moderngl.Framebuffer | None = None
         self._texture: moderngl.Texture | None = None
-        self._uploaded: tuple[ShownModel, float] | None = None
+        self._uploaded: object = None
+        """The keyframes, or the model and the time, that are on the card."""
         self._drawn: ViewRequest | None = None
 
     def show(self, state: AppState) -> OnScreen | None:
@@ -64,13 +66,13 @@ class GraphicsViewport:
         if request is None:
             return None
         if request != self._drawn:
-            self._draw(request)
+            self._draw(request, keyframes_of(state))
         assert self._texture is not None
         # OpenGL stores the bottom row first.
         return OnScreen(imgui.ImTextureRef(self._texture.glo), (0, 1), (1, 0), request)
 
-    def _draw(self, request: ViewRequest) -> None:
-        splats = self._upload(request)
+    def _draw(self, request: ViewRequest, keyframes: Keyframes | None) -> None:
+        splats = self._upload(request, keyframes)
         size = (request.camera.width, request.camera.height)
         if self._texture is None or self._texture.size != size:
             self._resize(size)
@@ -78,14 +80,18 @@ class GraphicsViewport:
         splats.draw(request.camera, self._target, background=BACKGROUND)
         self._drawn = request
 
-    def _upload(self, request: ViewRequest) -> SplatView:
+    def _upload(self, request: ViewRequest, keyframes: Keyframes | None) -> SplatView:
         """What draws, with the splats of the request's moment."""
         if self._splats is None or self._near != request.near:
             self._release_splats()
             self._splats, self._near = SplatView(self._ctx, near=request.near), request.near
-        if self._uploaded != (request.shown, request.time):
+        wanted = (request.shown, request.time) if keyframes is None else keyframes
+        if self._uploaded != wanted and keyframes is not None:
+            self._splats.upload_keyframes(keyframes, request.shown.mode)
+        elif self._uploaded != wanted:
             self._splats.upload(request.shown.model.at(request.time), request.shown.mode)
-            self._uploaded = (request.shown, request.time)
+        self._uploaded = wanted
+        self._splats.seek(request.time)
         return self._splats
 
     def _resize(self, size: tuple[int, int]) -> None:
@@ -106,6 +112,12 @@ class GraphicsViewport:
     def release(self) -> None:
         self._release_target()
         self._release_splats()
+
+
+def keyframes_of(state: AppState) -> Keyframes | None:
+    """Of the model that is shown, once they are there."""
+    baked = state.baked
+    return baked.keyframes if baked is not None and baked.request.shown is state.model else None
 
 
 def make_viewport(ctx: moderngl.Context, textures: Textures) -> Viewport:

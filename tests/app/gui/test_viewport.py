@@ -69,7 +69,7 @@ def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: App
     assert np.abs(wanted.image.astype(int) - seen.image).max() <= 1
     graphics = GraphicsViewport(ctx)
     for request in (large, tiny):  # One after the other: the near plane goes with the model.
-        graphics._draw(request)
+        graphics._draw(request, None)
     assert graphics._texture is not None
     picture = read(ctx, graphics._texture.glo, 4)[::-1].astype(int)
     assert np.abs(picture - wanted.image).max() <= 3
@@ -83,7 +83,7 @@ def test_the_graphics_card_draws_only_what_changed(
     graphics = GraphicsViewport(ctx)
     drawn: list[object] = []
     draw = graphics._draw
-    monkeypatch.setattr(graphics, "_draw", lambda request: (drawn.append(request), draw(request)))
+    monkeypatch.setattr(graphics, "_draw", lambda *asked: (drawn.append(asked), draw(*asked)))
     for _ in range(3):
         graphics.show(live)
     assert len(drawn) == 1

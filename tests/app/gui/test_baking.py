@@ -1,0 +1,103 @@
+"""Keyframes for the graphics card: made in the background, then scrubbed without the model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import moderngl
+import numpy as np
+import pytest
+
+from app.gui import actions
+from app.gui.state import AppState
+from app.gui.update import Channels, update
+from app.gui.viewing import ShownModel, draw_view
+from app.gui.viewport import GraphicsViewport, keyframes_of
+from renderer.draw.offscreen import read_image
+from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Everything goes right by 9 units over the clip."""
+
+    def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+        return replace(raw, means=raw.means + np.float32([9 * time, 0, 0]))
+
+
+@pytest.fixture
+def drifting(state: AppState, model: DynamicGaussians) -> AppState:
+    assert state.clip is not None
+    moving = DynamicGaussians(model.raw, Drift())  # type: ignore[arg-type]
+    state.model = ShownModel(moving, state.clip.cameras, 50.0, "run", 7, 7, live=False)
+    state.view_size, state.processor_draws = (64, 48), False
+    return state
+
+
+def settle(state: AppState, channels: Channels) -> None:
+    for _ in range(20):
+        update(state, channels, 0.0)
+        while channels.bakes.run_waiting():
+            pass
+
+
+def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) -> None:
+    settle(drifting, Channels())
+    keyframes = keyframes_of(drifting)
+    assert keyframes is not None
+    np.testing.assert_allclose(keyframes.times, np.arange(6) / 6)
+    assert drifting.model is not None
+    for time in keyframes.times:
+        away = keyframes.at(time).means - drifting.model.model.at(time).means
+        assert np.abs(away).max() <= 0.02 * 50 / drifting.model.cameras[0].fx
+    drifting.model = replace(drifting.model)
+    assert keyframes_of(drifting) is None
+    assert not drifting.log
+
+
+@pytest.mark.parametrize("why", ["live", "still", "processor"])
+def test_what_needs_no_keyframes_gets_none(drifting: AppState, model: DynamicGaussians, why: str) -> None:
+    assert drifting.model is not None
+    drifting.processor_draws = why == "processor"
+    shown = model if why == "still" else drifting.model.model
+    drifting.model = replace(drifting.model, model=shown, live=why == "live")
+    channels = Channels()
+    settle(drifting, channels)
+    assert channels.bakes.asked is None
+
+
+def test_a_model_that_cannot_be_baked_is_drawn_without(
+    drifting: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise MemoryError("no room")
+
+    monkeypatch.setattr("app.gui.baking.Baker", broken)
+    settle(drifting, Channels())
+    assert keyframes_of(drifting) is None
+    assert [line for line in drifting.log if "no room" in line] == [*drifting.log]
+    assert len(drifting.log) == 1
+
+
+@pytest.mark.gl
+def test_scrubbing_draws_what_the_model_would_without_asking_it(
+    ctx: moderngl.Context, drifting: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graphics, wanted = GraphicsViewport(ctx), {}
+    for index in (0, 2, 5):
+        actions.seek(drifting, index)
+        assert drifting.view_request is not None
+        (view,) = draw_view(drifting.view_request)
+        wanted[index] = view.image.astype(int)
+    graphics.show(drifting)
+    settle(drifting, Channels())
+    monkeypatch.setattr(DynamicGaussians, "at", None)
+    for index, image in wanted.items():
+        actions.seek(drifting, index)
+        graphics.show(drifting)
+        assert graphics._target is not None
+        shown = np.rint(read_image(graphics._target) * 255)
+        assert np.abs(shown - image).max() <= 3
+    assert np.abs(wanted[0] - wanted[5]).max() > 60
+    graphics.release()
