@@ -32,6 +32,8 @@ class Row:
     measured: float
     bar: float
     unit: str = "grey levels"
+    done: str = ""
+    """What the product does there, where that is more than to compute."""
 
     @property
     def passed(self) -> bool:
@@ -202,7 +204,8 @@ def _types(image: NDArray[np.uint8]) -> Iterator[Row]:
     for name, bad in (("NaN", np.nan), ("infinity", np.inf), ("2.0", 2.0), ("-0.1", -0.1)):
         spoilt = image / 255
         spoilt[3, 4, 1] = bad
-        yield Row("types", f"{name} is not refused", float(not _refused(spoilt)), 0, "cases")
+        done = "refused in a line that names the value and its place"
+        yield Row("types", f"{name} is not refused", float(not _refused(spoilt)), 0, "cases", done)
 
 
 def _refused(image: AnyImage) -> bool:

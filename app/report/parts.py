@@ -24,6 +24,8 @@ class Part:
 
 
 PARTS: Final = (
-    Part("enhancement", 2),
+    Part("enhancement", 1),
+    Part("training", 14),
+    Part("drawing", 3),
     Part("stability", 2),
 )

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from app.provenance import strict_json
+from app.report.outcomes import setting_of
 from app.run_folder import Input, RunFolder
 from app.training import TrainRequest, input_clip, run_training
 from renderer.clip import Clip
-from renderer.train.config import TrainConfig
+from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
+from renderer.train.trainer import train
+
+WARMING = 6
+"""Steps: both resolutions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +39,14 @@ class Runs:
     work: Path
     say: Callable[[str], None]
     _known: dict[str, Trained] = field(default_factory=dict)
+    _warmed: set[Method] = field(default_factory=set)
 
     def trained(self, config: TrainConfig, photos: Input = "original") -> Trained:
         """Trains the first time."""
         key = hashlib.sha256(f"{photos} {strict_json(config)}".encode()).hexdigest()[:16]
         if key not in self._known:
-            self.say(f"training {config.method}, {config.iterations} steps, {photos} photos")
+            self._warm(config)
+            self.say(f"training {setting_of(config)}, {photos} photos")
             folder = RunFolder(self.work / key)
             request = TrainRequest(
                 clip_path=self.clip_path, run_path=folder.path, config=config, input=photos, resume=True
@@ -47,3 +54,10 @@ class Runs:
             finished = next(event for event in run_training(request) if isinstance(event, Finished))
             self._known[key] = Trained(folder, finished, input_clip(self.clip, folder.record()))
         return self._known[key]
+
+    def _warm(self, config: TrainConfig) -> None:
+        """Compile what a method needs, so that no run's time contains it."""
+        if config.method not in self._warmed:
+            self._warmed.add(config.method)
+            for _ in train(self.clip, replace(config, iterations=WARMING)):
+                pass

@@ -6,46 +6,36 @@ python -m tests.benchmarks.train_accuracy CLIP --out DIR [--knobs NAME ...] [--m
 CLIP is a folder, or "phantom", whose true motion is known. Methods run with every seed, the other knobs with
 the first alone. Every run has its folder in DIR; one that is there already goes on or is measured as it is;
 with --finished nothing else is. Measured on test frames; with --held-out on training frames that are kept out
-of the fit, for choosing.
+of the fit, for choosing. `vesselsplat report --parts training` does the same with short runs.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
-import math
 import os
 import platform
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
-
-import numpy as np
+from typing import get_args
 
 from app.atomic import write_bytes
 from app.provenance import provenance, source, strict_json
+from app.report.bench import PHANTOM as PARAMS
+from app.report.outcomes import Run, diagrams, grouped, half_range, mean, setting_of
 from app.report.plots import write_diagrams
-from app.report.work_precision import Diagram, Point, pareto_front
+from app.report.work_precision import pareto_front
 from app.run_folder import RunFolder
 from app.training import TrainRequest, input_clip, run_training
 from renderer.accuracy import KNOBS, outcome, settings
-from renderer.phantom import Phantom, PhantomParams, write_phantom
+from renderer.phantom import Phantom, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
 
 PHANTOM = "phantom"
-PARAMS = PhantomParams(n_frames=40)
-MEASURES = {
-    "psnr": ("PSNR, dB", True),
-    "dissimilarity": ("1 - SSIM", False),
-    "depth_rmse": ("depth RMSE", False),
-    "motion_rmse": ("motion RMSE, mm", False),
-}
 COLUMNS = {"psnr": ".2f", "psnr_masked": ".2f", "ssim": ".4f", "depth_rmse": ".3f", "motion_rmse": ".3f"}
-Row = dict[str, Any]
 
 
 def main() -> None:
@@ -72,15 +62,16 @@ def main() -> None:
         for knob, config in wanted(flags)
         if not flags.finished or folder(config, flags).is_finished
     ]
-    rows = [measured(path, knob, config, truth, flags) for knob, config in runs]
+    rows = [measured(path, config, truth, flags) for _, config in runs]
     show(rows)
     machine = {"system": platform.platform(), "cores": os.cpu_count(), "load": os.getloadavg()[0]}
-    facts = provenance(clip=source(path), input=flags.input, machine=machine, runs=rows)
+    told = [{"setting": run.setting, "config": run.config, **vars(run.outcome)} for run in rows]
+    facts = provenance(clip=source(path), input=flags.input, machine=machine, runs=told)
     name = f"work-precision-{clip.name}-{flags.input}"
     write_bytes(flags.out / f"{name}.json", strict_json(facts, indent=1).encode())
     where = "held-out training" if flags.held_out else "test"
     title = f"{clip.name}, {flags.input} photos: {where} frames"
-    write_diagrams(flags.out / f"{name}.png", diagrams(rows), title)
+    write_diagrams(flags.out / f"{name}.png", diagrams(rows, TrainConfig()), title)
 
 
 def wanted(flags: argparse.Namespace) -> Iterator[tuple[str, TrainConfig]]:
@@ -91,87 +82,39 @@ def wanted(flags: argparse.Namespace) -> Iterator[tuple[str, TrainConfig]]:
 
 
 def folder(config: TrainConfig, flags: argparse.Namespace) -> RunFolder:
-    name = f"{setting({'config': json.loads(strict_json(config))})}, {flags.input}, seed {config.seed}"
+    name = f"{setting_of(config)}, {flags.input}, seed {config.seed}"
     return RunFolder(flags.out / "".join(letter if letter.isalnum() else "-" for letter in name))
 
 
-def measured(
-    path: Path, knob: str, config: TrainConfig, truth: Phantom | None, flags: argparse.Namespace
-) -> Row:
+def measured(path: Path, config: TrainConfig, truth: Phantom | None, flags: argparse.Namespace) -> Run:
     """Train, or take what is there, and measure against the photos that it was trained on."""
-    run, own = folder(config, flags), json.loads(strict_json(config))
+    run = folder(config, flags)
     sys.stderr.write(f"{run.path.name}\n")
     request = TrainRequest(clip_path=path, run_path=run.path, config=config, input=flags.input, resume=True)
     finished = next(event for event in run_training(request) if isinstance(event, Finished))
     photos = input_clip(open_clip(path), run.record())
-    facts = json.loads(strict_json(outcome(finished, photos, config, truth)))
-    return {"run": run.path.name, "knob": knob, "config": own, **facts}
+    return Run(config=config, input=flags.input, outcome=outcome(finished, photos, config, truth))
 
 
-def setting(row: Row) -> str:
-    """What differs from the default."""
-    default, config = json.loads(strict_json(TrainConfig())), row["config"]
-    changed = [
-        f"{name} {round(value, 2) if isinstance(value, float) else value}"
-        for name, value in config.items()
-        if value != default[name] and name not in ("method", "seed", "hold_out")
-    ]
-    return ", ".join([config["method"], *changed])
-
-
-def grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """The seeds of each setting."""
-    groups: dict[str, list[Row]] = {}
-    for row in rows:
-        groups.setdefault(setting(row), []).append(row)
-    return groups
-
-
-def show(rows: Sequence[Row]) -> None:
+def show(runs: Sequence[Run]) -> None:
     """Means over the seeds, and half the distance of the extremes."""
     heads = "".join(f"{name:>18}" for name in COLUMNS)
     print(f"{'':44}seeds{heads}{'s':>9}{'MB':>8}{'Gaussians':>11}")
-    for name, group in grouped(rows).items():
+    for group in grouped(runs):
         cells = "".join(f"{spread(group, column, form):>18}" for column, form in COLUMNS.items())
         seconds, megabytes, count = (mean(group, key) for key in ("seconds", "megabytes", "n_gaussians"))
+        name = group[0].setting
         print(f"{name:44}{len(group):5}{cells}{seconds:9.1f}{megabytes:8.1f}{count:11.0f}")
-    for diagram in diagrams(rows):
-        front = ", ".join(f"{point.setting} ({point.seconds:.0f} s)" for point in pareto_front(diagram))
+    for diagram in diagrams(runs, TrainConfig()):
+        front = ", ".join(
+            f"{point.series} {point.setting} ({point.seconds:.0f} s)" for point in pareto_front(diagram)
+        )
         print(f"front of {diagram.measure}: {front}")
 
 
-def spread(group: Sequence[Row], column: str, form: str) -> str:
-    values = [row[column] for row in group if row[column] is not None]
-    if not values:
-        return "-"
-    half = (max(values) - min(values)) / 2
-    return f"{np.mean(values):{form}}" + (f" ±{half:{form}}" if len(values) > 1 else "")
-
-
-def mean(group: Sequence[Row], column: str) -> float:
-    values = [row[column] for row in group if row[column] is not None]
-    return float(np.mean(values)) if values else math.nan
-
-
-def diagrams(rows: Sequence[Row]) -> list[Diagram]:
-    full = [row | {"dissimilarity": 1 - row["ssim"]} for row in rows]
-    return [
-        Diagram(
-            measure=label,
-            more_is_better=more_is_better,
-            points=tuple(
-                Point(
-                    series=group[0]["config"]["method"],
-                    setting=name.removeprefix(f"{group[0]['config']['method']}, "),
-                    seconds=mean(group, "seconds"),
-                    error=mean(group, measure),
-                    is_default=name == TrainConfig().method,
-                )
-                for name, group in grouped(full).items()
-            ),
-        )
-        for measure, (label, more_is_better) in MEASURES.items()
-    ]
+def spread(group: Sequence[Run], column: str, form: str) -> str:
+    half = f" ±{half_range(group, column):{form}}" if len(group) > 1 else ""
+    return f"{mean(group, column):{form}}{half}"
 
 
 if __name__ == "__main__":

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 
+from moderngl import Context
+
+import enhance.stability
+import renderer.stability
 from app.report.bench import Bench, Clock
 from app.report.measures.enhancement import photo
 from app.report.section import Cell, Column, Section, Table
-from enhance.stability import Row, stability
+from renderer.camera import Camera
+from renderer.draw.context import OpenGLUnavailable, standalone_context
+from renderer.draw.offscreen import render_offscreen
+from renderer.splats import Float32Array, Splats
+from renderer.stability.row import Row
 
 COLUMNS = (
     *(Column(name="hazard"), Column(name="case"), Column(name="measured", form=".3g")),
@@ -23,20 +32,39 @@ SMALLER = 2
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
-    """Of both libraries."""
+    """Of both libraries; of drawing with OpenGL, where there is any."""
     bench.say("stability of the enhancement")
-    tables = {"Enhancement": _cells(stability(photo(bench)[::SMALLER, ::SMALLER].copy()))}
-    failed = sum(row[5] is False for rows in tables.values() for row in rows)
+    tables = {"Enhancement": _cells(enhance.stability.stability(photo(bench)[::SMALLER, ::SMALLER].copy()))}
+    bench.say("stability of reconstruction and drawing")
+    missing = []
+    try:
+        context = standalone_context()
+    except OpenGLUnavailable as error:
+        missing.append(f"drawing with OpenGL: {error}")
+        rows = _cells(renderer.stability.stability())
+    else:
+        rows = _cells(renderer.stability.stability(partial(_drawn, context)))
+        context.release()
+    tables["Reconstruction and drawing"] = rows
+    failed = [row for rows in tables.values() for row in rows if row[5] is False]
     count = sum(len(rows) for rows in tables.values())
     return Section(
         title="Stability: stiff and extreme cases",
         sentences=(
-            f"{count} cases, {failed} failed. Each is float32, as the product computes, against float64 or "
-            "against what must hold exactly; each is a test as well.",
+            f"{count} cases, {len(failed)} failed. Each is float32, as the product computes, against "
+            "float64, against 50 decimal digits (projection) or what must hold exactly. Each is a test, too.",
+            *(f"Failed: {row[0]}, {row[1]}. What is done: {row[6] or 'nothing'}." for row in failed),
         ),
         tables=tuple(Table(title=name, columns=COLUMNS, rows=rows) for name, rows in tables.items()),
+        not_measured=tuple(missing),
     )
 
 
-def _cells(rows: Iterable[Row]) -> tuple[tuple[Cell, ...], ...]:
-    return tuple((row.hazard, row.case, row.measured, row.bar, row.unit, row.passed, "") for row in rows)
+def _drawn(context: Context, splats: Splats, camera: Camera, near: float) -> Float32Array:
+    return render_offscreen(context, splats, camera, near=near)
+
+
+def _cells(rows: Iterable[enhance.stability.Row | Row]) -> tuple[tuple[Cell, ...], ...]:
+    return tuple(
+        (row.hazard, row.case, row.measured, row.bar, row.unit, row.passed, row.done) for row in rows
+    )

@@ -1,0 +1,86 @@
+"""Error against run time of reconstruction: every method, short and long, on original and enhanced photos."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+from app.report.bench import Bench, Clock
+from app.report.outcomes import Run, diagrams, setting_of, table
+from app.report.section import Plate, Section
+from app.run_folder import Input
+from renderer.accuracy import outcome
+from renderer.clip import Clip
+from renderer.train.config import Method, TrainConfig
+
+STEPS: Final[dict[Method, tuple[int, ...]]] = {
+    "vesselsplat": (1000, 125, 250, 500),
+    "deform3dgs": (1000, 250),
+    "endogaussian": (1000, 250),
+    "static": (1000, 250),
+}
+"""Of the runs; the first, which the paper's tables are measured on, is the schedule of all other knobs."""
+PIXELS, USUAL = 640 * 512, TrainConfig().n_gaussians
+INPUTS: Final[tuple[Input, ...]] = ("original", "enhanced")
+
+
+def schedule(clip: Clip, method: Method = "vesselsplat") -> TrainConfig:
+    """Short, with as many Gaussians a pixel as by default at 640x512."""
+    width, height = clip.size
+    count = max(500, USUAL * width * height // PIXELS)
+    return TrainConfig(method=method, iterations=STEPS[method][0], n_gaussians=count)
+
+
+def measure(bench: Bench, clock: Clock) -> Section:
+    """See the file."""
+    default = schedule(bench.clip)
+    runs: dict[Input, list[Run]] = {name: [] for name in INPUTS}
+    missing = []
+    for config, photos in _wanted(bench.clip, default):
+        if clock.is_out:
+            missing.append(f"{setting_of(config)}, {photos} photos: the time was used up")
+            continue
+        trained = bench.runs.trained(config, photos)
+        found = outcome(trained.finished, trained.photos, config, bench.truth)
+        runs[photos].append(Run(config=config, input=photos, outcome=found))
+    return Section(
+        title="Reconstruction: error against run time",
+        sentences=(
+            f"{bench.clip.name}: {len(bench.clip)} frames of {bench.clip.size[0]}x{bench.clip.size[1]}, "
+            f"measured on {len(bench.clip.test_indices)} held-out frames against the photos that a run was "
+            "trained on. Seconds are those of training steps, kernels compiled. One seed each: a seed gives "
+            "the same figures again.",
+        ),
+        plates=tuple(
+            Plate(title=f"Reconstruction of {name} photos", diagrams=diagrams(those, default))
+            for name, those in runs.items()
+            if those
+        ),
+        tables=(
+            table(
+                [run for those in runs.values() for run in those],
+                "Every method and knob",
+                "Means over the frames. MB: the model's numbers with their two moments.",
+            ),
+        ),
+        not_measured=tuple(missing),
+    )
+
+
+def _wanted(clip: Clip, default: TrainConfig) -> Iterator[tuple[TrainConfig, Input]]:
+    """What other parts need, too, comes first."""
+    for photos in INPUTS:
+        for method in STEPS:
+            yield schedule(clip, method), photos
+    for photos in INPUTS:
+        for method, counts in STEPS.items():
+            for count in counts[1:]:
+                yield replace(schedule(clip, method), iterations=count), photos
+    usual = default.n_gaussians
+    for count in (usual // 4, usual // 2, 2 * usual):
+        yield replace(default, n_gaussians=count), "original"
+    for controls in (4, len(clip) // 2):
+        yield replace(default, n_controls=max(4, controls)), "original"
+    for share in (0.0, 2 / 3):
+        yield replace(default, half_resolution_share=share), "original"

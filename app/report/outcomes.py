@@ -1,0 +1,133 @@
+"""Finished runs as tables and diagrams: error against run time of reconstruction."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from app.provenance import strict_json
+from app.report.section import Column, Table
+from app.report.work_precision import Diagram, Point
+from app.run_folder import Input
+from renderer.accuracy import Outcome
+from renderer.train.config import TrainConfig
+
+MEASURES: Final = {
+    "psnr": ("PSNR, dB", True),
+    "dissimilarity": ("1 - SSIM", False),
+    "depth_rmse": ("depth RMSE", False),
+    "motion_rmse": ("motion RMSE, mm", False),
+}
+COLUMNS: Final = (
+    *(Column(name="setting"), Column(name="photos"), Column(name="runs")),
+    Column(name="PSNR, dB", form=".2f", best="high"),
+    Column(name="over evaluated pixels, dB", form=".2f", best="high"),
+    Column(name="SSIM", form=".4f", best="high"),
+    Column(name="depth RMSE", form=".3f", best="low"),
+    Column(name="motion RMSE, mm", form=".3f", best="low"),
+    Column(name="s", form=".1f", best="low"),
+    *(Column(name="± s", form=".1f"), Column(name="MB", form=".1f", best="low"), Column(name="Gaussians")),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One that is finished, and what it came to."""
+
+    config: TrainConfig
+    input: Input
+    outcome: Outcome
+
+    @property
+    def setting(self) -> str:
+        """See setting_of."""
+        return setting_of(self.config)
+
+    def value(self, measure: str) -> float:
+        """One of MEASURES, or a field of the outcome."""
+        return 1 - self.outcome.ssim if measure == "dissimilarity" else float(getattr(self.outcome, measure))
+
+
+def setting_of(config: TrainConfig) -> str:
+    """The method, and what differs from the default."""
+    default, own = (json.loads(strict_json(each)) for each in (TrainConfig(), config))
+    changed = [
+        f"{name} {round(value, 2) if isinstance(value, float) else value}"
+        for name, value in own.items()
+        if value != default[name] and name not in ("method", "seed", "hold_out")
+    ]
+    return ", ".join([config.method, *changed])
+
+
+def grouped(runs: Sequence[Run]) -> list[list[Run]]:
+    """The seeds of each setting and input."""
+    groups: dict[tuple[str, str], list[Run]] = {}
+    for run in runs:
+        groups.setdefault((run.setting, run.input), []).append(run)
+    return list(groups.values())
+
+
+def mean(group: Sequence[Run], measure: str) -> float:
+    """Over the runs where it was measured; NaN where in none."""
+    values = [run.value(measure) for run in group if math.isfinite(run.value(measure))]
+    return float(np.mean(values)) if values else math.nan
+
+
+def half_range(group: Sequence[Run], measure: str) -> float:
+    """Half the distance of the extremes."""
+    values = [run.value(measure) for run in group]
+    return (max(values) - min(values)) / 2
+
+
+def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
+    """One for each measure that was taken; settings are called by what differs from `default`."""
+    usual = setting_of(default).split(", ")[1:]
+    made = [
+        Diagram(
+            measure=label,
+            more_is_better=more_is_better,
+            points=tuple(
+                Point(
+                    series=group[0].config.method,
+                    setting=_label(group[0], usual),
+                    seconds=mean(group, "seconds"),
+                    spread=half_range(group, "seconds"),
+                    error=mean(group, measure),
+                    is_default=group[0].config.method == default.method and _label(group[0], usual) == "",
+                )
+                for group in grouped(runs)
+                if math.isfinite(mean(group, measure))
+            ),
+        )
+        for measure, (label, more_is_better) in MEASURES.items()
+    ]
+    return tuple(diagram for diagram in made if diagram.points)
+
+
+def _label(run: Run, usual: Sequence[str]) -> str:
+    return ", ".join(part for part in run.setting.split(", ")[1:] if part not in usual)
+
+
+def table(runs: Sequence[Run], title: str, note: str = "") -> Table:
+    """Means over the seeds of each setting."""
+    measures = ("psnr", "psnr_masked", "ssim", "depth_rmse", "motion_rmse", "seconds")
+    return Table(
+        title=title,
+        columns=COLUMNS,
+        rows=tuple(
+            (
+                *(group[0].setting, group[0].input, len(group)),
+                *(mean(group, measure) for measure in measures),
+                half_range(group, "seconds") if len(group) > 1 else None,
+                mean(group, "megabytes"),
+                round(mean(group, "n_gaussians")),
+            )
+            for group in grouped(runs)
+        ),
+        note=note,
+    )

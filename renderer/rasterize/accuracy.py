@@ -1,0 +1,159 @@
+"""Error against run time of the CPU rasteriser: what fewer Gaussians, pixels and contributions cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from time import perf_counter
+from typing import Final, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+from renderer.projection import ALPHA_CUT, HALF_HEIGHT, HALF_WIDTH, LOG2_OPACITY
+from renderer.rasterize.cpu import BLACK, Rasterizer
+from renderer.splats import Float32Array, Splats
+
+Group = Literal["whole", "extent", "faint", "fewer", "pixels"]
+CUTS: Final = (2, 4, 8, 16)
+"""In 255ths of alpha."""
+DEVIATIONS: Final = (3.0, 2.5, 2.0)
+FAINT: Final = (0.1, 0.2, 0.4)
+SHARES: Final = (0.75, 0.5, 0.25)
+DIVISORS: Final = (2, 4)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One setting, drawn."""
+
+    group: Group
+    setting: str
+    mean: float
+    """Of the absolute error of the picture over black, in grey levels of 255."""
+    p999: float
+    most: float
+    entries: int
+    """Pairs of a tile and a Gaussian: the work."""
+    milliseconds: float
+    """Median of a picture: projection, sort and blending."""
+    spread: float
+    """Half of the distance between the quartiles."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Work:
+    group: Group
+    setting: str
+    rasterizer: Rasterizer
+    splats: Splats
+    camera: Camera
+    near: float
+
+    def draw(self) -> int:
+        return self.rasterizer.forward(self.splats, self.camera, self.near)
+
+    def picture(self, size: tuple[int, int]) -> Float32Array:
+        image = self.rasterizer.rendered(self.camera.width, self.camera.height, BLACK).image
+        return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_LINEAR))
+
+
+def accuracy(splats: Splats, camera: Camera, near: float, repeats: int = 9) -> Iterator[Row]:
+    """Rows for one view, against the float64 reference; pictures take turns.
+
+    "whole": as the product draws. "extent": a Gaussian reaches no farther than some alpha, or number of
+    standard deviations. "faint": those of little opacity are left out. "fewer": those that weigh most on the
+    picture alone. "pixels": drawn smaller and resampled.
+    """
+    seen = splats.seen_from(camera.position)
+    truth, size = exact(seen, camera, near), (camera.width, camera.height)
+    works = list(_works(seen, camera, near))
+    taken = np.empty((repeats + 1, len(works)))
+    entries = [work.draw() for work in works]
+    for row in taken:
+        for place, work in enumerate(works):
+            start = perf_counter()
+            work.draw()
+            row[place] = 1000 * (perf_counter() - start)
+    low, middle, high = np.percentile(taken[1:], (25, 50, 75), axis=0)
+    for place, work in enumerate(works):
+        error = 255 * np.abs(work.picture(size) - truth)
+        yield Row(
+            group=work.group,
+            setting=work.setting,
+            mean=float(error.mean()),
+            p999=float(np.quantile(error, 0.999)),
+            most=float(error.max()),
+            entries=entries[place],
+            milliseconds=float(middle[place]),
+            spread=float(high[place] - low[place]) / 2,
+        )
+
+
+def exact(splats: Splats, camera: Camera, near: float) -> NDArray[np.float64]:
+    """The float64 picture (H, W, 3) over black; splats below the cut add nothing and are passed over."""
+    import torch
+
+    from renderer.rasterize.reference import rasterize_reference
+
+    seen = _chosen(splats, splats.opacities >= ALPHA_CUT)
+    means, quats, scales, opacities, colors = (
+        torch.from_numpy(value.astype(np.float64))
+        for value in (seen.means, seen.quats, seen.scales, seen.opacities, seen.colors)
+    )
+    with torch.no_grad():
+        drawn = rasterize_reference(means, quats, scales, opacities, colors, camera, near=near)
+    return np.asarray(drawn.image.numpy())
+
+
+def _works(splats: Splats, camera: Camera, near: float) -> Iterator[_Work]:
+    size = camera.width, camera.height
+    yield _Work("whole", "as it is", Rasterizer(*size), splats, camera, near)
+    for cut in CUTS:
+        trimmed = _Trimmed(*size, cut=cut / 255)
+        yield _Work("extent", f"to alpha {cut}/255", trimmed, splats, camera, near)
+    for deviations in DEVIATIONS:
+        trimmed = _Trimmed(*size, deviations=deviations)
+        yield _Work("extent", f"to {deviations:g} sigma", trimmed, splats, camera, near)
+    for floor in FAINT:
+        kept = _chosen(splats, splats.opacities >= floor)
+        yield _Work("faint", f"opacity from {floor:g}", Rasterizer(*size), kept, camera, near)
+    weight = _weights(splats, camera)
+    for share in SHARES:
+        kept = _chosen(splats, weight >= np.quantile(weight, 1 - share))
+        yield _Work("fewer", f"{share:.0%} of the Gaussians", Rasterizer(*size), kept, camera, near)
+    for divisor in DIVISORS:
+        small = camera.resized(camera.width // divisor, camera.height // divisor)
+        drawn = Rasterizer(small.width, small.height)
+        yield _Work("pixels", f"1/{divisor} along each side", drawn, splats, small, near)
+
+
+def _chosen(splats: Splats, rows: NDArray[np.bool_]) -> Splats:
+    return Splats(**{item.name: getattr(splats, item.name)[rows] for item in fields(splats)})
+
+
+def _weights(splats: Splats, camera: Camera) -> NDArray[np.float64]:
+    """About the light that each Gaussian adds: opacity times its area on the picture."""
+    _, depth = camera.project(splats.means.astype(np.float64))
+    axes = np.sort(splats.scales.astype(np.float64), axis=1)
+    return np.asarray(splats.opacities * axes[:, 1] * axes[:, 2] / np.maximum(depth, 1e-9) ** 2)
+
+
+class _Trimmed(Rasterizer):
+    """Whose Gaussians reach no farther than an alpha, or than so many standard deviations."""
+
+    def __init__(self, width: int, height: int, cut: float = ALPHA_CUT, deviations: float = np.inf) -> None:
+        super().__init__(width, height)
+        self._cut, self._deviations = cut, deviations
+
+    def blend_records(self) -> int:
+        """See Rasterizer; half widths are those of the cut 1/255, sqrt(2 ln(opacity / cut)) deviations."""
+        log_opacity = self.records[:, LOG2_OPACITY].astype(np.float64) * np.log(2)
+        usual = np.sqrt(np.maximum(2 * (log_opacity - np.log(ALPHA_CUT)), 1e-12))
+        wanted = np.sqrt(np.maximum(2 * (log_opacity - np.log(self._cut)), 0.0))
+        factor = np.minimum(np.minimum(wanted, self._deviations) / usual, 1.0).astype(np.float32)
+        self.records[:, HALF_WIDTH] *= factor
+        self.records[:, HALF_HEIGHT] *= factor
+        return super().blend_records()

@@ -1,0 +1,105 @@
+"""Eqs 13-15: where a Gaussian lies on the picture and how it spreads there, against 50 decimal digits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from decimal import Decimal, localcontext
+from typing import Final
+
+import numpy as np
+
+from renderer.camera import Camera
+from renderer.projection import (
+    CENTER_X,
+    CENTER_Y,
+    DEPTH,
+    LOG2_E,
+    LOW_PASS,
+    RECORD_SIZE,
+    A,
+    B,
+    C,
+    camera_vector,
+    project,
+)
+from renderer.splats import Splats
+from renderer.stability.row import Row
+from renderer.stability.scenes import CAMERA, NEAR, SCENES
+
+DIGITS: Final = 50
+GUARD: Final = 0.15
+"""Of the picture, on each side: where the Jacobian stops to follow the mean."""
+Exact = Decimal
+
+
+def rows() -> Iterator[Row]:
+    """Centre and depth, and the inverse of the covariance, of every splat of every scene."""
+    for name, make in SCENES.items():
+        splats = make()
+        records, visible = _projected(splats)
+        centers, conics = [0.0], [0.0]
+        for row in np.flatnonzero(visible)[:20]:
+            u, v, z, conic = exact(splats, int(row), CAMERA)
+            got = records[row].astype(np.float64)
+            centers.append(_apart(got[[CENTER_X, CENTER_Y]], (u, v), max(abs(float(u)), abs(float(v)), 1.0)))
+            centers.append(_apart(got[[DEPTH]], (z,), float(z)))
+            conics.append(_apart(got[[A, B, C]], conic, max(abs(float(one)) for one in conic)))
+        done = "" if visible.any() else "not drawn: z is not beyond the near plane, or alpha below the cut"
+        yield Row("projection (13): centre and depth", name, max(centers), 1e-6, "of itself", done)
+        yield Row("covariance (14, 15): its inverse", name, max(conics), 1e-6, "of its largest", done)
+
+
+def _projected(splats: Splats) -> tuple[np.ndarray, np.ndarray]:
+    count = len(splats)
+    records, visible = np.zeros((count, RECORD_SIZE), np.float32), np.zeros(count, bool)
+    project(
+        splats.means, splats.quats, splats.scales, splats.opacities, splats.colors,
+        camera_vector(CAMERA, NEAR), records, visible,
+    )  # fmt: skip
+    return records, visible
+
+
+def exact(splats: Splats, row: int, camera: Camera) -> tuple[Exact, Exact, Exact, tuple[Exact, Exact, Exact]]:
+    """Centre u, v, depth z, and the factors of dx^2, dx dy and dy^2 of the exponent of 2, of one splat."""
+    with localcontext() as context:
+        context.prec = DIGITS
+        mean = [Decimal(float(one)) for one in splats.means[row]]
+        turned = _rotation([Decimal(float(one)) for one in splats.quats[row]])
+        scale = [Decimal(float(one)) for one in splats.scales[row]]
+        pose = [[Decimal(float(one)) for one in line] for line in camera.camera_from_world[:3]]
+        x, y, z = (sum((p * m for p, m in zip(line[:3], mean, strict=True)), line[3]) for line in pose)
+        across = _held(x / z, camera.cx, camera.fx, camera.width)
+        down = _held(y / z, camera.cy, camera.fy, camera.height)
+        axes = []
+        for focal, line, slope in ((camera.fx, 0, across), (camera.fy, 1, down)):
+            factor = [Decimal(focal) / z * (pose[line][k] - slope * pose[2][k]) for k in range(3)]
+            axes.append([sum(factor[k] * turned[k][j] for k in range(3)) * scale[j] for j in range(3)])
+        first, second = axes
+        low_pass = Decimal(LOW_PASS)
+        xx = sum((one * one for one in first), low_pass)
+        yy = sum((one * one for one in second), low_pass)
+        xy = sum((a * b for a, b in zip(first, second, strict=True)), Decimal(0))
+        half = Decimal(LOG2_E) / 2 / (xx * yy - xy * xy)
+        u = Decimal(camera.fx) * x / z + Decimal(camera.cx)
+        v = Decimal(camera.fy) * y / z + Decimal(camera.cy)
+        return u, v, z, (-half * yy, 2 * half * xy, -half * xx)
+
+
+def _rotation(quat: list[Exact]) -> list[list[Exact]]:
+    length = sum((one * one for one in quat), Decimal(0)).sqrt()
+    w, x, y, z = (one / length for one in quat) if length else (Decimal(one) for one in (1, 0, 0, 0))
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+
+
+def _held(slope: Exact, center: float, focal: float, size: int) -> Exact:
+    margin = GUARD * size / focal
+    return min(max(slope, Decimal(-center / focal - margin)), Decimal((size - center) / focal + margin))
+
+
+def _apart(got: np.ndarray, exact_values: tuple[Exact, ...], unit: float) -> float:
+    wanted = np.array([float(one) for one in exact_values])
+    return float(np.abs(got - wanted).max() / unit)

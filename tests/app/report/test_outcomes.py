@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from app.report.outcomes import Run, diagrams, setting_of, table
+from renderer.accuracy import Outcome
+from renderer.train.config import TrainConfig
+
+OUTCOME = Outcome(
+    psnr=30.0, psnr_masked=29.0, ssim=0.9, depth_rmse=1.5, motion_rmse=math.nan, seconds=10.0, megabytes=2.0,
+    n_gaussians=7, iterations=100,
+)  # fmt: skip
+DEFAULT = TrainConfig(iterations=1000, n_gaussians=500)
+
+
+def run(seconds: float = 10.0, **changes: object) -> Run:
+    config = replace(DEFAULT, **changes)  # type: ignore[arg-type]
+    return Run(config=config, input="original", outcome=replace(OUTCOME, seconds=seconds))
+
+
+def test_a_setting_is_called_by_what_differs() -> None:
+    assert setting_of(TrainConfig()) == "vesselsplat"
+    assert setting_of(replace(DEFAULT, method="static")) == "static, iterations 1000, n_gaussians 500"
+
+
+def test_seeds_become_one_point_with_a_spread_and_the_default_is_marked() -> None:
+    runs = [run(10.0), run(14.0, seed=1), run(3.0, iterations=250), run(5.0, method="static")]
+    by_measure = {diagram.measure: diagram for diagram in diagrams(runs, DEFAULT)}
+    assert "motion RMSE, mm" not in by_measure
+    points = by_measure["PSNR, dB"].points
+    assert [(point.series, point.setting) for point in points] == [
+        ("vesselsplat", ""), ("vesselsplat", "iterations 250"), ("static", ""),
+    ]  # fmt: skip
+    assert (points[0].seconds, points[0].spread) == (12.0, 2.0)
+    assert [point.is_default for point in points] == [True, False, False]
+    assert abs(by_measure["1 - SSIM"].points[0].error - 0.1) < 1e-12
+
+
+def test_the_table_has_a_row_for_each_setting() -> None:
+    made = table([run(), run(seed=1), run(iterations=250)], "t")
+    assert len(made.rows) == 2
+    assert all(len(row) == len(made.columns) for row in made.rows)
+    assert made.rows[0][2] == 2
