@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from app.pictures import ArrayImage
 from app.provenance import NOTICE
 from app.sheet import Tile, sheet
 from app.tuning import Cell, Measures
@@ -19,22 +20,22 @@ FOOT = f"DV/BV: inferred definition. Visibility only, neither detection nor diag
 
 def tile(cell: Cell) -> Tile:
     """As wide as the sheet has room for; the label leaves out what differs from one time to the next."""
-    return Tile(f"{cell.setting.label}   {measured(cell.measures)}", _small(cell))
+    return Tile(f"{cell.setting.label}   {in_words(cell.measures)}", small(cell.image, TILE_WIDTH))
 
 
-def measured(measures: Measures) -> str:
+def in_words(measures: Measures) -> str:
     """The three that tell most, in words."""
     contrast, noise = measures.vessel_contrast, measures.noise_gain
     return f"DV/BV {measures.dv_bv:.3g} · contrast {contrast:.3g} · noise gain {noise:.2g}"
 
 
-def _small(cell: Cell) -> ByteImage:
-    """(H, TILE_WIDTH, 3) uint8."""
-    full = np.iinfo(cell.image.dtype).max if cell.image.dtype.kind == "u" else 1.0
-    colors = np.repeat(cell.image[..., None], 3, axis=2) if cell.image.ndim == 2 else cell.image[..., :3]
-    height = max(1, round(colors.shape[0] * TILE_WIDTH / colors.shape[1]))
-    way = cv2.INTER_AREA if colors.shape[1] > TILE_WIDTH else cv2.INTER_LINEAR
-    scaled = cv2.resize(colors.astype(np.float32) * (255 / full), (TILE_WIDTH, height), interpolation=way)
+def small(image: ArrayImage, width: int) -> ByteImage:
+    """(H, width, 3) uint8 of a picture of any type."""
+    full = np.iinfo(image.dtype).max if image.dtype.kind == "u" else 1.0
+    colors = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
+    height = max(1, round(colors.shape[0] * width / colors.shape[1]))
+    way = cv2.INTER_AREA if colors.shape[1] > width else cv2.INTER_LINEAR
+    scaled = cv2.resize(colors.astype(np.float32) * (255 / full), (width, height), interpolation=way)
     return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
 
 

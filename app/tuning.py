@@ -168,12 +168,17 @@ def tried(
     vessels = vessel_mask(image, tissue_mask=view)
     enhancer = LookEnhancer()
     enhancer.show(image, tissue_mask)
-    for setting in sorted(wanted, key=_stages):
+    for setting in working_order(wanted):
         start = perf_counter()
         result = enhancer.enhance(setting.params)
         milliseconds = 1000 * (perf_counter() - start)
-        measures = _measures(result.image, image, vessels, view, milliseconds)
+        measures = measured(result.image, image, vessels, view, milliseconds)
         yield Cell(setting, result.image, result.statistics, measures)
+
+
+def working_order(wanted: Sequence[Setting]) -> list[Setting]:
+    """Settings that share what takes longest follow each other."""
+    return sorted(wanted, key=_stages)
 
 
 def _stages(setting: Setting) -> tuple[str, ...]:
@@ -181,9 +186,10 @@ def _stages(setting: Setting) -> tuple[str, ...]:
     return tuple(str(getattr(setting.params, name, "")) for name in SLOWEST)
 
 
-def _measures(
+def measured(
     image: ArrayImage, original: ArrayImage, vessels: BoolImage, view: BoolImage, milliseconds: float
 ) -> Measures:
+    """Of an enhanced picture; `vessels` and `view` are masks (H, W) of the original."""
     otsu = dvbv_otsu(image)
     return Measures(
         dv=otsu.dv,

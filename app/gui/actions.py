@@ -81,6 +81,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.opening = None
     state.clip, state.opened_options, state.pictures = opened.clip, opened.options, None
     state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
+    state.tuning = state.tuning.renewed()
     state.linked, state.view_time, state.frame_index = True, 0.0, 0
     if not state.reconstruction.is_alive:
         _show_run(state, opened)

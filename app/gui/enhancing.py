@@ -33,6 +33,10 @@ class PictureRequest:
     tissue_only: bool = False
     """Tools and the black surround do not count in the statistics; the paper counts every pixel."""
 
+    def with_params(self, params: Look) -> PictureRequest:
+        """The same frame, enhanced by these."""
+        return replace(self, params=params)
+
 
 @dataclass(frozen=True, eq=False)
 class Pictures:

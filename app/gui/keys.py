@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.gui import actions, camera_actions
+from app.gui import actions, camera_actions, tuning_actions
 from app.gui.picture_view import PictureView
 from app.gui.state import AppState
 
@@ -74,6 +74,7 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(key.r, "R", "reset all enhancement parameters", actions.reset_params),
         Shortcut(ctrl | key.z, "Ctrl+Z", "undo a parameter", actions.undo, repeats=True),
         Shortcut(ctrl | key.y, "Ctrl+Y", "redo a parameter", actions.redo, repeats=True),
+        Shortcut(ctrl | key.t, "Ctrl+T", "tuning grid: a range of settings", tuning_actions.toggle_tuning),
         Shortcut(key.s, "S", "save a picture of what is shown", lambda s: commands.screenshot()),
         Shortcut(ctrl | key.o, "Ctrl+O", "open a folder", lambda s: commands.open_folder()),
         Shortcut(ctrl | key.i, "Ctrl+I", "open an image or a video", lambda s: commands.open_file()),

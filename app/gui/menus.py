@@ -8,7 +8,7 @@ from pathlib import Path
 
 from imgui_bundle import hello_imgui, imgui, imgui_ctx
 
-from app.gui import actions, theme
+from app.gui import actions, theme, tuning_actions
 from app.gui.keys import fit_pictures, one_to_one, toggle_help
 from app.gui.legible import legible
 from app.gui.panels.overlays import LONG_NOTICE
@@ -71,6 +71,9 @@ def _draw_picture(state: AppState) -> None:
     _item("Undo", "Ctrl+Z", lambda: actions.undo(state), enabled=len(state.past) > 1)
     _item("Redo", "Ctrl+Y", lambda: actions.redo(state), enabled=bool(state.future))
     _item("Reset all parameters", "R", lambda: actions.reset_params(state))
+    imgui.separator()
+    shown = state.tuning.shown
+    _item("Tuning grid", "Ctrl+T", lambda: tuning_actions.toggle_tuning(state), ticked=shown)
 
 
 def quit_app() -> None:

@@ -14,6 +14,7 @@ from app.gui.opening import OpenRequest
 from app.gui.photos import PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.settings import Places, Settings
+from app.gui.tuning import Tuning
 from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel, View, ViewRequest
 from app.methods import Look
@@ -158,6 +159,8 @@ class AppState:
     view_time: float = 0.0
     """In [0, 1]; used when not linked."""
 
+    tuning: Tuning = field(default_factory=Tuning)
+
     now: float = 0.0
     """The window's clock, seconds."""
     banner: Banner | None = None
@@ -199,7 +202,12 @@ class AppState:
     @property
     def is_busy(self) -> bool:
         """Something goes on that the window should follow closely."""
-        return self.reconstruction.is_alive or self.opening is not None or self.pictures_are_stale
+        return (
+            self.reconstruction.is_alive
+            or self.opening is not None
+            or self.pictures_are_stale
+            or self.tuning.request is not None
+        )
 
     @property
     def view_request(self) -> ViewRequest | None:

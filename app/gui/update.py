@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from app.gui import actions, camera_actions
+from app.gui import actions, camera_actions, tuning_actions
 from app.gui.background import Channel, Failure
 from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
@@ -14,6 +14,7 @@ from app.gui.opening import Opened, OpenRequest, open_path
 from app.gui.photos import Photo, PhotoRequest, read_photo
 from app.gui.picking import Picked, PickRequest, pick
 from app.gui.state import AppState
+from app.gui.tuning import CellMaker, CellRequest, GridCell
 from app.gui.viewing import View, ViewRequest, draw_view
 from app.job import Cancelled, Failed, Paused, Resumed
 from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
@@ -38,12 +39,14 @@ class Channels:
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
+    cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
     def all(self) -> Sequence[Channel[object, object]]:
-        return (self.opening, self.pictures, self.picks, self.photos, self.view, self.bakes, self.saving)  # type: ignore[return-value]
+        shown = (self.opening, self.pictures, self.picks, self.photos, self.view, self.bakes)
+        return (*shown, self.saving, self.cells)  # type: ignore[return-value]
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -58,6 +61,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_view(state, channels)
     _take_baked(state, channels)
     _take_saved(state, channels)
+    _take_cell(state, channels)
     _follow_job(state)
     _play(state, elapsed)
     _ask(state, channels)
@@ -150,6 +154,11 @@ def _take_saved(state: AppState, channels: Channels) -> None:
             actions.announce(state, f"saved {answer.path.name} in {answer.path.parent.name}/")
 
 
+def _take_cell(state: AppState, channels: Channels) -> None:
+    if (taken := channels.cells.take()) is not None:
+        tuning_actions.take_cell(state, *taken)
+
+
 def _follow_job(state: AppState) -> None:
     job = state.reconstruction.job
     if job is None:
@@ -237,6 +246,9 @@ def _ask(state: AppState, channels: Channels) -> None:
     if photo is not None and channels.photos.asked != photo:
         channels.photos.ask(photo)
     _ask_for_keyframes(state, channels)
+    cell = state.tuning.request
+    if cell is not None and channels.cells.asked != cell:
+        channels.cells.ask(cell)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

@@ -24,6 +24,7 @@ from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
+from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.settings import Places, load_settings
@@ -40,6 +41,7 @@ IDLE_FPS = 9.0
 BUSY_FPS = 25.0
 """While something runs in the background that the window should follow."""
 SIZE = (1280, 720)
+TUNING = "Tuning"
 
 
 def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> None:
@@ -160,7 +162,11 @@ class Window:
             for title, dock, draw in panels
         ]
         log = hello_imgui.DockableWindow("Log", "Below", self._draw_log, is_visible_=False)
-        layout.dockable_windows = [*layout.dockable_windows, log]
+        tuning = hello_imgui.DockableWindow(
+            TUNING, "MainDockSpace", self._draw_tuning, is_visible_=False, can_be_closed_=False
+        )
+        tuning.include_in_view_menu = False
+        layout.dockable_windows = [*layout.dockable_windows, log, tuning]
         return layout
 
     def _begin(self) -> None:
@@ -180,6 +186,7 @@ class Window:
         params = hello_imgui.get_runner_params()
         # Without anything to show there, the pictures have its space.
         params.docking_params.dockable_window_of_name("3D view").is_visible = self.state.has_view
+        self._show_tuning(params.docking_params.dockable_window_of_name(TUNING))
         idling = params.fps_idling
         idling.enable_idling = not (self.state.playing or self.state.viewer.moving)
         idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
@@ -187,6 +194,15 @@ class Window:
     def _draw_pictures(self) -> None:
         assert self._textures is not None
         draw_compare(self.state, self._textures, lambda: draw_welcome(self.state, self._openers))
+
+    def _show_tuning(self, window: hello_imgui.DockableWindow) -> None:
+        """In front when it is asked for."""
+        window.focus_window_at_next_frame |= self.state.tuning.shown and not window.is_visible
+        window.is_visible = self.state.tuning.shown
+
+    def _draw_tuning(self) -> None:
+        assert self._textures is not None
+        draw_tuning(self.state, self._textures)
 
     def _draw_view(self) -> None:
         assert self._viewport is not None

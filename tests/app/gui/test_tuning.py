@@ -1,0 +1,206 @@
+"""The tuning grid of the window: its cells are the window's own pictures, and it never stands in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.gui import actions, tuning_actions
+from app.gui.enhancing import PictureMaker
+from app.gui.opening import Opened
+from app.gui.panels.tuning import draw_tuning
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from app.gui.tuning import Choice
+from app.gui.update import Channels, update
+from app.tuning import METRICS
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from renderer.clip import ByteImage, Clip
+from tests.app.gui.conftest import make_clip
+from tests.app.gui.test_panels import Ui
+from tests.app.gui.test_window import Driver, wait
+
+
+@pytest.fixture
+def channels() -> Channels:
+    return Channels()
+
+
+def turn(state: AppState, channels: Channels) -> None:
+    """One frame, with the worker's share done in between."""
+    update(state, channels, state.now + 0.01)
+    for channel in channels.all:
+        channel.run_waiting()
+
+
+def finish(state: AppState, channels: Channels) -> None:
+    for _ in range(100):
+        turn(state, channels)
+        if not state.tuning.running:
+            return
+    raise AssertionError("the grid does not end")
+
+
+def test_every_cell_is_the_window_s_own_picture(state: AppState, channels: Channels) -> None:
+    state.scope, state.params = "clip", EnhanceParams(z=0.3)
+    state.tuning.choices = (Choice("d_factor", 0.0, 2.0, 3), Choice("p", 0.2, 0.8, 2))
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    grid = state.tuning.grid
+    assert grid is not None
+    assert (len(grid.settings), grid.columns) == (6, 2)
+    assert set(state.tuning.cells) == set(grid.settings)
+    setting = grid.settings[-1]
+    assert setting.params == EnhanceParams(z=0.3, d_factor=2.0, p=0.8)
+    tuning_actions.look_at(state, setting)
+    turn(state, channels)
+    turn(state, channels)
+    tuning_actions.use_setting(state, setting)
+    request = state.picture_request
+    assert state.tuning.look is not None
+    assert request is not None
+    shown = list(PictureMaker().make(request))[-1]
+    np.testing.assert_array_equal(state.tuning.look.image, shown.enhanced)
+
+
+def test_use_is_one_step_of_undo(state: AppState, channels: Channels) -> None:
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    assert state.tuning.grid is not None
+    tuning_actions.use_setting(state, state.tuning.grid.settings[0])
+    assert state.params == state.tuning.grid.settings[0].params
+    actions.undo(state)
+    assert state.params == EnhanceParams()
+
+
+def test_a_cell_at_a_time_so_that_sliders_are_served_in_between(state: AppState, channels: Channels) -> None:
+    tuning_actions.start_grid(state)
+    for _ in range(3):
+        turn(state, channels)
+    tried = len(state.tuning.cells)
+    assert 0 < tried < 12
+    actions.set_params(state, EnhanceParams(d_factor=0.7))
+    turn(state, channels)
+    turn(state, channels)
+    assert state.pictures is not None
+    assert state.pictures.request.params == EnhanceParams(d_factor=0.7)
+    assert len(state.tuning.cells) < 12
+    tuning_actions.stop_grid(state)
+    for _ in range(3):
+        turn(state, channels)
+    assert len(state.tuning.cells) <= tried + 3
+
+
+def test_the_order_is_that_of_the_measure(state: AppState, channels: Channels) -> None:
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    state.tuning.sort = "noise_gain"
+    values = [state.tuning.cells[one].measures.noise_gain for one in state.tuning.in_order]
+    assert values == sorted(values)
+    assert len(values) == 12
+
+
+def test_whole_numbers_stay_whole(state: AppState, channels: Channels) -> None:
+    state.tuning.choices = (Choice("subsample", 1, 4, 6), Choice())
+    tuning_actions.start_grid(state)
+    assert state.tuning.grid is not None
+    assert [one.params for one in state.tuning.grid.settings] == [
+        EnhanceParams(subsample=factor) for factor in (1, 2, 3, 4)
+    ]
+
+
+def test_what_cannot_be_tried_is_a_sentence(state: AppState, channels: Channels) -> None:
+    state.tuning.choices = (Choice("p"), Choice("p"))
+    tuning_actions.start_grid(state)
+    assert state.banner is not None
+    state.params, state.banner = VesselParams(), None
+    state.tuning.choices = (Choice("z"), Choice())
+    tuning_actions.start_grid(state)
+    assert state.banner is not None
+    assert state.tuning.grid is None
+
+
+def test_a_clip_that_is_gone_stops_the_grid(state: AppState, channels: Channels) -> None:
+    def gone(index: int) -> ByteImage:
+        raise OSError("no such file")
+
+    object.__setattr__(state.clip, "read_image", gone)
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    assert state.banner is not None
+    assert state.tuning.cells == {}
+
+
+def test_another_clip_has_no_grid(state: AppState, channels: Channels, clip: Clip) -> None:
+    tuning_actions.start_grid(state)
+    turn(state, channels)
+    choices = state.tuning.choices
+    actions.show_opened(state, clip.path, Opened(make_clip(clip.path)))
+    assert (state.tuning.grid, state.tuning.choices) == (None, choices)
+    update(state, channels, state.now + 0.01)
+    assert state.tuning.cells == {}
+
+
+class NoTextures:
+    """In the place of OpenGL."""
+
+    def part(self, *args: object) -> None:
+        return None
+
+    def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
+        return imgui.ImTextureRef(0)
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+def test_the_panel_draws_in_every_state(ui: Ui, state: AppState, channels: Channels, clip: Clip) -> None:
+    textures = NoTextures()
+    ui.frame(lambda: draw_tuning(AppState(state.places), textures))
+    ui.frame(lambda: draw_tuning(state, textures))
+    tuning_actions.start_grid(state)
+    ui.frame(lambda: draw_tuning(state, textures))
+    finish(state, channels)
+    for metric in ("", *METRICS):
+        state.tuning.sort = metric
+        ui.frame(lambda: draw_tuning(state, textures))
+        assert state.tuning.sort == metric
+    tuning_actions.look_at(state, state.tuning.in_order[0])
+    ui.frame(lambda: draw_tuning(state, textures))
+    turn(state, channels)
+    turn(state, channels)
+    ui.frame(lambda: draw_tuning(state, textures))
+
+
+@pytest.mark.display
+def test_from_choosing_to_using_in_the_window(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        ctx.item_click("//Pictures/**/###phantom")
+        wait(ctx, lambda: state.pictures is not None and not state.pictures_are_stale, "the phantom")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.t)
+        ctx.yield_(3)
+        ctx.item_click("//Tuning/###try")
+        wait(ctx, lambda: len(state.tuning.cells) == 12 and not state.tuning.running, "the grid")
+        ctx.yield_(3)
+        ctx.item_click("//Tuning/**/tile0-1")
+        wait(ctx, lambda: state.tuning.is_looked_at, "the cell at 100 %")
+        ctx.yield_(2)
+        ctx.item_click("//Tuning/###use")
+        assert state.tuning.chosen is not None
+        assert state.params == state.tuning.chosen.params != EnhanceParams()
+        ctx.item_click("//Tuning/###back")
+        ctx.yield_(2)
+
+    driver.run(drive)
+    assert len(state.tuning.cells) == 12
