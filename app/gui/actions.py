@@ -83,6 +83,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
     state.tuning = state.tuning.renewed()
     state.linked, state.view_time, state.frame_index = True, 0.0, 0
+    state.comparison, state.others, state.difference = state.comparison.renewed(), {}, None
     if not state.reconstruction.is_alive:
         _show_run(state, opened)
     for notice in opened.notices:

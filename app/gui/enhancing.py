@@ -18,6 +18,8 @@ from renderer.clip import BoolImage, ByteImage, Clip
 Scope = Literal["image", "clip"]
 POOLED_FRAMES = 16
 """Frames, evenly spread, whose statistics stand for the whole clip."""
+POOLS = 4
+"""Sets of windows whose pooled statistics are remembered."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class PictureMaker:
     def __init__(self) -> None:
         self._enhancer = LookEnhancer()
         self._shown: tuple[PictureRequest, ByteImage] | None = None
-        self._pooled: tuple[PictureRequest, Statistics] | None = None
+        self._pooled: dict[PictureRequest, Statistics] = {}
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
         """First the photo alone, then both. Raises ClipError or ImageError."""
@@ -88,16 +90,20 @@ class PictureMaker:
         paper = params if isinstance(params, EnhanceParams) else EnhanceParams()
         windows = EnhanceParams(radii=paper.radii, eps=paper.eps, subsample=paper.subsample)
         key = replace(request, frame_index=0, params=windows)
-        if self._pooled is None or self._pooled[0] != key:
-            count = min(len(request.clip), POOLED_FRAMES)
-            indices = np.linspace(0, len(request.clip) - 1, count).round().astype(int)
-            # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
-            frames, again = tee(_read(request, int(index)) for index in indices)
-            self._pooled = (
-                key,
-                measure((photo for photo, _ in frames), windows, (mask for _, mask in again)),
-            )
-        return self._pooled[1]
+        if key not in self._pooled:
+            while len(self._pooled) >= POOLS:
+                self._pooled.pop(next(iter(self._pooled)))
+            self._pooled[key] = _measured(key, windows)
+        return self._pooled[key]
+
+
+def _measured(request: PictureRequest, windows: EnhanceParams) -> Statistics:
+    """Pooled over frames that are evenly spread over the clip."""
+    count = min(len(request.clip), POOLED_FRAMES)
+    indices = np.linspace(0, len(request.clip) - 1, count).round().astype(int)
+    # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
+    frames, again = tee(_read(request, int(index)) for index in indices)
+    return measure((photo for photo, _ in frames), windows, (mask for _, mask in again))
 
 
 def _read(request: PictureRequest, index: int) -> tuple[ByteImage, BoolImage | None]:

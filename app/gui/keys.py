@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.gui import actions, camera_actions, tuning_actions
+from app.gui import actions, camera_actions, comparing, tuning_actions
 from app.gui.picture_view import PictureView
 from app.gui.state import AppState
 
@@ -36,7 +36,7 @@ class Commands:
 BLEND_STEP = 0.1
 MODIFIERS = int(imgui.Key.mod_mask_)
 PEEK = imgui.Key.space
-PEEK_TEXT = "hold: original in the enhanced pane"
+PEEK_TEXT = "hold: the original in every pane"
 FLIGHT = {
     imgui.Key.a: (-1, 0, 0), imgui.Key.d: (1, 0, 0),
     imgui.Key.q: (0, 1, 0), imgui.Key.e: (0, -1, 0),
@@ -55,10 +55,28 @@ MOUSE = (
 
 def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
     """In the order of the help."""
-    key, ctrl = imgui.Key, imgui.Key.mod_ctrl
+    key, ctrl, shift = imgui.Key, imgui.Key.mod_ctrl, imgui.Key.mod_shift
     return (
         Shortcut(key.e, "E", "enhancement on and off", actions.toggle_enhancement),
         Shortcut(key.escape, "Esc", "plain white light", actions.white_light),
+        Shortcut(key.v, "V", "compare side by side", lambda s: comparing.choose_mode(s, "side by side")),
+        Shortcut(
+            key.w, "W", "wipe: one picture with a line to drag", lambda s: comparing.choose_mode(s, "wipe")
+        ),
+        Shortcut(key.t, "T", "one picture: flip between left and right", comparing.flip),
+        Shortcut(
+            key.d, "D", "difference of left and right", lambda s: comparing.choose_mode(s, "difference")
+        ),
+        Shortcut(key.x, "X", "swap left and right", comparing.swap),
+        Shortcut(
+            shift | key.left_bracket, "Shift+[", "line of the wipe to the left", _wipe(-1), repeats=True
+        ),
+        Shortcut(
+            shift | key.right_bracket, "Shift+]", "line of the wipe to the right", _wipe(1), repeats=True
+        ),
+        Shortcut(key.z, "Z", "stripes on clipped pixels", comparing.toggle_zebra),
+        Shortcut(shift | key.a, "Shift+A", "store the setting as A", lambda s: comparing.store(s, "A")),
+        Shortcut(shift | key.b, "Shift+B", "store the setting as B", lambda s: comparing.store(s, "B")),
         Shortcut(key.f, "F", "freeze the pictures", actions.toggle_freeze),
         Shortcut(key.p, "P", "play and pause", actions.toggle_play),
         Shortcut(key.k, "K", "play and pause", actions.toggle_play),
@@ -78,7 +96,7 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(key.s, "S", "save a picture of what is shown", lambda s: commands.screenshot()),
         Shortcut(ctrl | key.o, "Ctrl+O", "open a folder", lambda s: commands.open_folder()),
         Shortcut(ctrl | key.i, "Ctrl+I", "open an image or a video", lambda s: commands.open_file()),
-        Shortcut(imgui.Key.mod_shift | key.slash, "?", "this help", toggle_help),
+        Shortcut(shift | key.slash, "?", "this help", toggle_help),
         Shortcut(key.f1, "F1", "this help", toggle_help),
     )
 
@@ -89,6 +107,10 @@ def fade_photo(state: AppState) -> None:
 
 def raise_photo(state: AppState) -> None:
     camera_actions.blend(state, state.viewer.blend + BLEND_STEP)
+
+
+def _wipe(steps: int) -> Callable[[AppState], None]:
+    return lambda state: comparing.move_wipe(state, steps * comparing.WIPE_STEP)
 
 
 def fit_pictures(state: AppState) -> None:

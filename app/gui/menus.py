@@ -8,7 +8,8 @@ from pathlib import Path
 
 from imgui_bundle import hello_imgui, imgui, imgui_ctx
 
-from app.gui import actions, theme, tuning_actions
+from app.gui import actions, comparing, theme, tuning_actions
+from app.gui.comparison import MODES, SLOTS
 from app.gui.keys import fit_pictures, one_to_one, toggle_help
 from app.gui.legible import legible
 from app.gui.panels.overlays import LONG_NOTICE
@@ -65,6 +66,8 @@ def _draw_picture(state: AppState) -> None:
     frozen = state.frozen_index is not None
     _item("Freeze", "F", lambda: actions.toggle_freeze(state), ticked=frozen, enabled=clip)
     imgui.separator()
+    _draw_compare(state, clip)
+    imgui.separator()
     _item("Fit", "0", lambda: fit_pictures(state), enabled=clip)
     _item("1:1", "1", lambda: one_to_one(state), enabled=clip)
     imgui.separator()
@@ -74,6 +77,22 @@ def _draw_picture(state: AppState) -> None:
     imgui.separator()
     shown = state.tuning.shown
     _item("Tuning grid", "Ctrl+T", lambda: tuning_actions.toggle_tuning(state), ticked=shown)
+
+
+def _draw_compare(state: AppState, clip: bool) -> None:
+    for mode, key in zip(MODES, ("V", "W", "T", "D"), strict=True):
+        act = (
+            partial(comparing.flip, state) if mode == "flip" else partial(comparing.choose_mode, state, mode)
+        )
+        _item(mode.capitalize(), key, act, ticked=state.comparison.mode == mode, enabled=clip)
+    _item("Swap left and right", "X", lambda: comparing.swap(state), enabled=clip)
+    _item("Original left, enhanced right", "", lambda: comparing.reset_sources(state), enabled=clip)
+    zebra = state.comparison.zebra
+    _item("Stripes on clipped pixels", "Z", lambda: comparing.toggle_zebra(state), ticked=zebra)
+    imgui.separator()
+    for slot in SLOTS:
+        _item(f"Store setting {slot}", f"Shift+{slot}", partial(comparing.store, state, slot))
+        _item(f"Use setting {slot}", "", partial(comparing.recall, state, slot), enabled=slot in state.stored)
 
 
 def quit_app() -> None:

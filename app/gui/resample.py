@@ -19,6 +19,12 @@ SHARP_ZOOM = 3.0
 """From here on pixels are shown as squares."""
 
 
+STRIPE = 8
+"""Screen pixels from one stripe of the zebra to the next."""
+OVER, UNDER = (255, 0, 255), (0, 190, 255)
+"""Stripes on clipped highlights and shadows: colours that tissue does not have."""
+
+
 @dataclass(frozen=True, eq=False)
 class Patch:
     """Screen pixels (H, W, 3) to be drawn with their upper left corner at (x, y) in the pane."""
@@ -41,6 +47,26 @@ def visible(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Pa
         return Patch(np.ascontiguousarray(part), x, y)
     sampled = cv2.resize(part, (width, height), interpolation=_filter(place.zoom))
     return Patch(np.asarray(sampled, dtype=np.uint8), x, y)
+
+
+def striped(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Patch | None:
+    """As `visible`, with stripes where any channel is at 255, or all are at 0.
+
+    A pixel of the screen is striped as soon as a quarter of what it shows is clipped.
+    """
+    patch = visible(image, place, pane)
+    if patch is None:
+        return None
+    over = 255 - np.asarray(cv2.inRange(image, (0, 0, 0), (254, 254, 254)))
+    under = np.asarray(cv2.inRange(image, (0, 0, 0), (0, 0, 0)))
+    clipped = visible(np.dstack((over, under)).astype(np.uint8), place, pane)
+    assert clipped is not None
+    rows, columns = np.ogrid[: patch.pixels.shape[0], : patch.pixels.shape[1]]
+    stripes = (rows + patch.y + columns + patch.x) % STRIPE < STRIPE // 2
+    pixels = patch.pixels.copy()
+    for channel, color in enumerate((OVER, UNDER)):
+        pixels[stripes & (clipped.pixels[..., channel] >= 64)] = color
+    return Patch(pixels, patch.x, patch.y)
 
 
 def _span(offset: float, zoom: float, size: int, pane: float) -> tuple[int, int] | None:

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from app.gui.baking import Baked
+from app.gui.comparison import Comparison, Side
 from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.opening import OpenRequest
+from app.gui.others import Difference, Other
 from app.gui.photos import PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.settings import Places, Settings
@@ -141,6 +143,16 @@ class AppState:
     pictures: Pictures | None = None
     asked_at: float = 0.0
     """When the newest pictures were asked for, on the window's clock."""
+    comparison: Comparison = field(default_factory=Comparison)
+    stored: dict[str, Look] = field(default_factory=dict)
+    """Settings kept as "A" and "B", to compare with."""
+    others: dict[Side, Other] = field(default_factory=dict)
+    """The newest pictures of each side that are neither photo nor present setting."""
+    difference: Difference | None = None
+    panes_wait: bool = False
+    """A picture of `others` is being made."""
+    pointer: tuple[int, int] | None = None
+    """Column and row of the picture under the pointer."""
     picture_view: PictureView = field(default_factory=PictureView)
     zoom: float = 1.0
     """Screen pixels per picture pixel, as last laid out."""
@@ -195,6 +207,10 @@ class AppState:
         return self.pictures is not None and self.pictures.request != self.picture_request
 
     @property
+    def _pictures_wait(self) -> bool:
+        return self.pictures_are_stale or self.panes_wait
+
+    @property
     def has_view(self) -> bool:
         """There is, or soon will be, something to see in 3D."""
         return self.model is not None or self.reconstruction.is_alive
@@ -205,7 +221,7 @@ class AppState:
         return (
             self.reconstruction.is_alive
             or self.opening is not None
-            or self.pictures_are_stale
+            or self._pictures_wait
             or self.tuning.request is not None
         )
 

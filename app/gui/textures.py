@@ -10,7 +10,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from app.gui.picture_view import Placement
-from app.gui.resample import visible
+from app.gui.resample import striped, visible
 from renderer.clip import ByteImage
 
 Size = tuple[float, float]
@@ -30,7 +30,9 @@ class OnPane:
 class ShowsPictures(Protocol):
     """What panels need of textures; tests of panels put something without OpenGL in its place."""
 
-    def part(self, slot: str, image: ByteImage, place: Placement, pane: Size) -> OnPane | None: ...
+    def part(
+        self, slot: str, image: ByteImage, place: Placement, pane: Size, *, zebra: bool = False
+    ) -> OnPane | None: ...
 
 
 class Textures:
@@ -40,7 +42,7 @@ class Textures:
         self._ctx = ctx
         self._textures: dict[str, moderngl.Texture] = {}
         self._images: dict[str, ByteImage] = {}
-        self._parts: dict[str, tuple[Placement, Size, OnPane | None]] = {}
+        self._parts: dict[str, tuple[Placement, Size, bool, OnPane | None]] = {}
 
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         """The texture of an (H, W, 3) image, first row first."""
@@ -49,16 +51,21 @@ class Textures:
             self._images[slot] = image
         return imgui.ImTextureRef(self._textures[slot].glo)
 
-    def part(self, slot: str, image: ByteImage, place: Placement, pane: Size) -> OnPane | None:
-        """What a pane of (width, height) screen pixels shows of the image; None when it shows nothing."""
+    def part(
+        self, slot: str, image: ByteImage, place: Placement, pane: Size, *, zebra: bool = False
+    ) -> OnPane | None:
+        """What a pane of (width, height) screen pixels shows of the image; None when it shows nothing.
+
+        `zebra` stripes clipped pixels.
+        """
         last = self._parts.get(slot)
-        if self._images.get(slot) is image and last is not None and last[:2] == (place, pane):
-            return last[2]
-        patch, shown = visible(image, place, pane), None
+        if self._images.get(slot) is image and last is not None and last[:3] == (place, pane, zebra):
+            return last[3]
+        patch, shown = (striped if zebra else visible)(image, place, pane), None
         if patch is not None:
             texture = self._write(slot, patch.pixels)
             shown = OnPane(imgui.ImTextureRef(texture.glo), patch.x, patch.y, *texture.size)
-        self._images[slot], self._parts[slot] = image, (place, pane, shown)
+        self._images[slot], self._parts[slot] = image, (place, pane, zebra, shown)
         return shown
 
     def _write(self, slot: str, pixels: ByteImage) -> moderngl.Texture:

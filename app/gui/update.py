@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from app.gui import actions, camera_actions, tuning_actions
 from app.gui.background import Channel, Failure
 from app.gui.baking import Baked, BakeRequest, bake, can_bake
+from app.gui.compare_work import CompareWork
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
 from app.gui.opening import Opened, OpenRequest, open_path
@@ -40,13 +42,14 @@ class Channels:
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
+    compare: CompareWork = field(default_factory=CompareWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
-    def all(self) -> Sequence[Channel[object, object]]:
-        shown = (self.opening, self.pictures, self.picks, self.photos, self.view, self.bakes)
-        return (*shown, self.saving, self.cells)  # type: ignore[return-value]
+    def all(self) -> Sequence[Channel[Any, Any]]:
+        first: list[Channel[Any, Any]] = [self.opening, self.pictures, self.picks, self.photos]
+        return (*first, *self.compare.all, self.view, self.bakes, self.saving, self.cells)
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -58,6 +61,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_pictures(state, channels)
     _take_pick(state, channels)
     _take_photo(state, channels)
+    channels.compare.take(state)
     _take_view(state, channels)
     _take_baked(state, channels)
     _take_saved(state, channels)
@@ -212,7 +216,7 @@ def _play(state: AppState, elapsed: float) -> None:
 
 
 def _waits(state: AppState) -> bool:
-    return state.frozen_index is None and state.pictures_are_stale
+    return state.frozen_index is None and (state.pictures_are_stale or state.panes_wait)
 
 
 def view_request(state: AppState) -> ViewRequest | None:
@@ -249,6 +253,7 @@ def _ask(state: AppState, channels: Channels) -> None:
     cell = state.tuning.request
     if cell is not None and channels.cells.asked != cell:
         channels.cells.ask(cell)
+    channels.compare.ask(state)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

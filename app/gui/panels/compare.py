@@ -1,25 +1,29 @@
-"""The two pictures: left always the original, right always the enhanced one, zoom and pan linked."""
+"""The two pictures: left the original by default, right the enhanced one, zoom and pan linked."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, theme
+from app.gui import actions, comparing, theme
+from app.gui.comparison import MODES, SIDES, SLOTS, SOURCES, Side, label_of
 from app.gui.enhancing import Pictures
-from app.gui.export import describe
 from app.gui.keys import fit_pictures, one_to_one
+from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
+from app.gui.panes import difference_pane, pane, shown_mode, why_not
 from app.gui.state import AppState
 from app.gui.textures import ShowsPictures
-from app.gui.widgets import button, centered, em, explain, stack_tags, tag
-from renderer.clip import ByteImage
+from app.gui.widgets import button, centered, em, explain
 
-WHEEL_STEP = 1.15
-STALE_SECONDS = 0.15
-"""Younger than this, an update on its way is not worth a flashing tag."""
-Tag = tuple[str, ImVec4]
+MODE_LABELS = [mode.capitalize() for mode in MODES]
+MODE_TEXT = (
+    "V: side by side. W: wipe, with a line to drag. T: one picture that flips between left and right. "
+    "D: where and by how much they differ."
+)
+ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, blue where all are at 0."
 
 
 def draw_compare(state: AppState, textures: ShowsPictures, draw_welcome: Callable[[], None]) -> None:
@@ -28,29 +32,33 @@ def draw_compare(state: AppState, textures: ShowsPictures, draw_welcome: Callabl
         draw_welcome()
         return
     _draw_toolbar(state)
+    gap = em(0.3)
+    half = max((imgui.get_content_region_avail().x - gap) / 2, em(4))
+    _draw_sources(state, half, gap)
     if state.pictures is None:
         imgui.dummy(ImVec2(0, em(4)))
         centered("Reading the first frame…")
         return
-    space, gap = imgui.get_content_region_avail(), em(0.3)
-    size = ImVec2(max((space.x - gap) / 2, em(4)), max(space.y, em(4)))
-    left, right = state.pictures.photo, shown_enhanced(state, state.pictures)
-    _draw_pane(state, textures, "original", left, original_tags(state, state.pictures), size)
-    imgui.same_line(0, gap)
-    _draw_pane(state, textures, "enhanced", right, enhanced_tags(state, state.pictures), size)
+    space = imgui.get_content_region_avail()
+    height = max(space.y, em(4))
+    if shown_mode(state) == "side by side":
+        _draw_pair(state, state.pictures, textures, ImVec2(half, height), gap)
+    else:
+        _draw_one(state, state.pictures, textures, ImVec2(2 * half + gap, height))
 
 
 def _draw_toolbar(state: AppState) -> None:
     label = "Enhancement on" if state.enhancing else "Enhancement off"
-    role = imgui.Col_.button
-    with imgui_ctx.push_style_color(role, theme.ACCENT_DIM if state.enhancing else theme.grey(0.25)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, _lit(state.enhancing)):
         button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=9)
-    explain("E: on and off. Esc: plain white light. Hold Space: original in the enhanced pane.")
+    explain("E: on and off. Esc: plain white light. Hold Space: the original in every pane.")
     imgui.same_line()
     freezing = state.frozen_index is not None
-    with imgui_ctx.push_style_color(role, theme.TAG_CAUTION if freezing else theme.grey(0.25)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.TAG_CAUTION if freezing else theme.grey(0.25)):
         button("Frozen###freeze" if freezing else "Freeze###freeze", lambda: actions.toggle_freeze(state))
     explain("F: hold this frame in both pictures while time goes on.")
+    imgui.same_line(0, em(1.5))
+    _draw_modes(state)
     imgui.same_line(0, em(1.5))
     button(f"{icons.ICON_FA_EXPAND}  Fit", lambda: fit_pictures(state))
     explain("0 or a double click: the whole picture.")
@@ -62,93 +70,78 @@ def _draw_toolbar(state: AppState) -> None:
     imgui.text_colored(theme.MUTED, f"{100 * state.zoom:.0f} %")
 
 
-def shown_enhanced(state: AppState, pictures: Pictures) -> ByteImage:
-    """What the enhanced pane shows: the enhanced picture, or the photo where there is none or by wish."""
-    if pictures.enhanced is None or state.peeking or not state.enhancing:
-        return pictures.photo
-    return pictures.enhanced
+def _draw_modes(state: AppState) -> None:
+    imgui.set_next_item_width(em(7.5))
+    now = MODES.index(state.comparison.mode)
+    changed, chosen = imgui.combo("##mode", now, MODE_LABELS)
+    explain(MODE_TEXT)
+    if changed and chosen != now:
+        comparing.choose_mode(state, MODES[chosen])
+    imgui.same_line()
+    with imgui_ctx.push_style_color(imgui.Col_.button, _lit(state.comparison.zebra)):
+        button("Zebra", lambda: comparing.toggle_zebra(state))
+    explain(ZEBRA_TEXT)
 
 
-def original_tags(state: AppState, pictures: Pictures) -> list[Tag]:
-    """What the left pane says of itself."""
-    return [("ORIGINAL", theme.TAG_ORIGINAL), *_state_tags(state, pictures)]
+def _lit(on: bool) -> ImVec4:
+    return theme.ACCENT_DIM if on else theme.grey(0.25)
 
 
-def enhanced_tags(state: AppState, pictures: Pictures) -> list[Tag]:
-    """What the right pane says of itself; it never looks enhanced without saying so, nor the reverse."""
-    if not state.enhancing:
-        head: list[Tag] = [("WHITE LIGHT · enhancement off", theme.TAG_CAUTION)]
-    elif state.peeking:
-        head = [("ORIGINAL · peek", theme.TAG_CAUTION)]
-    elif pictures.enhanced is None:
-        head = [("PREPARING… original shown", theme.TAG_CAUTION)]
-    else:
-        head = [("ENHANCED", theme.TAG_ENHANCED), (describe(pictures), theme.TAG_ORIGINAL)]
-    return [*head, *_state_tags(state, pictures)]
+def _draw_sources(state: AppState, half: float, gap: float) -> None:
+    """Above each pane what it shows; on the right, settings to store for it."""
+    start = imgui.get_cursor_pos_x()
+    _draw_source(state, "left", half - em(4))
+    imgui.same_line()
+    button("Swap", lambda: comparing.swap(state))
+    explain("X: swap left and right.")
+    imgui.same_line(start + half + gap)
+    _draw_source(state, "right", half - em(9))
+    for slot in SLOTS:
+        imgui.same_line()
+        button(f"Store {slot}", partial(comparing.store, state, slot))
+        explain(f"Shift+{slot}: keep the present setting as {slot}, to compare with and to go back to.")
 
 
-def _state_tags(state: AppState, pictures: Pictures) -> list[Tag]:
-    tags: list[Tag] = []
-    if state.frozen_index is not None:
-        tags.append((f"FROZEN · frame {state.frozen_index + 1}", theme.TAG_CAUTION))
-    if state.pictures_are_stale and not state.playing and state.now - state.asked_at > STALE_SECONDS:
-        tags.append(("UPDATING…", theme.TAG_CAUTION))
-    return tags
+def _draw_source(state: AppState, side: Side, width: float) -> None:
+    source = state.comparison.source(side)
+    imgui.set_next_item_width(min(width, em(15)))
+    if imgui.begin_combo(f"##{side}", label_of(source), imgui.ComboFlags_.height_large):
+        for choice in SOURCES:
+            reason = why_not(state, choice)
+            flags = imgui.SelectableFlags_.disabled if reason else 0
+            chosen, _ = imgui.selectable(label_of(choice), choice == source, flags)
+            explain(reason)
+            if chosen:
+                comparing.choose_source(state, side, choice)
+        imgui.end_combo()
+    explain(f"What the {side} side shows. The original belongs on the left.")
 
 
-def frame_text(pictures: Pictures) -> str:
-    """Which frame the pictures are of, counted from 1 as people do, and its name in the clip."""
-    request = pictures.request
-    name = request.clip.labels[request.frame_index]
-    place = f"{request.frame_index + 1} / {len(request.clip)}"
-    return place if name.isdigit() else f"{place}   {name}"
-
-
-def _draw_pane(
-    state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, tags: list[Tag], size: ImVec2
+def _draw_pair(
+    state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2, gap: float
 ) -> None:
-    assert state.pictures is not None
-    corner = imgui.get_cursor_screen_pos()
-    flags = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
-    imgui.invisible_button(slot, size, flags)
-    _look_around(state, image, corner, size)
-    end = ImVec2(corner.x + size.x, corner.y + size.y)
-    draw = imgui.get_window_draw_list()
-    draw.push_clip_rect(corner, end, True)
-    draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
-    _draw_image(state, textures, slot, image, corner, size)
-    stack_tags(tags, corner)
-    below = ImVec2(corner.x + em(0.4), end.y - imgui.get_text_line_height() - em(0.76))
-    tag(frame_text(state.pictures), below, theme.TAG_ORIGINAL)
-    draw.pop_clip_rect()
+    panes = {side: pane(state, pictures, side) for side in SIDES}
+    pointer = None
+    for side, shown in panes.items():
+        if side == "right":
+            imgui.same_line(0, gap)
+        area = Area.here(size)
+        pointer = draw_side(state, textures, side, shown, area) or pointer
+    state.pointer = pointer
 
 
-def _draw_image(
-    state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, corner: ImVec2, size: ImVec2
-) -> None:
-    """Sampled and placed in whole pixels of the screen, which a window may count in larger units."""
-    scale = imgui.get_io().display_framebuffer_scale.x
-    pane = (size.x * scale, size.y * scale)
-    view = state.picture_view.scaled(scale)
-    shown = textures.part(slot, image, view.place((image.shape[1], image.shape[0]), pane), pane)
-    if shown is not None:
-        x, y = round(corner.x) + shown.x / scale, round(corner.y) + shown.y / scale
-        end = ImVec2(x + shown.width / scale, y + shown.height / scale)
-        imgui.get_window_draw_list().add_image(shown.texture, ImVec2(x, y), end)
-
-
-def _look_around(state: AppState, image: ByteImage, corner: ImVec2, size: ImVec2) -> None:
-    """Wheel zooms at the pointer, drag moves, a double click fits: on either pane, for both."""
-    io, picture, pane = imgui.get_io(), (image.shape[1], image.shape[0]), (size.x, size.y)
-    if imgui.is_item_hovered():
-        imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
-        if io.mouse_wheel != 0:
-            at = (io.mouse_pos.x - corner.x, io.mouse_pos.y - corner.y)
-            state.picture_view = state.picture_view.zoomed(WHEEL_STEP**io.mouse_wheel, at, picture, pane)
-        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-            fit_pictures(state)
-            return
-    dragged = io.mouse_delta.x != 0 or io.mouse_delta.y != 0
-    if imgui.is_item_active() and dragged:
-        state.picture_view = state.picture_view.panned((io.mouse_delta.x, io.mouse_delta.y), picture, pane)
-    state.zoom = io.display_framebuffer_scale.x * state.picture_view.place(picture, pane).zoom
+def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2) -> None:
+    """Wipe, flip or difference: one pane for both."""
+    area, mode = Area.here(size), shown_mode(state)
+    left, right = (pane(state, pictures, side) for side in SIDES)
+    if mode == "wipe":
+        state.pointer = draw_divider(state, textures, left, right, area)
+        return
+    difference = state.difference
+    if mode == "difference" and difference is not None and not state.peeking:
+        heat = difference_pane(state, pictures, difference)
+        state.pointer = draw_single(state, textures, heat, (left, right), area)
+        draw_bar(difference.top, area)
+        return
+    shown = left if state.comparison.flipped else right
+    state.pointer = draw_single(state, textures, shown, (left, right), area)

@@ -12,8 +12,8 @@ import pytest
 from app.gui import actions
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import SaveRequest, save_picture
-from app.gui.panels.compare import enhanced_tags
 from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
+from app.gui.panes import pane
 from app.gui.state import AppState
 from app.provenance import read_provenance
 from app.training import TrainRequest
@@ -86,7 +86,7 @@ def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppSta
     for params, method in ((STRONG, "vessel"), (replace(EnhanceParams(), z=0.3), "paper")):
         state.params = params
         shown = made(PictureRequest(clip, 2, params))
-        words = " ".join(text for text, _ in enhanced_tags(state, shown))
+        words = " ".join(tag.text for tag in pane(state, shown, "right").tags)
         assert words.startswith("ENHANCED vessel ") == (method == "vessel")
         (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None))
         facts = read_provenance(saved.path)

@@ -10,15 +10,17 @@ import pytest
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui import actions, camera_actions
+from app.gui.comparison import SIDES
 from app.gui.enhancing import PictureMaker, Pictures
 from app.gui.keys import Commands, Keyboard, shortcuts
 from app.gui.panels import overlays
-from app.gui.panels.compare import draw_compare, enhanced_tags, original_tags, shown_enhanced
+from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.view3d import bounds, draw_view3d, photo_over, view_tags
 from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.panes import Pane, pane
 from app.gui.photos import read_photo
 from app.gui.picture_view import Placement
 from app.gui.state import AppState
@@ -92,7 +94,9 @@ class Shown:
     def __init__(self) -> None:
         self.images: dict[str, ByteImage] = {}
 
-    def part(self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float]) -> OnPane | None:
+    def part(
+        self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float], *, zebra: bool = False
+    ) -> OnPane | None:
         self.images[slot] = image
         return OnPane(imgui.ImTextureRef(1), 0, 0, 10, 10)
 
@@ -135,6 +139,10 @@ def texts(tags: list[tuple[str, object]]) -> str:
     return " | ".join(text for text, _ in tags)
 
 
+def said(shown: Pane) -> str:
+    return " | ".join(one.text for one in shown.tags)
+
+
 def compare(state: AppState, shown: Shown) -> Draw:
     return lambda: draw_compare(state, shown, lambda: draw_welcome(state, NOTHING))
 
@@ -142,16 +150,13 @@ def compare(state: AppState, shown: Shown) -> Draw:
 def test_left_is_the_original_and_right_the_enhanced(ui: Ui, opened: AppState) -> None:
     shown = Shown()
     ui.frame(compare(opened, shown))
-    assert shown.images["original"] is pictures(opened).photo
-    assert shown.images["enhanced"] is pictures(opened).enhanced
+    assert shown.images["left"] is pictures(opened).photo
+    assert shown.images["right"] is pictures(opened).enhanced
 
 
 def test_the_right_pane_says_enhanced_exactly_when_it_is(opened: AppState) -> None:
-    def is_enhanced() -> bool:
-        return shown_enhanced(opened, pictures(opened)) is pictures(opened).enhanced
-
-    def says_enhanced() -> bool:
-        return "ENHANCED" in texts(enhanced_tags(opened, pictures(opened)))
+    def right() -> Pane:
+        return pane(opened, pictures(opened), "right")
 
     whole = pictures(opened)
     for enhancing in (True, False):
@@ -159,17 +164,18 @@ def test_the_right_pane_says_enhanced_exactly_when_it_is(opened: AppState) -> No
             for partner in (whole.enhanced, None):
                 opened.enhancing, opened.peeking = enhancing, peeking
                 opened.pictures = replace(whole, enhanced=partner)
-                assert says_enhanced() == (is_enhanced() and partner is not None)
-                assert "ORIGINAL" in texts(original_tags(opened, pictures(opened)))
+                is_enhanced = right().image is partner
+                assert ("ENHANCED" in said(right())) == is_enhanced
+                assert "ORIGINAL" in said(pane(opened, pictures(opened), "left"))
 
 
 def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
     opened.frozen_index, opened.now = 0, 5.0
     opened.params = EnhanceParams(z=0.1)
-    for tags in (original_tags, enhanced_tags):
-        said = texts(tags(opened, pictures(opened)))
-        assert "FROZEN · frame 1" in said
-        assert "UPDATING" in said
+    for side in SIDES:
+        shown = said(pane(opened, pictures(opened), side))
+        assert "FROZEN · frame 1" in shown
+        assert "UPDATING" in shown
 
 
 def test_the_wheel_zooms_at_the_pointer_and_a_double_click_fits(ui: Ui, opened: AppState) -> None:
@@ -354,14 +360,14 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     request = opened.view_request
     assert request is not None
     shown = OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request.scaled(0.5))
-    said = texts(view_tags(opened, shown))
-    assert "LIVE PREVIEW · iteration 0 / 3000" in said
-    assert "REDUCED RESOLUTION" in said
+    text = texts(view_tags(opened, shown))
+    assert "LIVE PREVIEW · iteration 0 / 3000" in text
+    assert "REDUCED RESOLUTION" in text
     actions.show_finished_model(opened, model)
     assert opened.view_request is not None
-    said = texts(view_tags(opened, replace(shown, request=opened.view_request)))
-    assert "LIVE" not in said
-    assert "REDUCED" not in said
+    text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
+    assert "LIVE" not in text
+    assert "REDUCED" not in text
 
 
 def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
@@ -398,7 +404,7 @@ def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
     ui.io.add_key_event(imgui.Key.space, True)
     ui.frame(draw)
     assert opened.peeking
-    assert shown_enhanced(opened, pictures(opened)) is pictures(opened).photo
+    assert pane(opened, pictures(opened), "right").image is pictures(opened).photo
     ui.io.add_key_event(imgui.Key.space, False)
     ui.frame(draw)
     assert not opened.peeking

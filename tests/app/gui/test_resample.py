@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.gui.picture_view import MAX_ZOOM, MIN_ZOOM, PictureView, Placement
-from app.gui.resample import SHARP_ZOOM, visible
+from app.gui.resample import OVER, SHARP_ZOOM, UNDER, striped, visible
 from app.gui.textures import Textures
 
 PANE = (90.0, 70.0)
@@ -62,6 +62,26 @@ def test_the_patch_lies_where_the_placement_says(
 
 def test_nothing_in_sight_is_nothing_to_draw(image: np.ndarray) -> None:
     assert visible(image, Placement(SHARP_ZOOM, 1000.0, 0.0), PANE) is None
+
+
+@pytest.mark.parametrize("zoom", [0.4, 1.0, 4.0])
+def test_the_zebra_marks_clipped_pixels_of_both_ends_and_no_others(zoom: float) -> None:
+    picture = np.full((60, 60, 3), 128, np.uint8)
+    picture[:20, :, 0] = 255
+    picture[40:] = 0
+    place = Placement(zoom, 0.0, 0.0)
+    patch, plain = striped(picture, place, PANE), visible(picture, place, PANE)
+    assert patch is not None
+    assert plain is not None
+    for color, rows in ((OVER, slice(0, 20)), (UNDER, slice(40, 60))):
+        marked = (patch.pixels == color).all(axis=2)
+        inside = np.zeros_like(marked)
+        inside[round(rows.start * zoom) : round(rows.stop * zoom)] = True
+        assert not marked[~inside].any()
+        if inside.any():
+            assert 0.4 < marked[inside].mean() < 0.6
+        elsewhere = ~(patch.pixels == OVER).all(axis=2) & ~(patch.pixels == UNDER).all(axis=2)
+        np.testing.assert_array_equal(patch.pixels[elsewhere], plain.pixels[elsewhere])
 
 
 @pytest.mark.gl

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from imgui_bundle import hello_imgui, imgui
+from imgui_bundle import ImVec2, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
 from app.gui import actions
@@ -107,6 +107,49 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
     assert {"params", "statistics", "frame", "view", "source"} <= facts.keys()
     shot = hello_imgui.final_app_window_screenshot()
     assert np.ptp(np.asarray(shot)) > 200
+
+
+@pytest.mark.display
+def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
+    """Sources from the lists above panes, modes by key, the wipe's line by hand, pixels at the mouse."""
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, key = driver.state, imgui.Key
+    actions.open_path(state, phantom_path())
+
+    def ready() -> bool:
+        return is_settled(state) and not state.panes_wait
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(key.mod_shift | key.a)
+        wait(ctx, lambda: "A" in state.stored, "the stored setting")
+        ctx.set_ref("//Pictures")
+        ctx.combo_click("##left/Stored setting A")
+        ctx.combo_click("##right/Method: clahe")
+        ctx.set_ref("")
+        wait(ctx, lambda: (state.comparison.left, state.comparison.right) == ("A", "clahe"), "the sources")
+        wait(ctx, ready, "both pictures")
+        ctx.mouse_move("//Pictures/left")
+        ctx.yield_(2)
+        assert state.pointer is not None
+        ctx.key_press(key.w)
+        ctx.yield_(2)
+        ctx.item_drag_with_delta("//Pictures/line", ImVec2(-100, 0))
+        assert 0.02 < state.comparison.wipe < 0.48
+        ctx.item_double_click("//Pictures/line")
+        assert state.comparison.wipe == 0.5
+        assert state.picture_view == type(state.picture_view)()
+        for press, mode in ((key.d, "difference"), (key.t, "flip"), (key.v, "side by side")):
+            ctx.key_press(press)
+            wait(ctx, lambda mode=mode: state.comparison.mode == mode and ready(), mode)  # type: ignore[misc]
+        wait(ctx, lambda: state.difference is not None, "the difference")
+        ctx.key_press(key.z)
+        ctx.yield_(2)
+        assert state.comparison.zebra
+        ctx.key_press(key.escape)
+        wait(ctx, lambda: not state.enhancing, "white light")
+
+    driver.run(drive)
 
 
 @pytest.mark.display

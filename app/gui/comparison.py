@@ -1,0 +1,68 @@
+"""What is compared with what, and how: plain values, kept in the state and in sessions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final, Literal, get_args
+
+from app.methods import METHODS, PAPER, VESSEL
+
+Mode = Literal["side by side", "wipe", "flip", "difference"]
+Side = Literal["left", "right"]
+Slot = Literal["A", "B"]
+
+MODES: Final[tuple[Mode, ...]] = get_args(Mode)
+SIDES: Final[tuple[Side, ...]] = get_args(Side)
+SLOTS: Final[tuple[Slot, ...]] = get_args(Slot)
+
+ORIGINAL: Final = "original"
+ENHANCED: Final = "enhanced"
+RENDER: Final = "render"
+SOURCES: Final = (ORIGINAL, ENHANCED, *SLOTS, RENDER, *METHODS)
+"""What a pane can show: the photo, the photo enhanced as set now, by a stored setting, or by another method
+with its own defaults, and the picture that the open reconstruction gives of the same moment."""
+SOURCE_LABELS: Final = {
+    ORIGINAL: "Original",
+    ENHANCED: "Enhanced (this setting)",
+    "A": "Stored setting A",
+    "B": "Stored setting B",
+    RENDER: "Render of the open run",
+    PAPER: "Method: paper, defaults",
+    VESSEL: "Method: vessel, defaults",
+}
+
+
+def label_of(source: str) -> str:
+    """The source as the lists name it."""
+    return SOURCE_LABELS.get(source, f"Method: {source}")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two sources and the way in which they are set against each other."""
+
+    mode: Mode = "side by side"
+    left: str = ORIGINAL
+    """One of SOURCES."""
+    right: str = ENHANCED
+    wipe: float = 0.5
+    """Where the line of the wipe stands, as a share of the pane's width."""
+    flipped: bool = False
+    """The one pane of mode "flip" shows the left source."""
+    zebra: bool = False
+    """Clipped pixels are striped."""
+
+    def source(self, side: Side) -> str:
+        return self.left if side == "left" else self.right
+
+    def showing(self, side: Side, source: str) -> Comparison:
+        """With another source on that side."""
+        return replace(self, left=source) if side == "left" else replace(self, right=source)
+
+    def renewed(self) -> Comparison:
+        """Left the original, right the enhanced, compared as before."""
+        return replace(self, left=ORIGINAL, right=ENHANCED)
+
+    def wiped(self, wipe: float) -> Comparison:
+        """With the line elsewhere, never out of reach."""
+        return replace(self, wipe=min(max(wipe, 0.02), 0.98))

@@ -1,0 +1,249 @@
+"""One pane: the picture where zoom and pan put it, its tags, the pixel under the pointer, the wipe's line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from imgui_bundle import ImVec2, imgui
+
+from app.gui import theme
+from app.gui.comparison import Side
+from app.gui.enhancing import Pictures
+from app.gui.keys import fit_pictures
+from app.gui.others import heat_colors
+from app.gui.panes import Pane, Tag, pixel
+from app.gui.picture_view import Placement
+from app.gui.state import AppState
+from app.gui.textures import ShowsPictures
+from app.gui.widgets import em, stack_tags, tag
+from renderer.clip import ByteImage
+
+WHEEL_STEP = 1.15
+TONES = {"plain": theme.TAG_ORIGINAL, "enhanced": theme.TAG_ENHANCED, "caution": theme.TAG_CAUTION}
+PANE_BUTTONS = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
+BAR_STEPS = 32
+Pointer = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Area:
+    """A rectangle of the screen, in the window system's units."""
+
+    corner: ImVec2
+    size: ImVec2
+
+    @classmethod
+    def here(cls, size: ImVec2) -> Area:
+        return cls(imgui.get_cursor_screen_pos(), size)
+
+    @property
+    def end(self) -> ImVec2:
+        return ImVec2(self.corner.x + self.size.x, self.corner.y + self.size.y)
+
+    @property
+    def inside(self) -> tuple[float, float]:
+        """Width and height."""
+        return self.size.x, self.size.y
+
+
+def draw_side(state: AppState, textures: ShowsPictures, side: Side, pane: Pane, area: Area) -> Pointer | None:
+    """One of two panes; the picture position under the mouse if that is here."""
+    pointer = _button(state, side, pane.image, area)
+    _begin(area)
+    _draw_image(state, textures, side, pane.image, area)
+    if pointer is None:
+        _draw_cross(state, pane.image, area)
+    _draw_tags(pane.tags, area.corner)
+    _draw_readout(state, (pane,), area)
+    imgui.get_window_draw_list().pop_clip_rect()
+    return pointer
+
+
+def draw_single(
+    state: AppState, textures: ShowsPictures, pane: Pane, pair: Sequence[Pane], area: Area
+) -> Pointer | None:
+    """One picture in all the space; the values of both under the pointer."""
+    pointer = _button(state, "single", pane.image, area)
+    _begin(area)
+    _draw_image(state, textures, "single", pane.image, area)
+    _draw_tags(pane.tags, area.corner)
+    _draw_readout(state, pair, area)
+    imgui.get_window_draw_list().pop_clip_rect()
+    return pointer
+
+
+def draw_divider(
+    state: AppState, textures: ShowsPictures, left: Pane, right: Pane, area: Area
+) -> Pointer | None:
+    """Left and right of a line that can be dragged; each side has its own tags."""
+    pointer = _button(state, "wipe", left.image, area, allow_overlap=True)
+    x = _drag_line(state, area)
+    _begin(area)
+    draw = imgui.get_window_draw_list()
+    for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
+        draw.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True)
+        _draw_image(state, textures, side, pane.image, area)
+        draw.pop_clip_rect()
+    draw.push_clip_rect(area.corner, ImVec2(x, area.end.y), True)
+    _draw_tags(left.tags, area.corner)
+    draw.pop_clip_rect()
+    _draw_tags(right.tags, ImVec2(x, area.corner.y))
+    _draw_line(area, x)
+    _draw_readout(state, (left, right), area)
+    draw.pop_clip_rect()
+    return pointer
+
+
+def draw_bar(top: int, area: Area) -> None:
+    """The colours of the heat map and the grey levels that they stand for."""
+    draw, colors = imgui.get_window_draw_list(), heat_colors()
+    width, height = em(0.9), min(em(12), 0.6 * area.size.y)
+    left, bottom = area.end.x - em(4.2), area.corner.y + (area.size.y + height) / 2
+    ground = (
+        ImVec2(left - em(0.5), bottom - height - em(1.8)),
+        ImVec2(area.end.x - em(0.4), bottom + em(0.6)),
+    )
+    draw.add_rect_filled(*ground, imgui.get_color_u32(theme.TAG_ORIGINAL), em(0.2))
+    for step in range(BAR_STEPS):
+        red, green, blue = (int(value) / 255 for value in colors[step * 255 // (BAR_STEPS - 1)])
+        low = bottom - height * step / BAR_STEPS
+        end = ImVec2(left + width, low)
+        color = imgui.get_color_u32(imgui.ImVec4(red, green, blue, 1))
+        draw.add_rect_filled(ImVec2(left, low - height / BAR_STEPS - 0.5), end, color)
+    ink = imgui.get_color_u32(theme.TEXT)
+    draw.add_text(ImVec2(left - em(0.2), bottom - height - em(1.6)), ink, "levels")
+    for share, text in ((0.0, "0"), (0.5, f"{top / 2:.0f}"), (1.0, f"{top}" if top == 255 else f"≥{top}")):
+        y = bottom - share * height - (0.35 + 0.3 * share) * em()
+        draw.add_text(ImVec2(left + width + em(0.3), y), ink, text)
+
+
+def frame_text(pictures: Pictures) -> str:
+    """Which frame the pictures are of, counted from 1 as people do, and its name in the clip."""
+    request = pictures.request
+    name = request.clip.labels[request.frame_index]
+    place = f"{request.frame_index + 1} / {len(request.clip)}"
+    return place if name.isdigit() else f"{place}   {name}"
+
+
+def _button(
+    state: AppState, name: str, image: ByteImage, area: Area, *, allow_overlap: bool = False
+) -> Pointer | None:
+    """The whole pane as a control to zoom and pan with; where in the picture the mouse is."""
+    if allow_overlap:
+        imgui.set_next_item_allow_overlap()
+    imgui.invisible_button(name, area.size, PANE_BUTTONS)
+    _look_around(state, image, area)
+    if not imgui.is_item_hovered():
+        return None
+    mouse = imgui.get_io().mouse_pos
+    x, y = _placement(state, image, area).picture_at(mouse.x - area.corner.x, mouse.y - area.corner.y)
+    inside = 0 <= x < image.shape[1] and 0 <= y < image.shape[0]
+    return (int(x), int(y)) if inside else None
+
+
+def _placement(state: AppState, image: ByteImage, area: Area) -> Placement:
+    return state.picture_view.place((image.shape[1], image.shape[0]), area.inside)
+
+
+def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
+    """Wheel zooms at the pointer, drag moves, a double click fits: on either pane, for both."""
+    io, picture, pane = imgui.get_io(), (image.shape[1], image.shape[0]), area.inside
+    if imgui.is_item_hovered():
+        imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
+        if io.mouse_wheel != 0:
+            at = (io.mouse_pos.x - area.corner.x, io.mouse_pos.y - area.corner.y)
+            state.picture_view = state.picture_view.zoomed(WHEEL_STEP**io.mouse_wheel, at, picture, pane)
+        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+            fit_pictures(state)
+            return
+    dragged = io.mouse_delta.x != 0 or io.mouse_delta.y != 0
+    if imgui.is_item_active() and dragged:
+        state.picture_view = state.picture_view.panned((io.mouse_delta.x, io.mouse_delta.y), picture, pane)
+    state.zoom = io.display_framebuffer_scale.x * state.picture_view.place(picture, pane).zoom
+
+
+def _begin(area: Area) -> None:
+    draw = imgui.get_window_draw_list()
+    draw.push_clip_rect(area.corner, area.end, True)
+    draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
+
+
+def _draw_image(state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, area: Area) -> None:
+    """Sampled and placed in whole pixels of the screen, which a window may count in larger units."""
+    scale = imgui.get_io().display_framebuffer_scale.x
+    pane = (area.size.x * scale, area.size.y * scale)
+    place = state.picture_view.scaled(scale).place((image.shape[1], image.shape[0]), pane)
+    shown = textures.part(slot, image, place, pane, zebra=state.comparison.zebra)
+    if shown is not None:
+        x, y = round(area.corner.x) + shown.x / scale, round(area.corner.y) + shown.y / scale
+        end = ImVec2(x + shown.width / scale, y + shown.height / scale)
+        imgui.get_window_draw_list().add_image(shown.texture, ImVec2(x, y), end)
+
+
+def _draw_tags(tags: Sequence[Tag], corner: ImVec2) -> None:
+    stack_tags([(one.text, TONES[one.tone]) for one in tags], corner)
+
+
+def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:
+    """At the bottom: the frame, and above it the values of the pixel under the pointer."""
+    assert state.pictures is not None
+    lines = [*_values(panes, state.pointer), frame_text(state.pictures)]
+    y = area.end.y - imgui.get_text_line_height() - em(0.76)
+    for line in reversed(lines):
+        tag(line, ImVec2(area.corner.x + em(0.4), y), theme.TAG_ORIGINAL)
+        y -= imgui.get_text_line_height() + em(0.5)
+
+
+def _values(panes: Sequence[Pane], at: Pointer | None) -> list[str]:
+    """What the pixel is in each picture; one line for one pane."""
+    if at is None:
+        return []
+    pixels = [(pane.tags[0].text.split(" · ")[0], pixel(pane.image, at)) for pane in panes]
+    said = [(name.capitalize(), str(one)) for name, one in pixels if one is not None]
+    place = f"x {at[0]}   y {at[1]}"
+    if len(panes) == 1:
+        return ["   ".join((place, *(values for _, values in said)))]
+    return [place, *(f"{name}   {values}" for name, values in said)]
+
+
+def _draw_cross(state: AppState, image: ByteImage, area: Area) -> None:
+    """Where the pointer of the other pane is in this one."""
+    if state.pointer is None:
+        return
+    place = _placement(state, image, area)
+    x = area.corner.x + place.offset_x + place.zoom * (state.pointer[0] + 0.5)
+    y = area.corner.y + place.offset_y + place.zoom * (state.pointer[1] + 0.5)
+    draw, reach = imgui.get_window_draw_list(), em(0.5)
+    for color, weight in ((theme.grey(0.0, 0.8), 3.0), (theme.grey(1.0), 1.0)):
+        ink = imgui.get_color_u32(color)
+        draw.add_line(ImVec2(x - reach, y), ImVec2(x + reach, y), ink, weight)
+        draw.add_line(ImVec2(x, y - reach), ImVec2(x, y + reach), ink, weight)
+
+
+def _drag_line(state: AppState, area: Area) -> float:
+    """The line as a control over the pane; its place on the screen. A double click centres it."""
+    reach = em(0.6)
+    x = area.corner.x + state.comparison.wipe * area.size.x
+    imgui.set_cursor_screen_pos(ImVec2(x - reach, area.corner.y))
+    imgui.invisible_button("line", ImVec2(2 * reach, area.size.y))
+    if imgui.is_item_hovered() or imgui.is_item_active():
+        imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
+    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+        state.comparison = replace(state.comparison, wipe=0.5)
+    elif imgui.is_item_active() and imgui.get_io().mouse_delta.x:
+        wipe = (imgui.get_io().mouse_pos.x - area.corner.x) / area.size.x
+        state.comparison = state.comparison.wiped(wipe)
+    return area.corner.x + state.comparison.wipe * area.size.x
+
+
+def _draw_line(area: Area, x: float) -> None:
+    draw, middle = imgui.get_window_draw_list(), area.corner.y + area.size.y / 2
+    ink, ground = imgui.get_color_u32(theme.grey(0.95)), imgui.get_color_u32(theme.grey(0.1, 0.9))
+    draw.add_line(ImVec2(x, area.corner.y), ImVec2(x, area.end.y), ground, em(0.22))
+    draw.add_line(ImVec2(x, area.corner.y), ImVec2(x, area.end.y), ink, em(0.1))
+    draw.add_circle_filled(ImVec2(x, middle), em(0.75), ground)
+    draw.add_circle(ImVec2(x, middle), em(0.75), ink, 0, em(0.1))
+    for way in (-1, 1):
+        tip, foot = ImVec2(x + way * em(0.48), middle), x + way * em(0.16)
+        draw.add_triangle_filled(tip, ImVec2(foot, middle - em(0.26)), ImVec2(foot, middle + em(0.26)), ink)

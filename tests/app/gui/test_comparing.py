@@ -1,0 +1,250 @@
+"""Two pictures against each other: what each side shows and says, and the pictures made for it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.gui import actions, comparing
+from app.gui.background import Channel
+from app.gui.comparison import SOURCES, Comparison
+from app.gui.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
+from app.gui.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
+from app.gui.state import AppState
+from app.gui.update import Channels, update
+from app.gui.viewing import ShownModel
+from enhance import EnhanceParams, enhance
+from enhance.baselines import clahe
+from enhance.vessel import VesselParams, enhance_vessels
+from renderer.gaussians import DynamicGaussians
+from renderer.rasterize.cpu import render
+from tests.app.gui.conftest import photo
+
+
+@pytest.fixture
+def channels() -> Channels:
+    return Channels()
+
+
+def settle(state: AppState, channels: Channels, now: float = 0.0) -> None:
+    for _ in range(6):
+        update(state, channels, now)
+        for channel in channels.all:
+            while channel.run_waiting():
+                pass
+
+
+def image(state: AppState, side: str = "right") -> np.ndarray:
+    assert state.pictures is not None
+    return pane(state, state.pictures, side).image  # type: ignore[arg-type]
+
+
+def said(state: AppState, side: str = "right") -> str:
+    assert state.pictures is not None
+    return " | ".join(one.text for one in pane(state, state.pictures, side).tags)  # type: ignore[arg-type]
+
+
+def shown_model(state: AppState, model: DynamicGaussians) -> ShownModel:
+    assert state.clip is not None
+    return ShownModel(model, state.clip.cameras, 50.0, "run", 10, 10, live=False)
+
+
+def test_every_source_shows_what_its_name_says(
+    state: AppState, channels: Channels, model: DynamicGaussians
+) -> None:
+    assert state.clip is not None
+    state.model = shown_model(state, model)
+    state.stored = {"A": EnhanceParams(z=0.2), "B": VesselParams(strength=3.0)}
+    state.params = EnhanceParams(z=0.7)
+    actions.seek(state, 2)
+    rendered = render(model.at(2 / 6), state.clip.cameras[2], (0.0, 0.0, 0.0), near=0.05).image
+    expected = {
+        "original": photo(2),
+        "enhanced": enhance(photo(2), EnhanceParams(z=0.7)).image,
+        "A": enhance(photo(2), EnhanceParams(z=0.2)).image,
+        "B": enhance_vessels(photo(2), VesselParams(strength=3.0)).image,
+        "render": np.rint(np.clip(rendered, 0, 1) * 255).astype(np.uint8),
+        "paper": enhance(photo(2)).image,
+        "vessel": enhance_vessels(photo(2)).image,
+        "clahe": clahe(photo(2)),
+    }
+    for source in SOURCES:
+        comparing.choose_source(state, "right", source)
+        settle(state, channels)
+        assert not state.panes_wait
+        assert source in expected or said(state).startswith(f"METHOD {source}")
+        if source in expected:
+            np.testing.assert_array_equal(image(state), expected[source], source)
+        np.testing.assert_array_equal(image(state, "left"), photo(2))
+
+
+def test_a_source_that_is_missing_says_so_and_shows_the_original(state: AppState, channels: Channels) -> None:
+    for source in ("A", "render"):
+        comparing.choose_source(state, "right", source)
+        settle(state, channels)
+        assert why_not(state, source) in said(state)
+        assert "ORIGINAL" in said(state)
+        np.testing.assert_array_equal(image(state), photo(0))
+
+
+def test_a_model_of_another_clip_is_no_render_of_this_one(state: AppState, model: DynamicGaussians) -> None:
+    shown = shown_model(state, model)
+    state.model = replace(shown, cameras=shown.cameras[:2])
+    assert why_not(state, "render")
+    camera = shown.cameras[0]
+    other = camera.resized(2 * camera.width, 2 * camera.height)
+    state.model = replace(shown, cameras=(other,) * 6)
+    assert why_not(state, "render")
+    state.model = shown
+    assert not why_not(state, "render")
+
+
+def test_peek_and_white_light_show_the_photo_whatever_is_compared(
+    state: AppState, channels: Channels
+) -> None:
+    comparing.store(state, "A")
+    state.comparison = Comparison(mode="difference", left="A", right="clahe")
+    settle(state, channels)
+    state.peeking = True
+    for side in ("left", "right"):
+        assert image(state, side) is state.pictures.photo  # type: ignore[union-attr]
+        assert "peek" in said(state, side)
+    actions.white_light(state)
+    settle(state, channels)
+    for side in ("left", "right"):
+        np.testing.assert_array_equal(image(state, side), photo(0))
+    assert "WHITE LIGHT" in said(state)
+    assert shown_mode(state) == "side by side"
+
+
+def test_another_frame_is_stale_until_its_picture_is_there(state: AppState, channels: Channels) -> None:
+    comparing.choose_source(state, "right", "clahe")
+    settle(state, channels)
+    assert state.pictures is not None
+    assert not pane(state, state.pictures, "right").stale
+    actions.seek(state, 3)
+    update(state, channels, 1.0)
+    assert state.panes_wait
+    assert pane(state, state.pictures, "right").stale
+    assert state.is_busy
+    settle(state, channels, 1.0)
+    np.testing.assert_array_equal(image(state), clahe(photo(3)))
+
+
+def test_playing_waits_for_both_panes(state: AppState, channels: Channels) -> None:
+    comparing.choose_source(state, "right", "clahe")
+    settle(state, channels)
+    actions.toggle_play(state)
+    update(state, channels, 0.12)
+    assert state.frame_index == 1
+    update(state, channels, 0.24)
+    assert state.frame_index == 1
+    settle(state, channels, 0.24)
+    update(state, channels, 0.36)
+    assert state.frame_index == 2
+
+
+def test_a_failing_source_is_told_once(state: AppState, channels: Channels) -> None:
+    def fails(request: OtherRequest) -> None:
+        raise ValueError("no such thing")
+
+    channels.compare.sides["right"] = Channel(fails)  # type: ignore[arg-type]
+    comparing.choose_source(state, "right", "clahe")
+    settle(state, channels)
+    assert state.banner is not None
+    state.banner = None
+    settle(state, channels)
+    assert state.banner is None
+
+
+def test_pictures_are_remembered_and_let_go(state: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
+    maker = OtherMaker()
+    comparing.choose_source(state, "right", "clahe")
+    request = other_request(state, "right")
+    assert request is not None
+    (first,) = maker.make(request)
+    (again,) = maker.make(request)
+    assert again is first
+    monkeypatch.setattr("app.gui.others.KEPT_BYTES", 2 * photo(0).nbytes)
+    for index in range(1, 4):
+        list(maker.make(replace(request, photo=replace(request.photo, frame_index=index))))
+    (renewed,) = maker.make(request)
+    assert renewed is not first
+    np.testing.assert_array_equal(renewed.image, first.image)
+
+
+def test_storing_and_recalling_are_steps_of_undo(state: AppState) -> None:
+    actions.set_params(state, EnhanceParams(z=0.2))
+    comparing.store(state, "B")
+    actions.set_params(state, EnhanceParams(z=0.9))
+    comparing.recall(state, "B")
+    assert state.params == EnhanceParams(z=0.2)
+    actions.undo(state)
+    assert state.params == EnhanceParams(z=0.9)
+    comparing.recall(state, "A")
+    assert state.params == EnhanceParams(z=0.9)
+
+
+def test_modes_go_back_to_side_by_side_and_flip_stays(state: AppState) -> None:
+    comparing.choose_mode(state, "wipe")
+    comparing.move_wipe(state, 5.0)
+    assert state.comparison.wipe == 0.98
+    comparing.choose_mode(state, "wipe")
+    assert state.comparison.mode == "side by side"
+    comparing.flip(state)
+    assert (state.comparison.mode, state.comparison.flipped) == ("flip", True)
+    comparing.flip(state)
+    assert (state.comparison.mode, state.comparison.flipped) == ("flip", False)
+    comparing.swap(state)
+    assert (state.comparison.left, state.comparison.right) == ("enhanced", "original")
+
+
+@pytest.mark.parametrize(("level", "top"), [(0, 8), (8, 8), (9, 16), (100, 128), (255, 255)])
+def test_the_heat_map_s_scale_holds_the_differences(level: int, top: int) -> None:
+    left = np.zeros((8, 8, 3), np.uint8)
+    right = left.copy()
+    right[:, 4:, 1] = level
+    (made,) = heat_map(DifferenceRequest(left, right))
+    assert made.top == top
+    assert made.mean == level / 2
+    assert (made.heat[:, :4] == made.heat[0, 0]).all()
+    assert made.heat[0, 0].max() <= 4  # No difference is black.
+    if level:
+        assert made.heat[0, 7].astype(int).sum() > made.heat[0, 0].astype(int).sum()
+
+
+def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels) -> None:
+    comparing.choose_mode(state, "difference")
+    settle(state, channels)
+    difference, pictures = state.difference, state.pictures
+    assert difference is not None
+    assert pictures is not None
+    assert pictures.enhanced is not None
+    apart = np.abs(pictures.photo.astype(int) - pictures.enhanced).max(axis=2)
+    assert difference.mean == pytest.approx(apart.mean())
+    shown = difference_pane(state, pictures, difference)
+    assert not shown.stale
+    assert "ORIGINAL − ENHANCED" in shown.tags[0].text
+    actions.set_params(state, EnhanceParams(z=0.0))
+    assert difference_pane(state, pictures, difference).stale
+
+
+def test_requests_of_the_same_two_pictures_are_one() -> None:
+    first, second = photo(0), photo(0)
+    assert DifferenceRequest(first, second) == DifferenceRequest(first, second)
+    assert DifferenceRequest(first, second) != DifferenceRequest(second, first)
+
+
+def test_a_pixel_in_grey_levels_and_hsv() -> None:
+    picture = np.zeros((4, 6, 3), np.uint8)
+    picture[1, 2] = (200, 50, 100)
+    one = pixel(picture, (2, 1))
+    assert one is not None
+    assert (one.rgb, one.value, one.saturation) == ((200, 50, 100), 200, 0.75)
+    black = pixel(picture, (0, 0))
+    assert black is not None
+    assert black.saturation == 0
+    assert pixel(picture, (6, 0)) is None
+    assert pixel(picture, (0, -1)) is None
