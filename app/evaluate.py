@@ -17,6 +17,7 @@ from app.errors import UserError
 from app.mean import mean_of_finite
 from app.memory import peak_memory_mb
 from app.provenance import digest
+from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.stopwatch import REPEATS, Stopwatch
 from app.training import input_clip
@@ -53,6 +54,8 @@ DEFINITIONS = {
     "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
     "peak_memory_mb": "largest resident memory of the process that trained (null: not logged), and of "
     "this one",
+    "edits": "null: the run is as it was trained; else whether the model was measured as edited by hand, and "
+    "how many Gaussians that leaves out",
     "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
     "mean": "mean over the frames; means leave out what was not measured, is infinite or undefined",
 }
@@ -106,6 +109,8 @@ class Evaluation:
     model: DynamicGaussians
     lpips: Lpips | None
     """None: not measured."""
+    edits: dict[str, Any] | None = None
+    """Whether the edits of the run are measured, and what they leave out; None where it has none."""
 
     @property
     def indices(self) -> tuple[int, ...]:
@@ -136,6 +141,7 @@ class Evaluation:
             "seed": self.record.config.seed,
             "input": self.record.input,
             "enhancement": self.record.enhancement,
+            "edits": self.edits,
             "frames_are": self.frames_are,
             "evaluation_masks": self.record.clip.options.evaluation_masks,
             "evaluated_share": mean_of_finite(frame.evaluated_share for frame in frames),
@@ -153,8 +159,9 @@ class Evaluation:
         return finished[-1].get("peak_memory_mb") if finished else None
 
 
-def open_evaluation(run_path: Path, weights: Path | None = None) -> Evaluation:
-    """`weights`: folder of those of LPIPS.
+def open_evaluation(run_path: Path, weights: Path | None = None, *, edited: bool = False) -> Evaluation:
+    """`weights`: folder of those of LPIPS. The model as it was trained, which is what the method achieves;
+    `edited`: as it is after what was done to it by hand.
 
     Raises:
         UserError, ClipError: no finished run, its clip is gone or has changed, or no weights where they are
@@ -162,8 +169,11 @@ def open_evaluation(run_path: Path, weights: Path | None = None) -> Evaluation:
     """
     run = RunFolder(run_path)
     record, model = run.record(), run.model()
+    facts = {"measured": edited} if run.edits_path.is_file() else None
+    if edited and (edits := read_edits(run, len(model))) is not None:
+        model, facts = edits.applied(model), {"measured": True} | edits_facts(edits).get("edits", {})
     clip = run_clip(record)
-    return Evaluation(run, record, clip, input_clip(clip, record), model, find_lpips(weights))
+    return Evaluation(run, record, clip, input_clip(clip, record), model, find_lpips(weights), facts)
 
 
 def run_clip(record: RunRecord) -> Clip:

@@ -40,6 +40,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
     )
+    parser.add_argument(
+        "--as-trained", action="store_true", help="without what was edited by hand in the app"
+    )
     parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to draw (default all)")
     parser.add_argument("--time", type=float, metavar="T", help="one moment in [0, 1] in place of frames")
     parser.add_argument(
@@ -72,7 +75,7 @@ def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     """The scene, what was repaired of it told on stderr. Raises UserError for what there is not."""
     if not 0 < flags.frames_per_second <= 1000:
         raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
-    scene = open_scene(flags.scene)
+    scene = open_scene(flags.scene, as_trained=flags.as_trained)
     wanted = list(_moments(flags, scene))
     for notice in scene.notices:
         sys.stderr.write(f"{notice}: {flags.scene}\n")

@@ -123,6 +123,11 @@ class RunFolder:
         return self.path / "model.safetensors"
 
     @property
+    def edits_path(self) -> Path:
+        """What was done to the model by hand, see run_edits.py."""
+        return self.path / "edits.json"
+
+    @property
     def is_run(self) -> bool:
         return self.record_path.is_file()
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from app.errors import UserError
 from app.provenance import digest, source
+from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
 from renderer.camera import Camera
 from renderer.deformation.motion import Still
@@ -44,9 +45,13 @@ def is_splat_file(path: Path) -> bool:
     return path.suffix.lower() in SUFFIXES and not path.is_dir()
 
 
-def open_scene(path: Path) -> Scene:
-    """Raises UserError: no finished run and no file of splats."""
-    return splat_scene(path) if is_splat_file(path) else _run_scene(RunFolder(path))
+def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
+    """A file of splats, or a run with what was edited by hand, unless it is wanted as trained.
+
+    Raises:
+        UserError: no finished run and no file of splats, or the edits are of another model.
+    """
+    return splat_scene(path) if is_splat_file(path) else _run_scene(RunFolder(path), as_trained)
 
 
 def splat_scene(path: Path) -> Scene:
@@ -60,11 +65,19 @@ def splat_scene(path: Path) -> Scene:
     return Scene(path.name, model, (framing(model),), (), facts, file.mode, file.notices)
 
 
-def _run_scene(folder: RunFolder) -> Scene:
+def _run_scene(folder: RunFolder, as_trained: bool) -> Scene:
     record, model = folder.record(), folder.model()
+    edits = None if as_trained else read_edits(folder, len(model))
     cameras = tuple(record.camera(index) for index in range(record.clip.frames))
     name = folder.path.absolute().name
-    return Scene(name, model, cameras, record.test_indices, run_facts(folder, record, name))
+    facts = run_facts(folder, record, name) | edits_facts(edits)
+    if edits is None:
+        return Scene(name, model, cameras, record.test_indices, facts)
+    said = (
+        f"edited by hand: {edits.count - len(edits.visible)} of {edits.count} Gaussians are left out "
+        "(--as-trained keeps them)"
+    )
+    return Scene(name, edits.applied(model), cameras, record.test_indices, facts, notices=(said,))
 
 
 def run_facts(folder: RunFolder, record: RunRecord, name: str) -> dict[str, Any]:

@@ -70,13 +70,16 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--against", type=Path, metavar="RUN", help="another run of the same clip, such as the original's"
     )
+    parser.add_argument(
+        "--edited", action="store_true", help="measure the model as edited by hand, not as trained"
+    )
     parser.add_argument("--lpips-weights", type=Path, metavar="DIR", help=f"folder with {WEIGHT_FILES}")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def run(flags: argparse.Namespace) -> None:
     paths = [flags.run] if flags.against is None else [flags.run, flags.against]
-    evaluations = [open_evaluation(path, flags.lpips_weights) for path in paths]
+    evaluations = [open_evaluation(path, flags.lpips_weights, edited=flags.edited) for path in paths]
     clips = [evaluation.record.clip for evaluation in evaluations]
     if clips[0].sha256 != clips[-1].sha256:
         raise UserError(f"--against: expected a run of the clip {clips[0].name}, got one of {clips[-1].name}")
@@ -200,6 +203,11 @@ def _cautions(report: dict[str, Any]) -> list[str]:
     cautions = ["DV, BV: inferred definition. Visibility only, neither detection nor diagnosis."]
     if report["definitions"]["lpips"] != LPIPS:
         cautions.append(f"LPIPS: {NO_LPIPS.format(folder=lpips_folder())}")
+    if report["edits"]:
+        measured = (
+            "as edited by hand" if report["edits"]["measured"] else "as trained, without its edits (--edited)"
+        )
+        cautions.append(f"the model is measured {measured}")
     if report["frames_are"] == "training":
         cautions.append("measured on training frames: the clip is too short to hold one out")
     return cautions

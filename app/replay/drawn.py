@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,19 @@ from app.pictures import ArrayImage, write_image
 from app.provenance import strict_json, write_sidecar
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
+from app.run_edits import unpacked
 from app.scene import Scene, open_scene
 from app.video import write_video
 from renderer.camera import Camera
 from renderer.splat_files.inria_ply import ply_bytes
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class EditsFacts:
+    """Which Gaussians were left out, as edits.json has them."""
+
+    deleted: str
+    hidden: str
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -30,6 +40,7 @@ class SceneFacts:
 
     run: NamedRun | None = None
     splats: Named | None = None
+    edits: EditsFacts | None = None
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -72,8 +83,17 @@ VIDEO, MOMENT = TypeAdapter(VideoFacts), TypeAdapter(MomentFacts)
 def scene_of(facts: Facts, sources: Sources) -> Scene:
     """Raises UserError or pydantic.ValidationError."""
     named = SCENE.validate_python(facts)
+    scene = _whole(named, sources)
+    if named.edits is None:
+        return scene
+    edits = unpacked(named.edits.deleted, named.edits.hidden, len(scene.model), sources.file)
+    return replace(scene, model=edits.applied(scene.model))
+
+
+def _whole(named: SceneFacts, sources: Sources) -> Scene:
+    """Without edits, whatever has been edited since."""
     if named.run is not None:
-        return open_scene(sources.find_run(named.run).path)
+        return open_scene(sources.find_run(named.run).path, as_trained=True)
     if named.splats is not None:
         return open_scene(sources.find(named.splats))
     raise UserError(

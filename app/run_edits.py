@@ -1,0 +1,112 @@
+"""Edits of a run, kept beside its model: edits.json says what is deleted and hidden, and of which model.
+
+The trained model stays as it is. What no edit changes, or another model, has no such file.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import zlib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from app.arguments import problem
+from app.atomic import write_bytes
+from app.errors import UserError
+from app.provenance import digest, strict_json, version
+from app.run_folder import RunFolder
+from renderer.editing.edits import Edits
+from renderer.editing.mask import Mask
+
+MOST = 100_000_000
+"""Gaussians: no file makes the program ask for more memory than their masks take."""
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+class EditsRecord:
+    """The content of edits.json. Masks are base64 of zlib of bits, the first Gaussian in the lowest."""
+
+    schema: Literal[1] = 1
+    version: str
+    model_sha256: str
+    """Of model.safetensors."""
+    gaussians: Annotated[int, Field(ge=0, le=MOST)]
+    """Of that model, before any edit."""
+    deleted: str
+    hidden: str
+
+
+RECORD = TypeAdapter(EditsRecord)
+
+
+def save_edits(folder: RunFolder, edits: Edits) -> None:
+    """Write edits.json, or remove it where nothing is deleted or hidden. Raises OSError or UserError."""
+    if edits.is_empty:
+        folder.edits_path.unlink(missing_ok=True)
+        return
+    record = EditsRecord(
+        version=version(),
+        model_sha256=digest(folder.model_path),
+        gaussians=edits.count,
+        deleted=_text(edits.deleted),
+        hidden=_text(edits.hidden),
+    )
+    write_bytes(folder.edits_path, strict_json(record, indent=1).encode())
+
+
+def read_edits(folder: RunFolder, count: int) -> Edits | None:
+    """What was saved last of the model of `count` Gaussians; None when the run is as it was trained.
+
+    Raises:
+        UserError: the file is damaged, or of another model than that of the run.
+    """
+    path = folder.edits_path
+    if not path.is_file():
+        return None
+    try:
+        record = RECORD.validate_json(path.read_bytes())
+    except ValidationError as error:
+        raise UserError(f"{path}: {problem(error)}") from error
+    if record.model_sha256 != digest(folder.model_path):
+        raise UserError(
+            f"expected edits of this run's model, it has changed since they were made: {path} "
+            "(--as-trained leaves them out, removing the file ends them)"
+        )
+    if record.gaussians != count:
+        raise UserError(f"expected edits of {count} Gaussians, got those of {record.gaussians}: {path}")
+    return unpacked(record.deleted, record.hidden, count, path)
+
+
+def unpacked(deleted: str, hidden: str, count: int, place: Path) -> Edits:
+    """From the masks of edits.json or of provenance. Raises UserError for damaged ones."""
+    try:
+        gone, unseen = _mask(count, deleted), _mask(count, hidden)
+    except (binascii.Error, zlib.error, ValueError) as error:
+        raise UserError(f"expected masks of {count} Gaussians, got {error}: {place}") from error
+    return Edits(gone, unseen - gone, Mask(count))
+
+
+def edits_facts(edits: Edits | None) -> dict[str, Any]:
+    """What an export says of the edits of its model; nothing where there are none."""
+    if edits is None or edits.is_empty:
+        return {}
+    counts = {"gaussians": edits.count, "n_deleted": len(edits.deleted), "n_hidden": len(edits.hidden)}
+    return {"edits": counts | {"deleted": _text(edits.deleted), "hidden": _text(edits.hidden)}}
+
+
+def _text(mask: Mask) -> str:
+    return base64.b64encode(zlib.compress(mask.packed(), 9)).decode("ascii")
+
+
+def _mask(count: int, text: str) -> Mask:
+    """Raises binascii.Error, zlib.error or ValueError for what is no mask of so many."""
+    room = -(-count // 8)
+    unpacker = zlib.decompressobj()
+    packed = unpacker.decompress(base64.b64decode(text, validate=True), max(room, 1))
+    if len(packed) != room or not unpacker.eof:
+        raise ValueError("others")
+    return Mask.unpacked(count, packed)
