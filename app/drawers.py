@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
 from app.drawing import Drawn, draw_on_cpu
 from app.errors import UserError
 from renderer.camera import Camera
-from renderer.splats import RenderMode, Splats
+from renderer.splats import RenderMode, Shape, Splats
 
 Renderer = Literal["gl", "cpu", "reference"]
-Draw = Callable[[Splats, Camera, float, RenderMode], Drawn]
-"""Splats, camera, near plane (in scene units) and render mode to a picture over black."""
+
+
+class Draw(Protocol):
+    """Splats, camera, near plane (in scene units), render mode and shape to a picture over black."""
+
+    def __call__(
+        self, splats: Splats, camera: Camera, near: float, mode: RenderMode = ..., shape: Shape = ...
+    ) -> Drawn: ...
 
 
 def drawer(renderer: Renderer) -> tuple[Draw, str]:
@@ -26,7 +31,11 @@ def drawer(renderer: Renderer) -> tuple[Draw, str]:
     return draw_on_cpu, "numba on the CPU"
 
 
-def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode) -> Drawn:
+def _reference(
+    splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
+) -> Drawn:
+    if shape != "soft":
+        raise UserError(f"the reference draws no {shape}s: expected --with cpu or gl for them")
     import torch
 
     from renderer.rasterize.reference import rasterize_reference
@@ -58,9 +67,11 @@ def _gl() -> tuple[Draw, str]:
     except OpenGLUnavailable as error:
         raise UserError(f"{error} Or draw with --with cpu.") from error
 
-    def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode) -> Drawn:
+    def draw(
+        splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
+    ) -> Drawn:
         try:
-            layers = layers_offscreen(context, splats, camera, near=near, mode=mode)
+            layers = layers_offscreen(context, splats, camera, near=near, mode=mode, shape=shape)
             return Drawn(layers.color, layers.depth, layers.alpha)
         except Error as error:
             size = f"{camera.width}x{camera.height}"

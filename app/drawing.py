@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.splats import Float32Array, RenderMode, Splats
+from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +57,15 @@ def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, 
     return picture, (near, far)
 
 
-def draw_on_cpu(splats: Splats, camera: Camera, near: float, mode: RenderMode = "default") -> Drawn:
+def draw_on_cpu(
+    splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
+) -> Drawn:
+    # Numba's kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.rasterize.cpu import render
+    from renderer.rasterize.solids import render_solids
 
-    rendered = render(splats, camera, near=near, mode=mode)
+    if shape == "soft":
+        rendered = render(splats, camera, near=near, mode=mode)
+    else:
+        rendered = render_solids(splats, camera, shape, near=near)
     return Drawn(rendered.image, rendered.depth, rendered.alpha)

@@ -10,6 +10,7 @@ from app.errors import UserError
 from app.provenance import digest, source
 from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
+from app.views import SCENE_UNITS
 from renderer.camera import Camera
 from renderer.deformation.motion import Still
 from renderer.framing import framing
@@ -30,6 +31,8 @@ class Scene:
     facts: dict[str, Any]
     """What an export says of it."""
     mode: RenderMode = "default"
+    unit: str = SCENE_UNITS
+    """Of lengths."""
     notices: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -62,7 +65,7 @@ def splat_scene(path: Path) -> Scene:
         raise UserError(str(error)) from error
     model = DynamicGaussians(file.raw, Still())
     facts = {"splats": source(path), "render_mode": file.mode, "notices": file.notices}
-    return Scene(path.name, model, (framing(model),), (), facts, file.mode, file.notices)
+    return Scene(path.name, model, (framing(model),), (), facts, file.mode, notices=file.notices)
 
 
 def _run_scene(folder: RunFolder, as_trained: bool) -> Scene:
@@ -70,14 +73,15 @@ def _run_scene(folder: RunFolder, as_trained: bool) -> Scene:
     edits = None if as_trained else read_edits(folder, len(model))
     cameras = tuple(record.camera(index) for index in range(record.clip.frames))
     name = folder.path.absolute().name
+    unit = record.clip.unit
     facts = run_facts(folder, record, name) | edits_facts(edits)
     if edits is None:
-        return Scene(name, model, cameras, record.test_indices, facts)
+        return Scene(name, model, cameras, record.test_indices, facts, unit=unit)
     said = (
         f"edited by hand: {edits.count - len(edits.visible)} of {edits.count} Gaussians are left out "
         "(--as-trained keeps them)"
     )
-    return Scene(name, edits.applied(model), cameras, record.test_indices, facts, notices=(said,))
+    return Scene(name, edits.applied(model), cameras, record.test_indices, facts, notices=(said,), unit=unit)
 
 
 def run_facts(folder: RunFolder, record: RunRecord, name: str) -> dict[str, Any]:

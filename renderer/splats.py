@@ -15,6 +15,8 @@ RenderMode = Literal["default", "mip"]
 """How a splat narrower than a pixel is drawn, the `SplatRenderMode` of files: by "default" at its full
 opacity; by "mip" (anti-aliased, Mip-Splatting) at sqrt(det C / det(C + 0.3 I)) of it, C being its covariance
 on the screen in px^2, which makes up for the low-pass filter. Each is right for models so trained."""
+Shape = Literal["soft", "ellipsoid", "point"]
+"""How a splat is drawn: as the Gaussian it is, or as an opaque body, which shows how a model is built."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,12 +9,18 @@ from typing import Any
 
 from app import moments
 from app.atomic import filled
+from app.color_bar import with_bar
 from app.drawers import drawer
 from app.drawing import Drawn, colored_depth
+from app.errors import UserError
+from app.evaluate import open_evaluation
 from app.moments import Moment
 from app.pictures import write_image
 from app.progress import progress
 from app.provenance import provenance, write_png
+from app.scene import is_splat_file
+from app.views import EXPLAINED, SHAPES, composed, has_scale, splats_for
+from renderer.clip import Clip
 from renderer.near_plane import near_plane
 
 
@@ -24,25 +30,47 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--transparent", action="store_true", help="without a background: alpha in the PNG, not premultiplied"
     )
+    parser.add_argument(
+        "--view",
+        choices=EXPLAINED,
+        default="color",
+        help="what the pictures show, with a scale where that is a quantity; difference: to the photos that "
+        "the run was trained on (default color)",
+    )
     parser.add_argument("--depth", action="store_true", help="write expected depth too: float32 and coloured")
 
 
 def run(flags: argparse.Namespace) -> None:
+    if flags.transparent and has_scale(flags.view):
+        raise UserError(f"--transparent: expected a --view without a scale, got {flags.view}")
+    if flags.depth and SHAPES[flags.view] != "soft":
+        raise UserError(f"--depth: expected a --view of Gaussians as they are, got {flags.view}")
     scene, wanted = moments.chosen(flags)
     draw, name = drawer(flags.renderer)
     behind = None if flags.transparent else (0.0, 0.0, 0.0)
-    facts = scene.facts | {"renderer": name, "background": behind}
+    facts = scene.facts | {"renderer": name, "background": behind, "view": flags.view}
+    photos = _photos(flags) if flags.view == "difference" else None
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             near = near_plane(scene.model, moment.camera)
-            drawn = draw(scene.model.at(moment.time), moment.camera, near, scene.mode)
-            shown = drawn.straight if flags.transparent else drawn.bytes
+            splats = splats_for(flags.view, scene.model, moment.time, moment.camera)
+            drawn = draw(splats, moment.camera, near, scene.mode, SHAPES[flags.view])
+            photo = photos.read_image(moment.frame or 0) if photos else None
+            picture = with_bar(composed(flags.view, drawn, scene.unit, photo))
+            shown = drawn.straight if flags.transparent else picture
             own_facts = facts | moment.facts | {"near": near}
             write_png(staging / f"{moment.name}.png", shown, provenance(kind="render", **own_facts))
             if flags.depth:
                 _write_depth(staging, moment, drawn, own_facts)
             report(done, moment.name)
     sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {name}\n")
+
+
+def _photos(flags: argparse.Namespace) -> Clip:
+    """What each frame of a run should look like. Raises UserError where there is none."""
+    if is_splat_file(flags.scene) or flags.camera or flags.time is not None:
+        raise UserError("--view difference: expected frames of a run from its own cameras, which have photos")
+    return open_evaluation(flags.scene).photos
 
 
 def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from time import perf_counter
 
-import numpy as np
-
+from app.drawing import Drawn, draw_on_cpu
 from app.gui.free_view import FreeView
 from app.gui.origin import Origin
+from app.gui.photos import Photo
+from app.views import SCENE_UNITS, SHAPES, Composed, Scale, ViewKind, composed, splats_for
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
@@ -37,6 +38,8 @@ class ShownModel:
     origin: Origin | None = None
     """The run or file it comes from; None when that left nothing to read."""
     mode: RenderMode = "default"
+    unit: str = SCENE_UNITS
+    """Of lengths."""
 
     def frame_at(self, time: float) -> int:
         """The frame of the clip that is nearest to `time` in [0, 1]."""
@@ -69,11 +72,18 @@ class ViewRequest:
     camera: Camera
     reduced: bool = False
     """Drawn with fewer pixels than the screen has, to keep up with the hand."""
+    kind: ViewKind = "color"
+    photo: Photo | None = None
+    """Of the same frame, where the view is the difference to it."""
 
     @property
     def near(self) -> float:
         """The near plane in scene units, the same share of the scene as in training."""
         return NEAR_SHARE * self.shown.distance
+
+    def composed(self, drawn: Drawn) -> Composed:
+        """The picture that is asked for, of its splats drawn in their shape."""
+        return composed(self.kind, drawn, self.shown.unit, self.photo.image if self.photo else None)
 
     def scaled(self, scale: float) -> ViewRequest:
         """The same view with fewer pixels."""
@@ -90,16 +100,15 @@ class View:
     image: ByteImage
     """(H, W, 3)."""
     milliseconds: float
+    scale: Scale | None = None
+    """What its colours mean, where they are values."""
 
 
 def draw_view(request: ViewRequest) -> Iterator[View]:
     """Answers a ViewRequest with the numba rasteriser."""
-    # Its kernels take seconds to import on a first start; the window must not wait for them.
-    from renderer.rasterize.cpu import render
-
     start = perf_counter()
     shown = request.shown
-    splats = shown.model.at(request.time)
-    rendered = render(splats, request.camera, BACKGROUND, near=request.near, mode=shown.mode)
-    image = np.rint(np.clip(rendered.image, 0, 1) * 255).astype(np.uint8)
-    yield View(request, image, 1000 * (perf_counter() - start))
+    splats = splats_for(request.kind, shown.model, request.time, request.camera)
+    drawn = draw_on_cpu(splats, request.camera, request.near, shown.mode, SHAPES[request.kind])
+    picture = request.composed(drawn)
+    yield View(request, picture.image, 1000 * (perf_counter() - start), picture.scale)

@@ -12,9 +12,11 @@ from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.atomic import write_bytes
+from app.color_bar import with_bar
 from app.drawers import Draw, Renderer, drawer
 from app.drawing import Drawn, colored_depth
 from app.errors import UserError
+from app.evaluate import open_evaluation
 from app.pictures import ArrayImage, write_image
 from app.provenance import strict_json, write_sidecar
 from app.replay.recorded import Facts, again
@@ -22,7 +24,9 @@ from app.replay.sources import Named, NamedRun, Sources
 from app.run_edits import unpacked
 from app.scene import Scene, open_scene
 from app.video import write_video
+from app.views import SHAPES, ViewKind, composed, splats_for
 from renderer.camera import Camera
+from renderer.clip import ByteImage
 from renderer.splat_files.inria_ply import ply_bytes
 
 
@@ -59,6 +63,8 @@ class RenderFacts:
     renderer: str
     background: tuple[float, float, float] | None = (0.0, 0.0, 0.0)
     """None: alpha says where nothing is."""
+    view: ViewKind = "color"
+    frame: int | None = None
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -108,19 +114,31 @@ def drawer_of(facts: Facts) -> tuple[Draw, str]:
     return drawer(next((kind for word, kind in kinds.items() if said.startswith(word)), "cpu"))
 
 
-def drawn(scene: Scene, facts: Facts, draw: Draw) -> Drawn:
+def drawn(scene: Scene, facts: Facts, draw: Draw, kind: ViewKind = "color") -> Drawn:
     """Raises UserError or pydantic.ValidationError."""
     view = VIEW.validate_python(facts)
-    return draw(scene.model.at(view.time), _camera(view), view.near, scene.mode)
+    camera = _camera(view)
+    splats = splats_for(kind, scene.model, view.time, camera)
+    return draw(splats, camera, view.near, scene.mode, SHAPES[kind])
 
 
 def remake_render(facts: Facts, sources: Sources, target: Path) -> str:
     """Raises UserError or pydantic.ValidationError."""
     draw, name = drawer_of(facts)
-    picture = drawn(scene_of(facts, sources), facts, draw)
-    transparent = RENDER.validate_python(facts).background is None
-    write_image(target, picture.straight if transparent else picture.bytes, again(facts))
+    said, scene = RENDER.validate_python(facts), scene_of(facts, sources)
+    picture = drawn(scene, facts, draw, said.view)
+    photo = _photo(facts, said, sources) if said.view == "difference" else None
+    shown = with_bar(composed(said.view, picture, scene.unit, photo))
+    write_image(target, picture.straight if said.background is None else shown, again(facts))
     return name
+
+
+def _photo(facts: Facts, said: RenderFacts, sources: Sources) -> ByteImage:
+    """What the frame was trained on. Raises UserError or pydantic.ValidationError."""
+    run = SCENE.validate_python(facts).run
+    if run is None or said.frame is None:
+        raise UserError(f"expected the run and the frame of a difference, got neither: {sources.file}")
+    return open_evaluation(sources.find_run(run).path).photos.read_image(said.frame)
 
 
 def remake_depth(facts: Facts, sources: Sources, target: Path) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from renderer.camera import Camera
 from renderer.draw.splat_view import Precision, SplatView
-from renderer.splats import Float32Array, RenderMode, Splats
+from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,16 +23,28 @@ class Layers:
 
 
 def layers_offscreen(
-    ctx: moderngl.Context, splats: Splats, camera: Camera, *, near: float, mode: RenderMode = "default"
+    ctx: moderngl.Context,
+    splats: Splats,
+    camera: Camera,
+    *,
+    near: float,
+    mode: RenderMode = "default",
+    shape: Shape = "soft",
 ) -> Layers:
     """Colour, alpha and depth in float32, from one upload and one sort."""
     view = SplatView(ctx, precision="float", keys="float32", near=near)
     try:
         view.upload(splats, mode)
-        color = view.read_color(camera)
-        return Layers(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), view.read_depth(camera))
+        return read_layers(view, camera, shape)
     finally:
         view.release()
+
+
+def read_layers(view: SplatView, camera: Camera, shape: Shape = "soft") -> Layers:
+    """What a view holds, as `camera` sees it."""
+    color = view.read_color(camera, shape)
+    depth = view.read_depth(camera, shape)
+    return Layers(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), depth)
 
 
 def render_offscreen(

@@ -20,12 +20,13 @@ from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
 from renderer.draw.storage import Storage
-from renderer.splats import Float32Array, RenderMode, Splats
+from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
 Precision = Literal["half", "float"]
 """The target in which colour is blended: 16 bits for the screen, 32 for exports."""
 
 _GUARD_BAND = 0.3
+_BODIES: dict[Shape, int] = {"soft": 0, "ellipsoid": 1, "point": 2}
 
 
 class SplatView:
@@ -130,21 +131,21 @@ class SplatView:
             self._resolve_depth["depth_range"] = depth_range
             self._resolve(target, self._depth_screen, framebuffer)
 
-    def read_color(self, camera: Camera) -> Float32Array:
+    def read_color(self, camera: Camera, shape: Shape = "soft") -> Float32Array:
         """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first."""
         with self._state.preserved():
-            return self._read(camera, depth_as_color=False)
+            return self._read(camera, depth_as_color=False, shape=shape)
 
-    def read_depth(self, camera: Camera) -> Float32Array:
+    def read_depth(self, camera: Camera, shape: Shape = "soft") -> Float32Array:
         """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
         with self._state.preserved():
-            sums = self._read(camera, depth_as_color=True)
+            sums = self._read(camera, depth_as_color=True, shape=shape)
         depth = np.zeros((camera.height, camera.width), dtype=np.float32)
         np.divide(sums[..., 0], sums[..., 3], out=depth, where=sums[..., 3] > 0)
         return depth
 
-    def _read(self, camera: Camera, *, depth_as_color: bool) -> Float32Array:
-        target = self._accumulate(camera, "float", depth_as_color=depth_as_color)
+    def _read(self, camera: Camera, *, depth_as_color: bool, shape: Shape) -> Float32Array:
+        target = self._accumulate(camera, "float", depth_as_color=depth_as_color, shape=shape)
         raw = target.framebuffer.read(components=4, dtype="f4")
         return np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4)
 
@@ -159,7 +160,9 @@ class SplatView:
         for program in (self._program, self._resolve_color, self._resolve_depth):
             program.release()
 
-    def _accumulate(self, camera: Camera, precision: Precision, *, depth_as_color: bool) -> _Target:
+    def _accumulate(
+        self, camera: Camera, precision: Precision, *, depth_as_color: bool, shape: Shape = "soft"
+    ) -> _Target:
         """Blend the splats, their colour or depth times alpha, into the owned target of that precision."""
         target = self._target((camera.width, camera.height), precision)
         target.framebuffer.use()
@@ -173,6 +176,7 @@ class SplatView:
         self._aim(camera)
         self._program["depth_as_color"] = depth_as_color
         self._program["compensated"] = self._mode == "mip"
+        self._program["body"] = _BODIES[shape]
         self._storage.use()
         if self._visible:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)

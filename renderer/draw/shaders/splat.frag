@@ -7,6 +7,7 @@ const float ALPHA_CUT = 1.0 / 255.0;
 flat in vec2 center;
 flat in vec3 shape;
 flat in vec4 paint;
+flat in vec2 solid;
 
 out vec4 premultiplied;
 
@@ -14,6 +15,12 @@ void main() {
     vec2 offset = gl_FragCoord.xy - center;
     float sheared = offset.y - shape.x * offset.x;
     float distance = offset.x * offset.x * shape.y + sheared * sheared * shape.z;
+    if (solid.x > 0.0) {
+        float share = distance / solid.x;
+        if (share > 1.0) discard;
+        premultiplied = vec4(paint.rgb * (1.0 - solid.y * share * share), 1.0);
+        return;
+    }
     float alpha = min(ALPHA_MAX, paint.a * exp(-0.5 * distance));
     if (alpha < ALPHA_CUT) discard;
     premultiplied = vec4(paint.rgb * alpha, alpha);

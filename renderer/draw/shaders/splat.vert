@@ -6,6 +6,12 @@ const float LOW_PASS = 0.3;      // px^2
 const float MARGIN = 0.02;       // px; covers the snapping of corners to the sub-pixel grid
 const float LARGEST = 1e12;      // scene units; flat over any picture, and its square still a float
 
+const int ELLIPSOID = 1, POINT = 2;
+const float ELLIPSOID_REACH = 1.5;     // standard deviations
+const float LEAST_OPACITY = 0.1;       // of ellipsoids
+const float POINT_RADIUS = 1.25;       // px
+const float RIM = 0.55;                // an ellipsoid is so much darker at its edge
+
 const int ROW = 1024;            // splats in a row of records and offsets
 const int HARMONICS_ROW = 256;
 
@@ -23,6 +29,7 @@ uniform vec4 lens;               // fx fy cx cy
 uniform vec4 slopes;             // least x/z, y/z and greatest x/z, y/z that the Jacobian follows
 uniform vec2 size;               // width height
 uniform bool depth_as_color;
+uniform int body;                // 0: soft
 uniform bool compensated;        // opacity makes up for the low-pass
 
 in uint splat;
@@ -30,6 +37,7 @@ in uint splat;
 flat out vec2 center;            // px
 flat out vec3 shape;             // of the covariance (a b; b c): b / a, 1 / a, a / determinant
 flat out vec4 paint;             // rgb, opacity
+flat out vec2 solid;             // squared standard deviations to the edge of a body, 0: none; darker at it
 
 // What time adds to a texel of the splat in `slot`.
 vec4 offset(sampler2DArray offsets, int slot) {
@@ -123,10 +131,22 @@ void main() {
     paint = vec4(depth_as_color ? vec3(z) : color, opacity);
 
     float reach = sqrt(max(0.0, 2.0 * log(255.0 * opacity)));
+    solid = vec2(0.0);
+    bool hidden = false;
+    if (body != 0) {
+        hidden = body == ELLIPSOID && mean_opacity.w < LEAST_OPACITY;
+        reach = body == POINT ? POINT_RADIUS : ELLIPSOID_REACH;
+        solid = vec2(reach * reach, body == POINT || depth_as_color ? 0.0 : RIM);
+        if (body == POINT) {
+            a = c = remainder = 1.0;
+            b = 0.0;
+            shape = vec3(0.0, 1.0, 1.0);
+        }
+    }
     vec2 extent = reach * sqrt(vec2(a, c)) + MARGIN;
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
     vec2 position;
-    if (any(greaterThan(center - extent, size)) || any(lessThan(center + extent, vec2(0.0)))) {
+    if (hidden || any(greaterThan(center - extent, size)) || any(lessThan(center + extent, vec2(0.0)))) {
         position = vec2(-size);                                  // beside the picture: no area
     } else if (max(extent.x, extent.y) > size.x + size.y) {
         position = (0.5 * corner + 0.5) * size;                  // dwarfs the picture: all of it

@@ -1,0 +1,160 @@
+"""What a picture of splats can show: their colours, or a quantity in the colours of a scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.drawing import Drawn
+from renderer.camera import Camera
+from renderer.clip import ByteImage
+from renderer.gaussians import DynamicGaussians
+from renderer.paint import by_motion, by_normal
+from renderer.splats import Float32Array, Shape, Splats
+
+ViewKind = Literal["color", "depth", "normals", "opacity", "ellipsoids", "points", "motion", "difference"]
+SHAPES: Final[Mapping[ViewKind, Shape]] = MappingProxyType(
+    {
+        "color": "soft", "depth": "soft", "normals": "soft", "opacity": "soft", "motion": "soft",
+        "difference": "soft", "ellipsoids": "ellipsoid", "points": "point",
+    }
+)  # fmt: skip
+EXPLAINED: Final[Mapping[ViewKind, str]] = MappingProxyType(
+    {
+        "color": "The reconstruction as it looks.",
+        "depth": "Distance along the optical axis, averaged over the Gaussians that a pixel shows.",
+        "normals": "Where the surface faces: red right, green up, blue to the camera.",
+        "opacity": "How much of the background the Gaussians cover.",
+        "ellipsoids": "Every Gaussian of 10 % opacity or more as a solid of 1.5 standard deviations.",
+        "points": "The middle of every Gaussian.",
+        "motion": "How far each place has moved since the start of the clip.",
+        "difference": "Mean over the channels of the distance to the photo, in grey levels of 255.",
+    }
+)
+SCENE_UNITS = "scene units"
+ColorMap = Literal["viridis", "inferno", "grey"]
+_MAPS = MappingProxyType({"viridis": cv2.COLORMAP_VIRIDIS, "inferno": cv2.COLORMAP_INFERNO})
+LEAST_DIFFERENCE = 8.0
+"""Grey levels at the end of the scale, at least: less is not worth a bright colour."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The colours of a quantity between two values; beyond, the end's own."""
+
+    low: float
+    high: float
+    unit: str
+    colors: ColorMap = "viridis"
+    reversed: bool = False
+    """The low end has the bright colours."""
+
+    @property
+    def table(self) -> ByteImage:
+        """(256, 3) RGB from low to high."""
+        levels = np.arange(256, dtype=np.uint8)
+        if self.colors == "grey":
+            rgb = np.repeat(levels[:, None], 3, axis=1)
+        else:
+            rgb = cv2.applyColorMap(levels[:, None], _MAPS[self.colors])[:, 0, ::-1].astype(np.uint8)
+        return np.ascontiguousarray(rgb[::-1] if self.reversed else rgb)
+
+    @property
+    def ticks(self) -> tuple[float, ...]:
+        """Round values inside, ends included."""
+        step = nice_step((self.high - self.low) / 4)
+        first, last = math.ceil(self.low / step - 1e-6), math.floor(self.high / step + 1e-6)
+        return tuple(step * index for index in range(first, last + 1))
+
+    def text(self, value: float) -> str:
+        """As it stands at the bar."""
+        step = nice_step((self.high - self.low) / 4)
+        return f"{value:.{max(0, -math.floor(math.log10(step) + 1e-9))}f}"
+
+    def colored(self, values: Float32Array, seen: NDArray[np.bool_]) -> ByteImage:
+        """(H, W, 3) of values (H, W), black where nothing is seen."""
+        share = (values - self.low) * np.float32(255 / (self.high - self.low))
+        picture: ByteImage = self.table[np.rint(np.clip(share, 0, 255)).astype(np.uint8)]
+        picture[~seen] = 0
+        return picture
+
+
+@dataclass(frozen=True, eq=False)
+class Composed:
+    """A finished picture (H, W, 3), and what its colours mean where they are values."""
+
+    image: ByteImage
+    scale: Scale | None = None
+
+
+def has_scale(kind: ViewKind) -> bool:
+    """Its colours are values."""
+    return kind in ("depth", "opacity", "motion", "difference")
+
+
+def splats_for(kind: ViewKind, model: DynamicGaussians, time: float, camera: Camera) -> Splats:
+    """The splats at `time` in the colours that the view needs."""
+    splats = model.at(time)
+    if kind == "normals":
+        return by_normal(splats, camera)
+    return by_motion(splats, model.at(0.0)) if kind == "motion" else splats
+
+
+def composed(kind: ViewKind, drawn: Drawn, unit: str, photo: ByteImage | None = None) -> Composed:
+    """The view of splats drawn in its shape and colours; `photo` (H', W', 3) is what a difference is to."""
+    if kind == "depth":
+        scale = _scale_of(drawn.depth[drawn.depth > 0], unit)
+        return Composed(scale.colored(drawn.depth, drawn.depth > 0), scale)
+    if kind == "opacity":
+        scale = Scale(0.0, 1.0, "opacity", "grey")
+        return Composed(scale.colored(drawn.alpha, drawn.alpha > 0), scale)
+    if kind == "motion":
+        seen = drawn.alpha > 0
+        way = np.divide(drawn.image[..., 0], drawn.alpha, out=np.zeros_like(drawn.alpha), where=seen)
+        scale = Scale(0.0, _nice_end(way[seen], 99.5), f"{unit} since the start")
+        return Composed(scale.colored(way, seen), scale)
+    if kind == "difference":
+        assert photo is not None
+        away = difference(drawn.bytes, photo)
+        scale = Scale(0.0, max(_nice_end(away, 99.5), LEAST_DIFFERENCE), "grey levels", "inferno")
+        return Composed(scale.colored(away, np.ones(away.shape, bool)), scale)
+    return Composed(drawn.bytes)
+
+
+def difference(picture: ByteImage, photo: ByteImage) -> Float32Array:
+    """(H, W) mean over the channels of the distance in grey levels, the photo resampled to the picture."""
+    if photo.shape != picture.shape:
+        photo = cv2.resize(photo, picture.shape[1::-1], interpolation=cv2.INTER_AREA).astype(np.uint8)
+    away: Float32Array = cv2.absdiff(picture, photo).mean(axis=2, dtype=np.float32)
+    return away
+
+
+def nice_step(least: float) -> float:
+    """The smallest of 1, 2, 5 times a power of ten that is no less."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9))
+
+
+def _scale_of(depths: Float32Array, unit: str) -> Scale:
+    """Round numbers around the 1st to 99th percentile: stray splats do not flatten it. Near is bright."""
+    if not depths.size:
+        return Scale(0.0, 1.0, unit, reversed=True)
+    near, far = (float(value) for value in np.percentile(depths[:: max(1, depths.size // 50_000)], (1, 99)))
+    step = nice_step(max((far - near) / 4, 1e-3 * far, 1e-12))
+    low = step * math.floor(near / step)
+    return Scale(low, max(step * math.ceil(far / step), low + step), unit, reversed=True)
+
+
+def _nice_end(values: Float32Array, percentile: float) -> float:
+    """A round number that so many values do not exceed."""
+    sample = values.ravel()[:: max(1, values.size // 50_000)]
+    most = float(np.percentile(sample, percentile)) if sample.size else 0.0
+    step = nice_step(max(most / 4, 1e-9))
+    return step * max(1, math.ceil(most / step))
