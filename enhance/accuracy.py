@@ -77,7 +77,7 @@ def accuracy(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
                 "both", f"{' + '.join(map(str, radii))}, s = {subsample}", image, params, truth, repeats
             )
     yield from _arithmetic(image, repeats)
-    yield from _omissions(image, repeats)
+    yield from omissions(image, repeats)
 
 
 def _samplings(image: NDArray[np.uint8], truth: NDArray[np.float64], repeats: int) -> Iterator[Row]:
@@ -104,8 +104,9 @@ def _arithmetic(image: NDArray[np.uint8], repeats: int) -> Iterator[Row]:
         yield _row("arithmetic", name, same, EXACT, truth, repeats)
 
 
-def _omissions(image: NDArray[np.uint8], repeats: int) -> Iterator[Row]:
-    """Errors on float32, where rounding does not hide them; times on bytes, in turn."""
+def omissions(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
+    """Pairs of "left out" and "kept in". Errors are on float32, where rounding does not hide them; times on
+    bytes, in turn."""
     pixels = image / np.float32(255)
     for name, change, kept in OMISSIONS:
         params = replace(EnhanceParams(), **change)

@@ -6,7 +6,6 @@ import argparse
 import math
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,8 @@ from app.errors import UserError
 from app.evaluate import LPIPS, NO_LPIPS, Evaluation, FrameMeasures, lpips_folder, open_evaluation
 from app.progress import progress
 from app.provenance import provenance, strict_json
-from app.run_folder import ClipRecord, Input
+from app.report.paper_rows import PAPER
+from app.run_folder import ClipRecord
 from app.terminal import Terminal
 from renderer.lpips import WEIGHT_FILES
 
@@ -35,34 +35,6 @@ COLUMNS = {
 }
 """Heading with unit, and format, of each column."""
 COMPARED = ("lpips", "dv", "bv", "dv_bv", "psnr", "ssim", "depth_rmse_mm")
-
-
-@dataclass(frozen=True)
-class PaperRow:
-    """One row of the paper's Tables 1 and 2: renders of a clip, from its own photos or enhanced ("Ours")."""
-
-    clip: str
-    """A word in its name."""
-    frames: int
-    table: int
-    method: str
-    input: Input
-    lpips: float
-    dv: float
-    bv: float
-    dv_bv: float
-
-
-PAPER = (
-    PaperRow("pulling", 63, 1, "EndoGaussian", "original", 0.106, 259.68, 218.77, 1.21),
-    PaperRow("pulling", 63, 1, "EndoGaussian", "enhanced", 0.122, 427.55, 243.74, 1.76),
-    PaperRow("pulling", 63, 2, "Deform3DGS", "original", 0.042, 651.04, 706.03, 0.93),
-    PaperRow("pulling", 63, 2, "Deform3DGS", "enhanced", 0.043, 871.14, 596.63, 1.47),
-    PaperRow("cutting", 156, 1, "EndoGaussian", "original", 0.102, 521.72, 487.87, 1.07),
-    PaperRow("cutting", 156, 1, "EndoGaussian", "enhanced", 0.115, 741.30, 460.64, 1.61),
-    PaperRow("cutting", 156, 2, "Deform3DGS", "original", 0.064, 414.71, 779.48, 0.54),
-    PaperRow("cutting", 156, 2, "Deform3DGS", "enhanced", 0.068, 572.00, 560.22, 1.02),
-)
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:

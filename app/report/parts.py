@@ -28,4 +28,8 @@ PARTS: Final = (
     Part("training", 14),
     Part("drawing", 3),
     Part("stability", 2),
+    Part("left_out", 6),
+    Part("paper", 4),
+    Part("reading", 1),
+    Part("growth", 3),
 )

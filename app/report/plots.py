@@ -23,6 +23,9 @@ PANEL: Final = (4.6, 3.9)
 COLORS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
 """Told apart by colour-blind eyes (Okabe & Ito 2008)."""
 MARKS: Final = "osD^vPX<"
+COLUMNS: Final = 3
+ALONE: Final = 6.6
+"""Inches: the width of a diagram that has the row for itself."""
 MOST_LABELS: Final = 7
 """Of points on a front: more would lie on each other."""
 
@@ -43,24 +46,26 @@ def svg(figure: Figure) -> bytes:
 def diagrams_figure(diagrams: Sequence[Diagram], title: str = "") -> Figure:
     """See write_diagrams."""
     drawn = [diagram for diagram in diagrams if pareto_front(diagram)]
-    figure = Figure(figsize=(PANEL[0] * len(drawn), PANEL[1] + 0.9), layout="constrained")
+    width = ALONE if len(drawn) == 1 else PANEL[0] * len(drawn)
+    figure = Figure(figsize=(width, PANEL[1] + 0.9), layout="constrained")
     if title:
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
     series = list(dict.fromkeys(point.series for diagram in drawn for point in diagram.points))
     for index, diagram in enumerate(drawn):
         _draw(figure.add_subplot(1, len(drawn), 1 + index), diagram, series)
     handles, labels = figure.axes[0].get_legend_handles_labels()
-    columns = max(2, min(len(labels), round(PANEL[0] * len(drawn) / 1.5)))
+    columns = max(2, min(len(labels), round(width / 1.5)))
     figure.legend(handles, labels, loc="outside lower left", ncols=columns, frameon=False, fontsize=8)
     return figure
 
 
 def growth_figure(growths: Sequence[Growth]) -> Figure:
-    """Side by side, each curve with its fitted power law."""
-    figure = Figure(figsize=(PANEL[0] * len(growths), PANEL[1] + 0.4), layout="constrained")
+    """Three in a row, each curve with its fitted power law."""
+    columns = min(COLUMNS, len(growths))
+    rows = -(-len(growths) // columns)
+    figure = Figure(figsize=(PANEL[0] * columns, PANEL[1] * rows), layout="constrained")
     for index, growth in enumerate(growths):
-        axes = figure.add_subplot(1, len(growths), 1 + index)
-        _draw_growth(axes, growth)
+        _draw_growth(figure.add_subplot(rows, columns, 1 + index), growth)
     return figure
 
 
@@ -114,6 +119,7 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
         axes.axhline(floor, color="#999999", linewidth=0.6, linestyle=":")
         axes.annotate("no error", (1, floor), (-2, 3), ("axes fraction", "data"), "offset points",
                       ha="right", fontsize=6, color="#666666")  # fmt: skip
+    axes.margins(x=0.14)
     axes.grid(alpha=0.3, which="both", linewidth=0.5)
 
 

@@ -12,60 +12,20 @@ odd children of the retina set: --held-out takes the rest.
 from __future__ import annotations
 
 import argparse
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from app.report.visibility import COLUMNS, BoolImage, ByteImage, Sample, methods, pattern, row, sample
 from app.sheet import Tile, sheet
-from enhance import enhance
-from enhance.baselines import BASELINES, TAO_STAND_INS
-from enhance.metrics import (
-    blackened_share,
-    dvbv_local,
-    dvbv_otsu,
-    flicker,
-    noise_gain,
-    saturated_share,
-    vessel_cnr,
-    vessel_contrast,
-)
-from enhance.vessel import enhance_vessels
-from enhance.vesselness import field_of_view, vessel_mask
+from enhance.baselines import TAO_STAND_INS
+from enhance.metrics import flicker
+from enhance.vesselness import field_of_view
 
-ByteImage = NDArray[np.uint8]
-BoolImage = NDArray[np.bool_]
-Method = Callable[[ByteImage, BoolImage], ByteImage]
-
-COLUMNS = (
-    *("DV", "BV", "DV/BV", "whole", "DVloc", "BVloc", "ratio"),
-    *("Weber", "CNR", "sat%", "noise", "black%", "ms"),
-)
 STATUS_BAR = 16
 """Rows at the bottom of the da Vinci clip."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """A picture and where its tissue and its vessels are."""
-
-    image: ByteImage
-    tissue: BoolImage
-    vessels: BoolImage
-
-
-def methods() -> Mapping[str, Method]:
-    others = {name: (lambda image, _, run=run: run(image)) for name, run in BASELINES.items()}
-    return {
-        "original": lambda image, _: image,
-        "paper": lambda image, tissue: enhance(image, tissue_mask=tissue).image,
-        "vessel": lambda image, tissue: enhance_vessels(image, tissue_mask=tissue).image,
-        **others,
-    }
 
 
 def main() -> None:
@@ -96,10 +56,8 @@ def print_table(name: str, samples: Sequence[Sample]) -> None:
 
 def print_pattern(column: str, ratio: Mapping[str, float]) -> None:
     """Table 3 has the paper's method above the original, both above Wang, and Wang above Tao."""
-    ranks = sorted(("paper", "original", "wang2020", *TAO_STAND_INS), key=lambda label: -ratio[label])
-    shown = min(ratio["paper"], ratio["original"]) > ratio["wang2020"]
-    below = sum(ratio[label] < ratio["wang2020"] for label in TAO_STAND_INS)
-    print(f"by {column}: " + " > ".join(f"{label} {ratio[label]:.2f}" for label in ranks))
+    ranks, shown, below = pattern(ratio)
+    print(f"by {column}: {ranks}")
     print(f"  Table 3: paper and original above wang2020: {'yes' if shown else 'no'}", end="; ")
     print(f"stand-ins for Tao below wang2020: {below} of {len(TAO_STAND_INS)}")
 
@@ -137,11 +95,6 @@ def fetoscopy(data: Path) -> list[Path]:
     return sorted((data / "clips/fetoscopy_470x470/input").glob("*.png"))
 
 
-def sample(image: ByteImage, tissue: BoolImage | None = None) -> Sample:
-    keep = np.ones(image.shape[:2], dtype=bool) if tissue is None else tissue
-    return Sample(image, keep, vessel_mask(image, tissue_mask=keep))
-
-
 def annotated(path: Path) -> Sample:
     image = read(path)
     vessels = read(path.with_name(f"{path.stem}_1stHO.png"))[..., 0] > 0
@@ -152,29 +105,6 @@ def read(path: Path) -> ByteImage:
     stored = cv2.imread(str(path))
     assert stored is not None, path
     return np.ascontiguousarray(stored[..., ::-1], dtype=np.uint8)
-
-
-def row(method: Method, samples: Sequence[Sample]) -> NDArray[np.float64]:
-    """The measures by COLUMNS: means, of the time the median; the first call warms up."""
-    method(samples[0].image, samples[0].tissue)
-    rows = np.array([measures(method, one) for one in samples])
-    return np.append(np.nanmean(rows[:, :-1], axis=0), np.median(rows[:, -1]))
-
-
-def measures(method: Method, one: Sample) -> tuple[float, ...]:
-    began = time.perf_counter()
-    image = method(one.image, one.tissue)
-    milliseconds = 1e3 * (time.perf_counter() - began)
-    otsu, local = dvbv_otsu(image, tissue_mask=one.tissue), dvbv_local(image, one.image)
-    return (
-        *(otsu.dv, otsu.bv, otsu.ratio, dvbv_otsu(image).ratio, local.dv, local.bv, local.ratio),
-        vessel_contrast(image, one.vessels, tissue_mask=one.tissue),
-        vessel_cnr(image, one.vessels, tissue_mask=one.tissue),
-        100 * saturated_share(image),
-        noise_gain(image, one.image, tissue_mask=one.tissue),
-        100 * blackened_share(image, one.image, one.vessels),
-        milliseconds,
-    )
 
 
 def write_pictures(out: Path, name: str, one: Sample) -> None:

@@ -1,8 +1,6 @@
 """How fast the CPU rasteriser is: forward and backward, in units of one numpy.exp over 10 million float32.
 
-The scene has N Gaussians with depth U(40, 120), a focal length of 560 px at width 640 (scaled with the
-width), standard deviations on screen of U(2, 4) px times 10^U(-1, 0) along each axis, opacity U(0.1, 0.9),
-random colours and rotations, by seed 0. The unit is measured in the same process, single thread, into a given
+The scene is that of renderer.scattered. The unit is measured in the same process, single thread, into a given
 array; rounds alternate, so that a busy machine slows both alike. Memory is what a first picture of 50k adds
 to the peak of the process after its imports, kernels and scene included.
 """
@@ -16,36 +14,16 @@ from time import perf_counter
 
 import numpy as np
 
-from renderer.camera import Camera
 from renderer.rasterize.cpu import Rasterizer
-from renderer.splats import Splats
+from renderer.scattered import scattered
 
 SCENES = ((640, 512, 10_000), (640, 512, 50_000), (640, 512, 100_000), (1280, 1024, 50_000))
 ROUNDS = 15
 
 
-def scene(width: int, height: int, count: int) -> tuple[Splats, Camera]:
-    """The scene of that many Gaussians."""
-    rng = np.random.default_rng(0)
-    focal = 560.0 * width / 640
-    camera = Camera(focal, focal, width / 2, height / 2, width, height)
-    depth = rng.uniform(40, 120, count)
-    pixels = rng.uniform(0, 1, (count, 2)) * (width, height)
-    means = np.column_stack([(pixels - (width / 2, height / 2)) / focal * depth[:, None], depth])
-    sigma = rng.uniform(2, 4, (count, 1)) * 10.0 ** rng.uniform(-1, 0, (count, 3))
-    splats = Splats(
-        means=means.astype(np.float32),
-        quats=rng.normal(size=(count, 4)).astype(np.float32),
-        scales=(sigma * depth[:, None] / focal).astype(np.float32),
-        opacities=rng.uniform(0.1, 0.9, count).astype(np.float32),
-        colors=rng.uniform(0, 1, (count, 3)).astype(np.float32),
-    )
-    return splats, camera
-
-
 def measure(width: int, height: int, count: int) -> None:
     """Print one row."""
-    splats, camera = scene(width, height, count)
+    splats, camera = scattered(width, height, count)
     values = np.random.default_rng(1).uniform(-8, 0, 10_000_000).astype(np.float32)
     out = np.empty_like(values)
     rasterizer = Rasterizer(width, height)
@@ -71,7 +49,7 @@ def measure(width: int, height: int, count: int) -> None:
 def memory_of_a_picture() -> float:
     """MiB, of the first in this process."""
     before = peak_mib()
-    splats, camera = scene(640, 512, 50_000)
+    splats, camera = scattered(640, 512, 50_000)
     rasterizer = Rasterizer(640, 512)
     rasterizer.forward(splats, camera)
     rasterizer.backward(splats)

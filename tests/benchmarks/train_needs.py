@@ -2,16 +2,13 @@
 
 python -m tests.benchmarks.train_needs [PAIR ...] [--seeds N] [--iterations N]
 
-PSNR is of training frames that are held out of the fit. Memory is that of the model's numbers with their two
-moments. A step's time is the median over steps at full size that the two models take in turns, from the
-middle of the run on; seconds are those of the whole runs, one after the other, and suffer from other load.
+See renderer.left_out for what the columns are. `vesselsplat report --parts left_out` does the same, shorter.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,61 +17,36 @@ from typing import Literal
 
 import numpy as np
 
-from renderer.clip import Clip
+from renderer.left_out import Side, compared
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
-from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Started
-from renderer.train.frames import train_frame
-from renderer.train.initialize import scene_size
-from renderer.train.methods import recipe_for
-from renderer.train.model import TrainModel
-from renderer.train.needs import decide
-from renderer.train.trainer import split, train
+from renderer.train.config import Part, TrainConfig
 
 CONFIG = TrainConfig(n_gaussians=8000, hold_out=True)
 """As many Gaussians a pixel as at 640x512 by default."""
-TIMED_STEPS = 120
-"""Of each model; those before every frame was seen once do not count."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pair:
-    """A kind of phantom, and the part that is left out or kept there."""
-
-    camera: Literal["fixed", "moving"]
-    tissue: Literal["moving", "static"]
-    without: TrainConfig
-    kept: TrainConfig
-
-
-def _as_needed(
-    camera: Literal["fixed", "moving"], tissue: Literal["moving", "static"], **kept: object
-) -> Pair:
-    return Pair(camera=camera, tissue=tissue, without=CONFIG, kept=replace(CONFIG, **kept))  # type: ignore[arg-type]
-
-
-PAIRS = {
-    "deformation": _as_needed("moving", "static", keep=("deformation",)),
-    "harmonics": _as_needed("fixed", "moving", keep=("harmonics",)),
-    "everything": _as_needed("fixed", "static", keep=("harmonics", "deformation", "color_curves")),
-    "color_curves": _as_needed("fixed", "static", keep=("color_curves",)),
-    "lamp": _as_needed("moving", "static", keep=("harmonics",)),
-    "controls": _as_needed("fixed", "moving", keep=("controls",)),
-    "moments": _as_needed("fixed", "moving", keep=("moments",)),
-    "tiles": _as_needed("fixed", "moving", keep=("tiles",)),
-}
-"""By name; `lamp`: harmonics beside colour curves, where the lamp moves with the camera."""
 
 
 @dataclass(frozen=True)
-class Run:
-    milliseconds: float
-    """A step."""
-    seconds: float
-    megabytes: float
-    psnr: float
-    left_out: str
+class Pair:
+    """A kind of phantom, and the parts that are left out or kept there."""
+
+    camera: Literal["fixed", "moving"]
+    tissue: Literal["moving", "static"]
+    parts: tuple[Part, ...]
+
+
+PAIRS = {
+    "deformation": Pair("moving", "static", ("deformation",)),
+    "harmonics": Pair("fixed", "moving", ("harmonics",)),
+    "everything": Pair("fixed", "static", ("harmonics", "deformation", "color_curves")),
+    "color_curves": Pair("fixed", "static", ("color_curves",)),
+    "lamp": Pair("moving", "static", ("harmonics",)),
+    "controls": Pair("fixed", "moving", ("controls",)),
+    "moments": Pair("fixed", "moving", ("moments",)),
+    "tiles": Pair("fixed", "moving", ("tiles",)),
+}
+"""By name; `lamp`: harmonics beside colour curves, where the lamp moves with the camera."""
+COLUMNS = ("milliseconds", "seconds", "megabytes", "psnr")
 
 
 def main() -> None:
@@ -90,59 +62,28 @@ def main() -> None:
     for name in flags.pairs:
         rows = []
         for seed in range(flags.seeds):
-            rows.append(compared(PAIRS[name], seed, flags.iterations))
+            rows.append(measured(PAIRS[name], seed, flags.iterations))
             show(name, str(seed), *rows[-1])
         if len(rows) > 1:
-            show(name, "mean", *(mean(runs) for runs in zip(*rows, strict=True)))
-        print(f"{'':14}left out: {rows[0][0].left_out}\n")
+            show(name, "mean", *(mean(sides) for sides in zip(*rows, strict=True)))
+        print(f"{'':14}left out: {', '.join(each.what for each in rows[0][0].omitted)}\n")
 
 
-def compared(pair: Pair, seed: int, iterations: int) -> tuple[Run, Run]:
+def measured(pair: Pair, seed: int, iterations: int) -> tuple[Side, Side]:
     """Without and with."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "phantom"
         write_phantom(path, PhantomParams(camera=pair.camera, tissue=pair.tissue, seed=seed))
-        clip = open_clip(path)
-        configs = [replace(config, iterations=iterations) for config in (pair.without, pair.kept)]
-        times = step_times(clip, configs)
-        without, kept = (measured(clip, *each) for each in zip(configs, times, strict=True))
-    return without, kept
+        without = replace(CONFIG, iterations=iterations)
+        return compared(open_clip(path), without, replace(without, keep=pair.parts))
 
 
-def step_times(clip: Clip, configs: Sequence[TrainConfig]) -> list[float]:
-    """Median milliseconds of a step of each configuration, taken in turns."""
-    models, frames = [], [clip.read_frame(index) for index in split(clip, configs[0])[0]]
-    size = scene_size(frames)
-    for config in configs:
-        recipe = recipe_for(config, decide(clip, frames, config))
-        raw = recipe.initialize(frames)
-        models.append(TrainModel(raw, recipe.make_trainer(raw, frames, size), recipe, size))
-    views, first = [train_frame(frame) for frame in frames], configs[0].iterations // 2
-    laps = np.zeros((TIMED_STEPS, len(models)))
-    for step, place in np.ndindex(laps.shape):
-        began = time.perf_counter()
-        models[place].step(views[step % len(views)], min(first + step, configs[0].iterations - 1))
-        laps[step, place] = 1000 * (time.perf_counter() - began)
-    return [float(lap) for lap in np.median(laps[len(views) :], axis=0)]
+def mean(sides: Sequence[Side]) -> Side:
+    means = {name: float(np.mean([getattr(side, name) for side in sides])) for name in COLUMNS}
+    return replace(sides[0], **means)
 
 
-def measured(clip: Clip, config: TrainConfig, milliseconds: float) -> Run:
-    events = list(train(clip, config))
-    started, finished = events[0], events[-1]
-    assert isinstance(started, Started)
-    assert isinstance(finished, Finished)
-    numbers = sum(value.nbytes for value in finished.model.arrays().values())
-    psnr = next(event.psnr for event in events if isinstance(event, Evaluated))
-    left_out = ", ".join(omission.what for omission in (*started.omitted, *finished.omitted))
-    return Run(milliseconds, finished.seconds, 3 * numbers / 1e6, psnr, left_out)
-
-
-def mean(runs: Sequence[Run]) -> Run:
-    columns = ("milliseconds", "seconds", "megabytes", "psnr")
-    return Run(*(float(np.mean([getattr(run, name) for run in runs])) for name in columns), runs[0].left_out)
-
-
-def show(name: str, seed: str, without: Run, kept: Run) -> None:
+def show(name: str, seed: str, without: Side, kept: Side) -> None:
     ratio = kept.milliseconds / without.milliseconds
     print(
         f"{name:14}{seed:>4}"

@@ -1,0 +1,104 @@
+"""Error against run time of reading a clip: layouts and encodings of the same phantom, against the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import cv2
+import numpy as np
+
+from app.report.bench import Bench, Clock
+from app.report.laps import Laps, laps
+from app.report.section import Cell, Column, Plate, Section, Table
+from app.report.work_precision import Diagram, Point
+from app.video import write_video
+from renderer.clip import Clip
+from renderer.metrics import depth_rmse
+from renderer.phantom import Phantom, PhantomParams, write_phantom
+from renderer.sources import open_clip
+
+PARAMS: Final = PhantomParams(n_frames=4, width=640, height=512)
+REPEATS: Final = 3
+QUALITIES: Final = (95, 75)
+COLUMNS: Final = (
+    *(Column(name="clip"), Column(name="layout")),
+    *(Column(name="ms a frame", form=".2f", best="low"), Column(name="± ms", form=".2f")),
+    *(Column(name="ms a photo alone", form=".2f"), Column(name="mean error, grey levels")),
+    *(Column(name="depth RMSE, mm"), Column(name="MB on disk", form=".2f")),
+)
+
+
+def measure(bench: Bench, clock: Clock) -> Section:
+    """See the file; the clip that is measured is timed as well."""
+    bench.say("reading clips")
+    truth = Phantom(PARAMS)
+    frames = [truth.view(index).frame for index in range(PARAMS.n_frames)]
+    rows: list[tuple[Cell, ...]] = []
+    points = []
+    for name, path in _written(bench.work / "reading", [frame.image for frame in frames]):
+        clip = open_clip(path)
+        whole, photo = _times(clip)
+        read = [clip.read_frame(index) for index in range(len(clip))]
+        apart = [np.abs(a.image.astype(float) - b.image).mean() for a, b in zip(read, frames, strict=True)]
+        depths = [
+            depth_rmse(a.depth, b.depth, b.depth_mask)
+            for a, b in zip(read, frames, strict=True)
+            if a.depth is not None and b.depth is not None
+        ]
+        error, depth = float(np.mean(apart)), float(np.mean(depths)) if depths else None
+        rows.append(_row(name, clip, whole, photo, error, depth))
+        points.append(Point(series=clip.format, setting=name, seconds=whole.median, error=error,
+                            spread=whole.spread, is_default=name == "EndoNeRF, PNG"))  # fmt: skip
+    if bench.given is not None:
+        rows.append(_row(bench.clip.name, bench.clip, *_times(bench.clip), None, None))
+    return Section(
+        title="Reading clips: error against run time",
+        sentences=(
+            f"The same {PARAMS.n_frames} frames of {PARAMS.width}x{PARAMS.height} in each layout; a frame is "
+            "photo, masks and depth where the layout has them. No error: every byte is as it was written.",
+        ),
+        plates=(
+            Plate(
+                title="Reading",
+                diagrams=(Diagram(measure="mean error, grey levels", points=tuple(points)),),
+            ),
+        ),
+        tables=(Table(title="Layouts", columns=COLUMNS, rows=tuple(rows)),),
+    )
+
+
+def _written(folder: Path, images: list[np.ndarray]) -> Iterator[tuple[str, Path]]:
+    for layout, name in (("endonerf", "EndoNeRF, PNG"), ("scared", "SCARED, PNG and TIFF")):
+        write_phantom(folder / layout, PARAMS, layout)  # type: ignore[arg-type]
+        yield name, folder / layout
+    for quality in QUALITIES:
+        path = folder / f"jpeg-{quality}"
+        path.mkdir()
+        for index, image in enumerate(images):
+            settings = [cv2.IMWRITE_JPEG_QUALITY, quality]
+            cv2.imwrite(str(path / f"{index:03d}.jpg"), image[..., ::-1], settings)
+        yield f"JPEG of quality {quality}", path
+    write_video(folder / "video.mp4", iter(images), 25.0)
+    yield "video, H.264 or MPEG-4", folder / "video.mp4"
+
+
+def _times(clip: Clip) -> tuple[Laps, Laps]:
+    """Of a frame, and of its photo alone."""
+    count = len(clip)
+    indices = [index for _ in range(REPEATS) for index in range(min(count, PARAMS.n_frames))]
+    frames, photos = iter((indices[0], *indices)), iter((indices[0], *indices))
+    first, second = laps(
+        [lambda: clip.read_frame(next(frames)), lambda: clip.read_image(next(photos))], len(indices)
+    )
+    return first, second
+
+
+def _row(
+    name: str, clip: Clip, whole: Laps, photo: Laps, error: float | None, depth: float | None
+) -> tuple[Cell, ...]:
+    paths = [clip.path] if clip.path.is_file() else [path for path in clip.path.rglob("*") if path.is_file()]
+    size = sum(path.stat().st_size for path in paths) / 1e6
+    times = 1e3 * whole.median, 1e3 * whole.spread, 1e3 * photo.median
+    return (name, clip.format, *times, error, depth, size)
