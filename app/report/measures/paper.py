@@ -68,8 +68,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
                 title="Tables 1 and 2: renders from original and enhanced photos",
                 columns=HEADS,
                 rows=(*(tuple(one.values()) for one in ours), *_published()),
-                note="Rows of the paper are of its own clips. PSNR and SSIM are against the photos that a run "
-                "was trained on. Visibility only, neither detection nor diagnosis.",
+                note="Rows of the paper are of its own clips. PSNR and SSIM are against the photos that a "
+                "run was trained on. Visibility only, neither detection nor diagnosis.",
             ),
             *(_table_3(name, len(sets[name]), rows) for name, rows in compared.items()),
             Table(
