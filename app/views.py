@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Final, Literal, Protocol
 
 import cv2
 import numpy as np
@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from app.drawing import Drawn
 from renderer.camera import Camera
 from renderer.clip import ByteImage
-from renderer.gaussians import DynamicGaussians
 from renderer.paint import by_motion, by_normal
 from renderer.splats import Float32Array, Shape, Splats
 
+RECOLORED: Final = ("normals", "motion")
+"""Views whose splats have other colours than the model's."""
 ViewKind = Literal["color", "depth", "normals", "opacity", "ellipsoids", "points", "motion", "difference"]
 SHAPES: Final[Mapping[ViewKind, Shape]] = MappingProxyType(
     {
@@ -42,7 +43,8 @@ SCENE_UNITS = "scene units"
 ColorMap = Literal["viridis", "inferno", "grey"]
 _MAPS = MappingProxyType({"viridis": cv2.COLORMAP_VIRIDIS, "inferno": cv2.COLORMAP_INFERNO})
 LEAST_DIFFERENCE = 8.0
-"""Grey levels at the end of the scale, at least: less is not worth a bright colour."""
+"""Grey levels at the end of the scale, at least. It ends at the 90th percentile: tools, which are not
+reconstructed, do not flatten it."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,13 @@ def has_scale(kind: ViewKind) -> bool:
     return kind in ("depth", "opacity", "motion", "difference")
 
 
-def splats_for(kind: ViewKind, model: DynamicGaussians, time: float, camera: Camera) -> Splats:
+class Moments(Protocol):
+    """Splats at every time in [0, 1]: a model, or keyframes of one."""
+
+    def at(self, time: float) -> Splats: ...
+
+
+def splats_for(kind: ViewKind, model: Moments, time: float, camera: Camera) -> Splats:
     """The splats at `time` in the colours that the view needs."""
     splats = model.at(time)
     if kind == "normals":
@@ -123,7 +131,7 @@ def composed(kind: ViewKind, drawn: Drawn, unit: str, photo: ByteImage | None = 
     if kind == "difference":
         assert photo is not None
         away = difference(drawn.bytes, photo)
-        scale = Scale(0.0, max(_nice_end(away, 99.5), LEAST_DIFFERENCE), "grey levels", "inferno")
+        scale = Scale(0.0, max(_nice_end(away, 90), LEAST_DIFFERENCE), "grey levels", "inferno")
         return Composed(scale.colored(away, np.ones(away.shape, bool)), scale)
     return Composed(drawn.bytes)
 

@@ -295,6 +295,7 @@ def show_live_model(state: AppState, model: DynamicGaussians) -> None:
         job.config.iterations,
         live=True,
         origin=origin_of(RunFolder(job.run_path)),
+        unit=job.clip.unit,
     )
 
 
@@ -302,7 +303,7 @@ def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
     job = state.reconstruction
     if job.clip is not None and job.run_path is not None:
         folder = RunFolder(job.run_path)
-        state.model = finished_model(folder, model, job.clip.cameras, job.config.iterations)
+        state.model = finished_model(folder, model, job.clip.cameras, job.config.iterations, job.clip.unit)
 
 
 def point_of(progress: Progress) -> CurvePoint:

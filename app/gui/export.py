@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from app.color_bar import with_bar
 from app.gui.enhancing import Pictures
 from app.gui.legible import legible
 from app.gui.viewing import BACKGROUND, View, ViewRequest, draw_view
 from app.methods import PAPER, VESSEL
 from app.provenance import NOTICE, provenance, source, write_png
+from app.views import Composed, ViewKind
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -79,7 +81,8 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
             facts |= {"scope": wanted.scope, "tissue_only": wanted.tissue_only}
     if request.view is not None:
         view = _drawn(request.view)
-        panels.append(view_panel(view.request.shown.name, view.image))
+        image = with_bar(Composed(view.image, view.scale))
+        panels.append(view_panel(view.request.shown.name, image, view.request.kind))
         facts["view"] = _view_facts(view.request)
     return panels, provenance(**facts)
 
@@ -93,9 +96,10 @@ def picture_panels(pictures: Pictures) -> list[Panel]:
     return [photo, Panel("Enhanced   " + describe(pictures), pictures.enhanced)]
 
 
-def view_panel(name: str, image: ByteImage) -> Panel:
+def view_panel(name: str, image: ByteImage, kind: ViewKind) -> Panel:
     """A model, by the name of its run or file."""
-    return Panel(f"Reconstruction   {name}", image)
+    shows = "" if kind == "color" else f"   {kind}"
+    return Panel(f"Reconstruction   {name}{shows}", image)
 
 
 def _view_facts(request: ViewRequest) -> dict[str, Any]:
@@ -109,6 +113,8 @@ def _view_facts(request: ViewRequest) -> dict[str, Any]:
         "near": request.near,
         "background": BACKGROUND,
         "renderer": "numba on the CPU",
+        "view": request.kind,
+        "frame": shown.frame_at(request.time),
     }
 
 

@@ -122,14 +122,22 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
 def shown_model(folder: RunFolder, record: RunRecord) -> ShownModel:
     """The finished model of a run, ready to be looked at through its clip's cameras."""
     cameras = tuple(record.camera(index) for index in range(record.clip.frames))
-    return finished_model(folder, folder.model(), cameras, record.config.iterations)
+    return finished_model(folder, folder.model(), cameras, record.config.iterations, record.clip.unit)
 
 
 def finished_model(
-    folder: RunFolder, model: DynamicGaussians, cameras: tuple[Camera, ...], iterations: int
+    folder: RunFolder, model: DynamicGaussians, cameras: tuple[Camera, ...], iterations: int, unit: str
 ) -> ShownModel:
     """The model of a run that has ended."""
     distance, origin = middle_distance(model, cameras[0]), origin_of(folder)
     return ShownModel(
-        model, cameras, distance, folder.path.name, iterations, iterations, live=False, origin=origin
+        model,
+        cameras,
+        distance,
+        folder.path.name,
+        iterations,
+        iterations,
+        live=False,
+        origin=origin,
+        unit=unit,
     )

@@ -13,7 +13,7 @@ from app.gui.comparison import Comparison, Side
 from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.opening import OpenRequest
 from app.gui.others import Difference, Other
-from app.gui.photos import PhotoRequest
+from app.gui.photos import Photo, PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.settings import Places, Settings
 from app.gui.tuning import Tuning
@@ -21,6 +21,7 @@ from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel, View, ViewRequest
 from app.methods import Look
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
+from app.views import ViewKind
 from enhance import EnhanceParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
@@ -162,6 +163,7 @@ class AppState:
     view: View | None = None
     baked: Baked | None = None
     """Keyframes for the graphics card, of `model` or of one before it; more to come while they are None."""
+    view_kind: ViewKind = "color"
     view_size: tuple[int, int] = (0, 0)
     """Pixels of the 3D view, as last laid out; (0, 0) while it is hidden."""
     view_dragged: bool = False
@@ -231,13 +233,19 @@ class AppState:
         if self.model is None or min(self.view_size) < 1:
             return None
         if self.viewer.snapped:
-            return self.model.snapped(self.time)
-        return self.model.view(self.time, self.viewer.free, self.view_size)
+            return self.model.snapped(self.time).of_kind(self.view_kind, self.photo)
+        return self.model.view(self.time, self.viewer.free, self.view_size).of_kind(self.view_kind)
 
     @property
     def has_photos(self) -> bool:
         """The open clip is the one that the 3D view is of."""
         return self.model is not None and self.clip is not None and self.model.cameras == self.clip.cameras
+
+    @property
+    def photo(self) -> Photo | None:
+        """Of the very frame that a snapped view shows; None while it is being read, or without one."""
+        photo = self.viewer.photo
+        return photo if photo is not None and photo.request == self.photo_request else None
 
     @property
     def photo_request(self) -> PhotoRequest | None:

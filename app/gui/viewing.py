@@ -81,6 +81,12 @@ class ViewRequest:
         """The near plane in scene units, the same share of the scene as in training."""
         return NEAR_SHARE * self.shown.distance
 
+    def of_kind(self, kind: ViewKind, photo: Photo | None = None) -> ViewRequest:
+        """The same camera and time shown otherwise; a difference without its photo stays in colour."""
+        if kind == "difference":
+            return self if photo is None else replace(self, kind=kind, photo=photo)
+        return replace(self, kind=kind)
+
     def composed(self, drawn: Drawn) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape."""
         return composed(self.kind, drawn, self.shown.unit, self.photo.image if self.photo else None)

@@ -8,11 +8,14 @@ from typing import Protocol
 import moderngl
 from imgui_bundle import imgui
 
+from app.drawing import Drawn
 from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.viewing import BACKGROUND, ViewRequest
+from app.views import RECOLORED, SHAPES, Composed, Scale, splats_for
 from renderer.draw.context import is_software
 from renderer.draw.keyframes import Keyframes
+from renderer.draw.offscreen import read_layers
 from renderer.draw.splat_view import SplatView
 
 
@@ -25,6 +28,8 @@ class OnScreen:
     uv1: tuple[float, float]
     request: ViewRequest
     """What it was drawn from."""
+    scale: Scale | None = None
+    """What its colours mean, where they are values."""
 
 
 class Viewport(Protocol):
@@ -42,17 +47,18 @@ class ProcessorViewport:
         view = state.view
         if view is None or state.model is None:
             return None
-        return OnScreen(self._textures.whole("view", view.image), (0, 0), (1, 1), view.request)
+        return OnScreen(self._textures.whole("view", view.image), (0, 0), (1, 1), view.request, view.scale)
 
     def release(self) -> None:
         """The textures are released by their owner."""
 
 
 class GraphicsViewport:
-    """Draws when the request differs from the one on screen."""
+    """Draws when the request differs from the one on screen; views other than colour by way of arrays."""
 
-    def __init__(self, ctx: moderngl.Context) -> None:
-        self._ctx = ctx
+    def __init__(self, ctx: moderngl.Context, textures: Textures) -> None:
+        self._ctx, self._textures = ctx, textures
+        self._composed: Composed | None = None
         self._splats: SplatView | None = None
         self._near = 0.0
         self._target: moderngl.Framebuffer | None = None
@@ -67,12 +73,21 @@ class GraphicsViewport:
             return None
         if request != self._drawn:
             self._draw(request, keyframes_of(state))
+        if self._composed is not None:
+            texture = self._textures.whole("view", self._composed.image)
+            return OnScreen(texture, (0, 0), (1, 1), request, self._composed.scale)
         assert self._texture is not None
         # OpenGL stores the bottom row first.
         return OnScreen(imgui.ImTextureRef(self._texture.glo), (0, 1), (1, 0), request)
 
     def _draw(self, request: ViewRequest, keyframes: Keyframes | None) -> None:
         splats = self._upload(request, keyframes)
+        if request.kind != "color":
+            layers = read_layers(splats, request.camera, SHAPES[request.kind])
+            self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
+            self._drawn = request
+            return
+        self._composed = None
         size = (request.camera.width, request.camera.height)
         if self._texture is None or self._texture.size != size:
             self._resize(size)
@@ -85,13 +100,16 @@ class GraphicsViewport:
         if self._splats is None or self._near != request.near:
             self._release_splats()
             self._splats, self._near = SplatView(self._ctx, near=request.near), request.near
-        wanted = (request.shown, request.time) if keyframes is None else keyframes
-        if self._uploaded != wanted and keyframes is not None:
-            self._splats.upload_keyframes(keyframes, request.shown.mode)
+        shown, time, kind = request.shown, request.time, request.kind
+        recolored = (kind, request.camera) if kind in RECOLORED else None
+        wanted = keyframes if keyframes is not None and recolored is None else (shown, time, recolored)
+        if self._uploaded != wanted and isinstance(wanted, Keyframes):
+            self._splats.upload_keyframes(wanted, shown.mode)
         elif self._uploaded != wanted:
-            self._splats.upload(request.shown.model.at(request.time), request.shown.mode)
+            splats = splats_for(kind, keyframes or shown.model, time, request.camera)
+            self._splats.upload(splats, shown.mode)
         self._uploaded = wanted
-        self._splats.seek(request.time)
+        self._splats.seek(time)
         return self._splats
 
     def _resize(self, size: tuple[int, int]) -> None:
@@ -122,4 +140,4 @@ def keyframes_of(state: AppState) -> Keyframes | None:
 
 def make_viewport(ctx: moderngl.Context, textures: Textures) -> Viewport:
     """Without a graphics card the numba rasteriser is several times as fast as the driver's own emulation."""
-    return ProcessorViewport(textures) if is_software(ctx) else GraphicsViewport(ctx)
+    return ProcessorViewport(textures) if is_software(ctx) else GraphicsViewport(ctx, textures)

@@ -124,21 +124,30 @@ def drawn(scene: Scene, facts: Facts, draw: Draw, kind: ViewKind = "color") -> D
 
 def remake_render(facts: Facts, sources: Sources, target: Path) -> str:
     """Raises UserError or pydantic.ValidationError."""
-    draw, name = drawer_of(facts)
-    said, scene = RENDER.validate_python(facts), scene_of(facts, sources)
-    picture = drawn(scene, facts, draw, said.view)
-    photo = _photo(facts, said, sources) if said.view == "difference" else None
-    shown = with_bar(composed(said.view, picture, scene.unit, photo))
-    write_image(target, picture.straight if said.background is None else shown, again(facts))
-    return name
+    drawer, said, scene = drawer_of(facts), RENDER.validate_python(facts), scene_of(facts, sources)
+    if said.background is None:
+        shown = drawn(scene, facts, drawer[0], said.view).straight
+    else:
+        shown = view_of(scene, facts, sources, drawer[0], trained=True)
+    write_image(target, shown, again(facts))
+    return drawer[1]
 
 
-def _photo(facts: Facts, said: RenderFacts, sources: Sources) -> ByteImage:
-    """What the frame was trained on. Raises UserError or pydantic.ValidationError."""
+def view_of(scene: Scene, facts: Facts, sources: Sources, draw: Draw, *, trained: bool) -> ByteImage:
+    """What the facts say that the picture shows; a difference is to the photo that the run was `trained` on,
+    or to the clip's own. Raises UserError or pydantic.ValidationError."""
+    said = RENDER.validate_python(facts)
+    photo = _photo(facts, said, sources, trained=trained) if said.view == "difference" else None
+    return with_bar(composed(said.view, drawn(scene, facts, draw, said.view), scene.unit, photo))
+
+
+def _photo(facts: Facts, said: RenderFacts, sources: Sources, *, trained: bool) -> ByteImage:
+    """Of the frame. Raises UserError or pydantic.ValidationError."""
     run = SCENE.validate_python(facts).run
     if run is None or said.frame is None:
         raise UserError(f"expected the run and the frame of a difference, got neither: {sources.file}")
-    return open_evaluation(sources.find_run(run).path).photos.read_image(said.frame)
+    evaluation = open_evaluation(sources.find_run(run).path)
+    return (evaluation.photos if trained else evaluation.clip).read_image(said.frame)
 
 
 def remake_depth(facts: Facts, sources: Sources, target: Path) -> str:

@@ -11,7 +11,7 @@ from app.errors import UserError
 from app.gui.enhancing import PictureMaker, PictureRequest, Scope
 from app.gui.export import Panel, picture_panels, sheet, view_panel
 from app.provenance import write_png
-from app.replay.drawn import drawer_of, drawn, scene_of
+from app.replay.drawn import RENDER, drawer_of, scene_of, view_of
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
@@ -51,7 +51,9 @@ def remake_screenshot(facts: Facts, sources: Sources, target: Path) -> str | Non
         view = facts["view"]
         draw, name = drawer_of(view)
         scene = scene_of(view, sources)
-        panels.append(view_panel(scene.name, drawn(scene, view, draw).bytes))
+        kind = RENDER.validate_python(view).view
+        image = view_of(scene, view, sources, draw, trained=False)
+        panels.append(view_panel(scene.name, image, kind))
     write_png(target, sheet(panels), again(facts))
     return name
 

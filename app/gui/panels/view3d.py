@@ -9,14 +9,16 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, camera_actions, theme
+from app.gui import actions, camera_actions, theme, view_actions
 from app.gui.free_view import Vector
 from app.gui.legible import legible
+from app.gui.panels.color_bar import draw_color_bar
 from app.gui.photos import Photo
 from app.gui.picture_view import PictureView, Placement
 from app.gui.state import AppState
 from app.gui.viewport import OnScreen, Viewport
 from app.gui.widgets import button, centered, em, explain, stack_tags
+from app.views import EXPLAINED
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 
@@ -65,6 +67,7 @@ def _draw_toolbar(state: AppState) -> None:
     explain("G: fly with W, S, A, D, Q and E, look by dragging, speed by the wheel. Home: back.")
     imgui.same_line()
     _draw_snap(state)
+    _draw_kind(state)
     if state.clip is None:
         _draw_time(state)
         return
@@ -93,6 +96,18 @@ def _draw_snap(state: AppState) -> None:
     imgui.same_line()
     if changed:
         camera_actions.blend(state, percent / 100)
+
+
+def _draw_kind(state: AppState) -> None:
+    kinds = view_actions.choices(state)
+    imgui.set_next_item_width(em(7.2))
+    labels = [kind.capitalize().replace("Color", "Colour") for kind in kinds]
+    now = kinds.index(state.view_kind) if state.view_kind in kinds else 0
+    changed, chosen = imgui.combo("##kind", now, labels)
+    explain(f"N: the next view. {EXPLAINED[kinds[now]]}")
+    imgui.same_line()
+    if changed:
+        view_actions.choose_view(state, kinds[chosen])
 
 
 def _draw_time(state: AppState) -> None:
@@ -169,6 +184,8 @@ def _draw_picture(
             tint = imgui.get_color_u32(theme.grey(1.0, state.viewer.blend))
             draw.add_image(photo_texture(photo.image), low, high, (0, 0), (1, 1), tint)
         _draw_centre(state, shown, corner, size)
+        if shown.scale is not None:
+            draw_color_bar(shown.scale, ImVec2(end.x, corner.y), size.y)
     stack_tags(view_tags(state, shown), corner)
     draw.pop_clip_rect()
 
@@ -181,9 +198,8 @@ def bounds(camera: Camera, corner: ImVec2, size: ImVec2) -> tuple[ImVec2, ImVec2
 
 
 def photo_over(state: AppState) -> Photo | None:
-    """The photo of the very frame that a snapped view shows; None while it is being read, or without one."""
-    photo = state.viewer.photo
-    return photo if photo is not None and photo.request == state.photo_request else None
+    """The photo that lies over the picture; a difference to it shows it already."""
+    return None if state.view_kind == "difference" else state.photo
 
 
 def _draw_centre(state: AppState, shown: OnScreen, corner: ImVec2, size: ImVec2) -> None:
@@ -214,7 +230,15 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
         tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G ends", theme.TAG_CAUTION))
     if state.viewer.snapped:
         share = f"PHOTO {100 * state.viewer.blend:.0f} % over the reconstruction"
-        tags.append((share if photo_over(state) else "READING THE PHOTO…", theme.TAG_ENHANCED))
+        if state.photo is None:
+            share = "READING THE PHOTO…"
+        elif shown.request.kind == "difference":
+            share = "DIFFERENCE to the photo"
+        tags.append((share, theme.TAG_ENHANCED))
+    elif state.view_kind == "difference":
+        tags.append(("DIFFERENCE only through the clip's camera: C", theme.TAG_CAUTION))
+    if shown.request.kind not in ("color", "difference"):
+        tags.append((f"{shown.request.kind.upper()} · not how it looks", theme.TAG_ENHANCED))
     if state.viewer.free is not None:
         tags.append(("FREE VIEW · not the endoscope's", theme.TAG_ORIGINAL))
     if shown.request.reduced:

@@ -10,6 +10,7 @@ import pytest
 
 from app.gui import actions
 from app.gui.state import AppState
+from app.gui.textures import Textures
 from app.gui.update import Channels, update
 from app.gui.viewing import ShownModel, draw_view
 from app.gui.viewport import GraphicsViewport, keyframes_of
@@ -84,7 +85,7 @@ def test_a_model_that_cannot_be_baked_is_drawn_without(
 def test_scrubbing_draws_what_the_model_would_without_asking_it(
     ctx: moderngl.Context, drifting: AppState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    graphics, wanted = GraphicsViewport(ctx), {}
+    graphics, wanted = GraphicsViewport(ctx, Textures(ctx)), {}
     for index in (0, 2, 5):
         actions.seek(drifting, index)
         assert drifting.view_request is not None

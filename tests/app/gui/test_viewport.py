@@ -6,11 +6,13 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui import actions, camera_actions
+from app.gui import actions, camera_actions, view_actions
+from app.gui.photos import read_photo
 from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.viewing import draw_view
 from app.gui.viewport import GraphicsViewport, ProcessorViewport, make_viewport
+from app.views import EXPLAINED, ViewKind, has_scale
 from renderer.draw.context import is_software
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
@@ -34,7 +36,7 @@ def read(ctx: moderngl.Context, name: int, channels: int) -> np.ndarray:
 
 @pytest.mark.gl
 def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live: AppState) -> None:
-    graphics, textures = GraphicsViewport(ctx), Textures(ctx)
+    graphics, textures = GraphicsViewport(ctx, Textures(ctx)), Textures(ctx)
     processor = ProcessorViewport(textures)
     assert live.view_request is not None
     (live.view,) = draw_view(live.view_request)
@@ -67,7 +69,7 @@ def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: App
     (wanted,), (seen,) = draw_view(large), draw_view(tiny)
     assert wanted.image.max() > 60
     assert np.abs(wanted.image.astype(int) - seen.image).max() <= 1
-    graphics = GraphicsViewport(ctx)
+    graphics = GraphicsViewport(ctx, Textures(ctx))
     for request in (large, tiny):  # One after the other: the near plane goes with the model.
         graphics._draw(request, None)
     assert graphics._texture is not None
@@ -80,7 +82,7 @@ def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: App
 def test_the_graphics_card_draws_only_what_changed(
     ctx: moderngl.Context, live: AppState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    graphics = GraphicsViewport(ctx)
+    graphics = GraphicsViewport(ctx, Textures(ctx))
     drawn: list[object] = []
     draw = graphics._draw
     monkeypatch.setattr(graphics, "_draw", lambda *asked: (drawn.append(asked), draw(*asked)))
@@ -102,3 +104,55 @@ def test_the_processor_draws_where_there_is_no_graphics_card(ctx: moderngl.Conte
     viewport = make_viewport(ctx, Textures(ctx))
     assert isinstance(viewport, ProcessorViewport) == is_software(ctx)
     viewport.release()
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("kind", EXPLAINED)
+def test_both_ways_of_drawing_show_the_same_views(
+    ctx: moderngl.Context, live: AppState, kind: ViewKind
+) -> None:
+    """But for pixels on the edge of a body, and what float32 makes of a colour between two."""
+    textures = Textures(ctx)
+    graphics, processor = GraphicsViewport(ctx, textures), ProcessorViewport(Textures(ctx))
+    camera_actions.reset_view(live)
+    view_actions.choose_view(live, kind)
+    assert live.photo_request is not None or kind != "difference"
+    if live.photo_request is not None:
+        (live.viewer.photo,) = read_photo(live.photo_request)
+    request = live.view_request
+    assert request is not None
+    assert request.kind == kind
+    (live.view,) = draw_view(request)
+    drawn, made = graphics.show(live), processor.show(live)
+    assert drawn is not None
+    assert made is not None
+    assert drawn.scale == made.scale == live.view.scale
+    assert (made.scale is not None) == has_scale(kind)
+    if kind != "color":
+        assert graphics._composed is not None
+        away = np.abs(graphics._composed.image.astype(int) - live.view.image).max(axis=2)
+        assert np.mean(away > 3) < 0.01
+        assert live.view.image.std() > 1
+    graphics.release()
+
+
+def test_a_difference_needs_the_clips_camera_and_its_photo(live: AppState) -> None:
+    view_actions.choose_view(live, "difference")
+    assert live.viewer.snapped
+    assert live.view_request is not None
+    assert live.view_request.kind == "color"
+    assert live.photo_request is not None
+    (live.viewer.photo,) = read_photo(live.photo_request)
+    assert live.view_request.kind == "difference"
+    camera_actions.turn(live, 0.1, 0.0)
+    assert live.view_request.kind == "color"
+    live.clip = None
+    assert "difference" not in view_actions.choices(live)
+
+
+def test_the_key_goes_through_all_views_and_back(live: AppState) -> None:
+    seen = []
+    for _ in EXPLAINED:
+        seen.append(live.view_kind)
+        view_actions.next_view(live)
+    assert (tuple(seen), live.view_kind) == (tuple(EXPLAINED), "color")

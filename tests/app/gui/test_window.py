@@ -191,7 +191,7 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
     places: Places, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Drawn by OpenGL in the window's context, the view is in its pane and the controls are still there."""
-    monkeypatch.setattr("app.gui.window.make_viewport", lambda ctx, textures: GraphicsViewport(ctx))
+    monkeypatch.setattr("app.gui.window.make_viewport", GraphicsViewport)
     jobs: list[FakeJob] = []
     driver = Driver(places, Settings(acknowledged=True), jobs)
     actions.open_path(driver.state, phantom_path())
