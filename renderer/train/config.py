@@ -11,7 +11,16 @@ from pydantic.dataclasses import dataclass
 Method = Literal["vesselsplat", "deform3dgs", "endogaussian", "static"]
 
 Part = Literal[
-    "harmonics", "deformation", "color_curves", "controls", "moments", "depth", "masks", "tiles", "unseen"
+    "harmonics",
+    "deformation",
+    "color_curves",
+    "controls",
+    "moments",
+    "depth",
+    "masks",
+    "tiles",
+    "unseen",
+    "hidden",
 ]
 """What a clip may not need."""
 

@@ -31,6 +31,7 @@ from renderer.train.events import (
 )
 from renderer.train.frames import TrainFrame, halved, train_frame
 from renderer.train.guards import LossWatch
+from renderer.train.hidden import settled
 from renderer.train.initialize import scene_size, with_points
 from renderer.train.losses import Measured
 from renderer.train.methods import recipe_for
@@ -100,6 +101,9 @@ def train(
     omitted: tuple[Omission, ...] = ()
     if "unseen" not in config.keep:
         gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size)
+    if "hidden" not in config.keep and (needs.has_masks or not clip.camera_is_fixed):
+        gaussians, resting = settled(gaussians, pool.full, NEAR_SHARE * size)
+        omitted += resting
     if held_out:
         yield Evaluated(recipe.iterations, held_out_psnr(gaussians, clip, held_out, size))
     yield Finished(recipe.iterations, meter.seconds, gaussians, omitted)

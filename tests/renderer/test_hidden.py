@@ -1,0 +1,128 @@
+"""Curves at rest where tissue is hidden, against dense least squares, and on a clip with a hidden half."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from renderer.camera import Camera
+from renderer.clip import Frame
+from renderer.deformation.spline import spline_taps
+from renderer.deformation.spline_motion import SplineMotion
+from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.train.frames import TrainFrame, train_frame
+from renderer.train.hidden import SLACK, _seen_shares, settled
+
+CONTROLS, COUNT, SIDE = 9, 12, 32
+CAMERA = Camera(40.0, 40.0, SIDE / 2, SIDE / 2, SIDE, SIDE)
+TIMES = np.linspace(0, 1, 30)
+
+
+def gaussians(rng: np.random.Generator) -> DynamicGaussians:
+    """A row of small Gaussians whose colours wander."""
+    across = np.linspace(-0.35, 0.35, COUNT) * 10
+    raw = RawGaussians(
+        means=np.column_stack([across, np.zeros(COUNT), np.full(COUNT, 10.0)]).astype(np.float32),
+        quats=np.tile(np.float32([1, 0, 0, 0]), (COUNT, 1)),
+        log_scales=np.full((COUNT, 3), np.log(0.2), np.float32),
+        opacity_logits=np.full(COUNT, 2.0, np.float32),
+        colors=rng.uniform(0.2, 0.8, (COUNT, 3)).astype(np.float32),
+        harmonics=np.zeros((COUNT, 0, 3), np.float32),
+    )
+    motion = SplineMotion(
+        position_controls=np.zeros((COUNT, CONTROLS, 3), np.float32),
+        color_controls=rng.normal(0, 0.3, (COUNT, CONTROLS, 3)).astype(np.float32),
+        opacity_controls=np.zeros((0, CONTROLS, 1), np.float32),
+        node_controls=np.zeros((0, CONTROLS, 3), np.float32),
+        node_indices=np.zeros((0, 4), np.int32),
+        node_weights=np.zeros((0, 4), np.float32),
+    )
+    return DynamicGaussians(raw, motion)
+
+
+def frames(hidden_after: float, first_column: int = 0) -> list[TrainFrame]:
+    """Frames that show the columns from `first_column` on only up to `hidden_after`."""
+    shown = []
+    for index, time in enumerate(TIMES):
+        mask = np.ones((SIDE, SIDE), bool)
+        if time > hidden_after:
+            mask[:, first_column:] = False
+        image = np.zeros((SIDE, SIDE, 3), np.uint8)
+        shown.append(train_frame(Frame(index, float(time), image, CAMERA, mask, mask)))
+    return shown
+
+
+def values(model: DynamicGaussians, time: float) -> np.ndarray:
+    first, weights = spline_taps(time, CONTROLS)
+    motion = model.motion
+    assert isinstance(motion, SplineMotion)
+    return np.einsum("k,nkc->nc", weights, motion.color_controls[:, first : first + 4])
+
+
+def test_nothing_changes_where_every_frame_sees_all() -> None:
+    model = gaussians(np.random.default_rng(0))
+    still, told = settled(model, frames(hidden_after=2.0), near=0.1)
+    assert still is model
+    assert told == ()
+
+
+def test_what_is_seen_stays_within_the_slack() -> None:
+    """The minimum is below what the curves themselves give, which is at most their roughness times SLACK."""
+    model, shown = gaussians(np.random.default_rng(0)), frames(hidden_after=0.6, first_column=SIDE // 2)
+    still, _ = settled(model, shown, near=0.1)
+    assert isinstance(model.motion, SplineMotion)
+    roughness = (np.diff(model.motion.color_controls, axis=1) ** 2).sum(axis=(1, 2))
+    apart = np.zeros(COUNT)
+    for frame, seen in zip(shown, list(_seen_shares(model, shown, 0.1)), strict=True):
+        change = values(still, frame.time) - values(model, frame.time)
+        apart += seen * (change**2).sum(axis=1)
+    assert apart.max() > 0
+    assert (apart <= SLACK * roughness).all()
+
+
+def test_curves_rest_while_tissue_is_hidden() -> None:
+    model = gaussians(np.random.default_rng(1))
+    still, told = settled(model, frames(hidden_after=0.5, first_column=SIDE // 2), near=0.1)
+    assert "motion of hidden tissue" in told[0].what
+    hidden = slice(COUNT // 2 + 1, None)
+    wandered = np.abs(values(model, 1.0) - values(model, 0.8))[hidden].max()
+    assert np.abs(values(still, 1.0) - values(still, 0.8))[hidden].max() < 0.02 * wandered
+    seen = slice(0, COUNT // 2 - 1)
+    np.testing.assert_allclose(values(still, 1.0)[seen], values(model, 1.0)[seen], atol=0.05 * wandered)
+
+
+def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(2)
+    model = gaussians(rng)
+    shares = [rng.uniform(0, 1, COUNT).astype(np.float32) for _ in TIMES]
+    shares = [share * (rng.uniform(size=COUNT) < 0.3) for share in shares]
+    monkeypatch.setattr("renderer.train.hidden._seen_shares", lambda *_: shares)
+    still, _ = settled(model, frames(hidden_after=2.0), near=0.1)
+    basis = np.zeros((len(TIMES), CONTROLS))
+    for row, time in zip(basis, TIMES, strict=True):
+        first, weights = spline_taps(float(time), CONTROLS)
+        row[first : first + 4] = weights
+    assert isinstance(model.motion, SplineMotion)
+    assert isinstance(still.motion, SplineMotion)
+    for n in range(COUNT):
+        root = np.sqrt([share[n] for share in shares])[:, None]
+        near = ((root * basis) ** 2).sum(axis=0) / (basis**2).sum(axis=0)
+        hidden = 1 - np.minimum(near[1:], near[:-1])
+        steps = np.sqrt(SLACK) * hidden[:, None] * np.diff(np.eye(CONTROLS), axis=0)
+        left = np.vstack([root * basis, steps])
+        right = np.vstack([root * basis @ model.motion.color_controls[n], np.zeros((CONTROLS - 1, 3))])
+        expected = np.linalg.lstsq(left, right, rcond=None)[0]
+        np.testing.assert_allclose(still.motion.color_controls[n], expected, atol=2e-5)
+
+
+def test_what_no_frame_sees_rests() -> None:
+    model = gaussians(np.random.default_rng(3))
+    motion = model.motion
+    assert isinstance(motion, SplineMotion)
+    far = replace(model.raw, means=model.raw.means + np.float32([1e4, 0, 0]))
+    still, _ = settled(DynamicGaussians(far, motion), frames(hidden_after=2.0), near=0.1)
+    assert isinstance(still.motion, SplineMotion)
+    assert np.abs(still.motion.color_controls).max() < 1e-6
