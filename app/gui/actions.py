@@ -78,7 +78,7 @@ def open_path(state: AppState, path: Path) -> None:
 
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     """Take over what has been opened: the start of a session with it."""
-    state.opening = None
+    state.opening, state.opened_path, state.session_path = None, opened.path or path, None
     state.clip, state.opened_options, state.pictures = opened.clip, opened.options, None
     state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
     state.tuning = state.tuning.renewed()

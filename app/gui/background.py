@@ -6,6 +6,7 @@ import logging
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 Request = TypeVar("Request")
@@ -19,7 +20,15 @@ class Failure:
 
     def __init__(self, error: Exception) -> None:
         self.error = error
-        self.message = str(error) or type(error).__name__
+        self.message = _sentence(error) or type(error).__name__
+
+
+def _sentence(error: Exception) -> str:
+    """What the system says, without its number and the folder."""
+    if isinstance(error, OSError) and error.strerror:
+        name = f": {Path(str(error.filename)).name}" if error.filename else ""
+        return f"{error.strerror}{name}"
+    return str(error)
 
 
 class Channel(Generic[Request, Answer]):

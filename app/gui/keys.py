@@ -31,6 +31,7 @@ class Commands:
     open_folder: Callable[[], None]
     open_file: Callable[[], None]
     screenshot: Callable[[], None]
+    session: Callable[[], None]
 
 
 BLEND_STEP = 0.1
@@ -95,6 +96,7 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(ctrl | key.y, "Ctrl+Y", "redo a parameter", actions.redo, repeats=True),
         Shortcut(ctrl | key.t, "Ctrl+T", "tuning grid: a range of settings", tuning_actions.toggle_tuning),
         Shortcut(key.s, "S", "save a picture of what is shown", lambda s: commands.screenshot()),
+        Shortcut(ctrl | key.s, "Ctrl+S", "save the session", lambda s: commands.session()),
         Shortcut(ctrl | key.o, "Ctrl+O", "open a folder", lambda s: commands.open_folder()),
         Shortcut(ctrl | key.i, "Ctrl+I", "open an image or a video", lambda s: commands.open_file()),
         Shortcut(shift | key.slash, "?", "this help", toggle_help),

@@ -10,7 +10,7 @@ from imgui_bundle import hello_imgui, imgui, imgui_ctx
 
 from app.gui import actions, comparing, theme, tuning_actions
 from app.gui.comparison import MODES, SLOTS
-from app.gui.keys import fit_pictures, one_to_one, toggle_help
+from app.gui.keys import Commands, fit_pictures, one_to_one, toggle_help
 from app.gui.legible import legible
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.panels.welcome import Openers
@@ -20,11 +20,11 @@ from app.gui.widgets import em, explain
 Act = Callable[[], None]
 
 
-def draw_menus(state: AppState, openers: Openers, screenshot: Act) -> None:
+def draw_menus(state: AppState, openers: Openers, commands: Commands) -> None:
     """Everything that has a key, for those who look rather than remember."""
     with imgui_ctx.begin_menu("File") as menu:
         if menu:
-            _draw_file(state, openers, screenshot)
+            _draw_file(state, openers, commands)
     with imgui_ctx.begin_menu("Picture") as menu:
         if menu:
             _draw_picture(state)
@@ -39,9 +39,9 @@ def _item(label: str, keys: str, act: Act, *, ticked: bool = False, enabled: boo
         act()
 
 
-def _draw_file(state: AppState, openers: Openers, screenshot: Act) -> None:
+def _draw_file(state: AppState, openers: Openers, commands: Commands) -> None:
     _item("Open folder…", "Ctrl+O", openers.folder)
-    _item("Open image or video…", "Ctrl+I", openers.file)
+    _item("Open image, video or session…", "Ctrl+I", openers.file)
     _item("Open the built-in phantom", "", openers.phantom)
     with imgui_ctx.begin_menu("Open recent", bool(state.settings.recent)) as menu:
         if menu:
@@ -54,7 +54,9 @@ def _draw_file(state: AppState, openers: Openers, screenshot: Act) -> None:
     _item("Remember recent", "", lambda: actions.remember_recent(state, not remember), ticked=remember)
     imgui.separator()
     something = state.pictures is not None or state.model is not None
-    _item("Save picture", "S", screenshot, enabled=something)
+    _item("Save picture", "S", commands.screenshot, enabled=something)
+    _item("Save session", "Ctrl+S", commands.session, enabled=state.opened_path is not None)
+    explain("What is open, its settings, views and notes; opened again like a clip.")
     imgui.separator()
     _item("Quit", "Ctrl+Q", quit_app)
 

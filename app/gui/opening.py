@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
+from app.errors import UserError
 from app.gui.origin import Origin, origin_of
 from app.gui.viewing import ShownModel
+from app.provenance import digest
 from app.run_folder import RunFolder, RunRecord
 from app.scene import is_splat_file, splat_scene
+from app.sessions import SUFFIX, Session, read_session
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
@@ -53,10 +56,17 @@ class Opened:
     notices: tuple[str, ...] = ()
     options: ClipOptions = DEFAULTS
     """How the clip was read."""
+    session: Session | None = None
+    """To take up, of a session file."""
+    path: Path | None = None
+    """What was opened: of a session file, its source."""
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
     """Raises ClipError or UserError: one line for the banner."""
+    if request.path.suffix == SUFFIX:
+        yield _open_session(request.path)
+        return
     if is_splat_file(request.path):
         yield _open_splats(request.path)
         return
@@ -69,6 +79,23 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     # A folder that lists but does not decode is found out here, not in the middle of a session.
     clip.read_image(0)
     yield Opened(clip, notices=clip.notices, options=request.options)
+
+
+def _open_session(path: Path) -> Opened:
+    """Its run where that can be opened, else its clip or file of splats."""
+    session = read_session(path)
+    run = session.run.found(path) if session.run else None
+    wanted, place = session.source, session.source.found(path) if session.source else None
+    if session.run is not None and run is not None and RunFolder(run).is_run:
+        wanted, place = session.run, run
+    if wanted is None or place is None:
+        name = Path(wanted.path).name if wanted else "a source"
+        raise UserError(f"expected {name} where it was or beside the session, found it nowhere: {path}")
+    (opened,) = open_path(OpenRequest(place, session.clip_options))
+    notices = opened.notices
+    if wanted.sha256 is not None and digest(place) != wanted.sha256:
+        notices = (*notices, f"{place.name} has changed since the session was saved")
+    return replace(opened, session=session, path=place, notices=notices)
 
 
 def _open_splats(path: Path) -> Opened:

@@ -20,6 +20,7 @@ from app.gui.tuning import Tuning
 from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel, View, ViewRequest
 from app.methods import Look
+from app.sessions import Session
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from app.views import ViewKind
 from enhance import EnhanceParams
@@ -118,6 +119,8 @@ class AppState:
     """How clips are read, as said at the start."""
 
     opening: OpenRequest | None = None
+    opened_path: Path | None = None
+    """The clip, run or file of splats that was opened last."""
     clip: Clip | None = None
     opened_options: ClipOptions = DEFAULTS
     """How `clip` was read."""
@@ -174,6 +177,16 @@ class AppState:
     """In [0, 1]; used when not linked."""
 
     tuning: Tuning = field(default_factory=Tuning)
+
+    notes: str = ""
+    session_path: Path | None = None
+    """Where the session was opened from or saved to."""
+    recoverable: Path | None = None
+    """A session that ended unexpectedly, until it is restored or declined."""
+    autosaved: Session | None = None
+    """The newest that was saved in passing, or is about to be."""
+    autosaved_at: float = 0.0
+    autosave_trouble: str = ""
 
     now: float = 0.0
     """The window's clock, seconds."""

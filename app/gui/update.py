@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+<<<<<<< HEAD
 from typing import Any
+=======
+from pathlib import Path
+>>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
 
-from app.gui import actions, camera_actions, tuning_actions
+from app.gui import actions, camera_actions, session_actions, tuning_actions
 from app.gui.background import Channel, Failure
 from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.compare_work import CompareWork
@@ -15,6 +19,7 @@ from app.gui.export import Saved, SaveRequest, save_picture
 from app.gui.opening import Opened, OpenRequest, open_path
 from app.gui.photos import Photo, PhotoRequest, read_photo
 from app.gui.picking import Picked, PickRequest, pick
+from app.gui.session_actions import WriteRequest, write
 from app.gui.state import AppState
 from app.gui.tuning import CellMaker, CellRequest, GridCell
 from app.gui.viewing import View, ViewRequest, draw_view
@@ -42,14 +47,24 @@ class Channels:
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
+<<<<<<< HEAD
     compare: CompareWork = field(default_factory=CompareWork)
+=======
+    sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
+>>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
+<<<<<<< HEAD
     def all(self) -> Sequence[Channel[Any, Any]]:
         first: list[Channel[Any, Any]] = [self.opening, self.pictures, self.picks, self.photos]
         return (*first, *self.compare.all, self.view, self.bakes, self.saving, self.cells)
+=======
+    def all(self) -> Sequence[Channel[object, object]]:
+        shown = (self.opening, self.pictures, self.picks, self.photos, self.view, self.bakes)
+        return (*shown, self.saving, self.cells, self.sessions)  # type: ignore[return-value]
+>>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -66,6 +81,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_baked(state, channels)
     _take_saved(state, channels)
     _take_cell(state, channels)
+    _take_written(state, channels)
     _follow_job(state)
     _play(state, elapsed)
     _ask(state, channels)
@@ -81,6 +97,9 @@ def _take_opened(state: AppState, channels: Channels) -> None:
         actions.fail(state, answer.message)
     else:
         actions.show_opened(state, request.path, answer)
+        if answer.session is not None:
+            session_actions.restore(state, answer.session)
+            session_actions.taken_up(state, request.path)
 
 
 def _take_pictures(state: AppState, channels: Channels) -> None:
@@ -161,6 +180,11 @@ def _take_saved(state: AppState, channels: Channels) -> None:
 def _take_cell(state: AppState, channels: Channels) -> None:
     if (taken := channels.cells.take()) is not None:
         tuning_actions.take_cell(state, *taken)
+
+
+def _take_written(state: AppState, channels: Channels) -> None:
+    while (taken := channels.sessions.take()) is not None:
+        session_actions.take_written(state, *taken)
 
 
 def _follow_job(state: AppState) -> None:
@@ -253,7 +277,12 @@ def _ask(state: AppState, channels: Channels) -> None:
     cell = state.tuning.request
     if cell is not None and channels.cells.asked != cell:
         channels.cells.ask(cell)
+<<<<<<< HEAD
     channels.compare.ask(state)
+=======
+    if (session := session_actions.autosave_request(state)) is not None:
+        channels.sessions.ask(session)
+>>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

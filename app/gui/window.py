@@ -13,7 +13,7 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.errors import UserError
-from app.gui import actions, menus, theme
+from app.gui import actions, menus, session_actions, theme
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
 from app.gui.dialogs import Dialogs
@@ -23,6 +23,7 @@ from app.gui.panels import overlays
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
@@ -54,6 +55,7 @@ def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> N
     """
     places = Places.of_user()
     window = Window(AppState(places, load_settings(places.settings_file), clip_options))
+    session_actions.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)
     window.run()
@@ -74,8 +76,10 @@ class Window:
         self._openers = Openers(
             lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
         )
-        commands = Commands(self._openers.folder, self._openers.file, self.save_picture)
-        self._keyboard = Keyboard(shortcuts(commands))
+        self._commands = Commands(
+            self._openers.folder, self._openers.file, self.save_picture, self.save_session
+        )
+        self._keyboard = Keyboard(shortcuts(self._commands))
         self._dropped: list[str] = []
         self._textures: Textures | None = None
         self._viewport: Viewport | None = None
@@ -127,7 +131,7 @@ class Window:
         calls.setup_imgui_config = _configure
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
-        calls.show_menus = lambda: menus.draw_menus(self.state, self._openers, self.save_picture)
+        calls.show_menus = lambda: menus.draw_menus(self.state, self._openers, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
         calls.before_exit = self.close
@@ -166,7 +170,10 @@ class Window:
             TUNING, "MainDockSpace", self._draw_tuning, is_visible_=False, can_be_closed_=False
         )
         tuning.include_in_view_menu = False
-        layout.dockable_windows = [*layout.dockable_windows, log, tuning]
+        notes = hello_imgui.DockableWindow(
+            "Notes", "Below", lambda: draw_notes(self.state), is_visible_=False
+        )
+        layout.dockable_windows = [*layout.dockable_windows, log, notes, tuning]
         return layout
 
     def _begin(self) -> None:
@@ -220,6 +227,7 @@ class Window:
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._keyboard.table)
         overlays.draw_notice(self.state)
+        draw_recovery(self.state)
         self._dialogs.draw()
         self._keyboard.handle(self.state)
         if not imgui.is_any_item_active():
@@ -234,11 +242,17 @@ class Window:
             )
             self._channels.saving.ask(request)
 
+    def save_session(self) -> None:
+        """Ask for a session file of what is open and how it is set, written in the background."""
+        if (request := session_actions.save_request(self.state)) is not None:
+            self._channels.sessions.ask(request)
+
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""
         if self.state.reconstruction.job is not None:
             self.state.reconstruction.job.close()
         self._worker.close()
+        session_actions.end(self.state)
         for item in (self._viewport, self._textures):
             if item is not None:
                 item.release()

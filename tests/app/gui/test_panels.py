@@ -339,7 +339,9 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     saved: list[str] = []
-    keyboard = Keyboard(shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture"))))
+    keyboard = Keyboard(
+        shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture"), lambda: None))
+    )
     draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
     ui.press(draw, imgui.Key.g)
     assert opened.viewer.flying
@@ -372,7 +374,7 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
 
 def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     saved: list[str] = []
-    table = shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture")))
+    table = shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture"), lambda: None))
     keyboard = Keyboard(table)
     draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
     key = imgui.Key
@@ -411,7 +413,7 @@ def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
 
 
 def test_no_two_keys_are_the_same() -> None:
-    chords = [entry.chord for entry in shortcuts(Commands(lambda: None, lambda: None, lambda: None))]
+    chords = [entry.chord for entry in shortcuts(Commands(*[lambda: None] * 4))]
     assert len(set(chords)) == len(chords)
 
 
@@ -436,7 +438,7 @@ def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
     def draw() -> None:
         overlays.draw_banner(state)
         overlays.draw_toast(state)
-        overlays.draw_help(state, shortcuts(Commands(lambda: None, lambda: None, lambda: None)))
+        overlays.draw_help(state, shortcuts(Commands(*[lambda: None] * 4)))
         overlays.draw_log(state, lambda text: None)
 
     for _ in range(3):

@@ -1,0 +1,41 @@
+"""Notes of the session, and the offer to take up one that ended unexpectedly."""
+
+from __future__ import annotations
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+
+from app.gui import session_actions
+from app.gui.state import AppState
+from app.gui.widgets import em, explain
+
+OFFER = "The last session ended unexpectedly"
+
+
+def draw_notes(state: AppState) -> None:
+    """What a person writes down; kept with the session."""
+    space = imgui.get_content_region_avail()
+    changed, text = imgui.input_text_multiline("##notes", state.notes, ImVec2(-1, max(space.y, em(3))))
+    explain("Kept with the session (Ctrl+S) and over a crash. Exports do not carry it.")
+    if changed:
+        state.notes = text
+
+
+def draw_recovery(state: AppState) -> None:
+    """Once at the start, after the notice."""
+    if state.recoverable is None or not state.settings.acknowledged:
+        return
+    imgui.open_popup(OFFER)
+    center = imgui.get_main_viewport().get_center()
+    imgui.set_next_window_pos(center, imgui.Cond_.always, ImVec2(0.5, 0.5))
+    flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move | imgui.WindowFlags_.always_auto_resize
+    with imgui_ctx.begin_popup_modal(OFFER, flags) as opened:
+        if not opened:
+            return
+        imgui.spacing()
+        imgui.text_unformatted("Restore what was open, its settings, views and notes?")
+        imgui.spacing()
+        for label, act in (("Restore", session_actions.recover), ("Start afresh", session_actions.decline)):
+            if imgui.button(label, ImVec2(em(12), em(2))):
+                act(state)
+                imgui.close_current_popup()
+            imgui.same_line()

@@ -1,0 +1,157 @@
+"""A session on disk: what was open, how it was set and looked at, and notes, as one JSON file.
+
+Sources are named relative to the file, with their bytes' digest where it was saved on purpose.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import psutil
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from app.arguments import problem
+from app.atomic import write_bytes
+from app.errors import UserError
+from app.provenance import strict_json, version
+from app.run_folder import RecordedLook
+from enhance import EnhanceParams
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.train.config import TrainConfig
+
+SUFFIX: Final = ".vesselsplat"
+AUTOSAVE: Final = "autosave-"
+MOST_STEPS = 50
+"""Of undo that are kept."""
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class SessionSource:
+    """A clip, a run or a file of splats."""
+
+    path: str
+    """Relative to the folder of the session file, with forward slashes; absolute on another drive."""
+    sha256: str | None = None
+    """None: saved in passing."""
+
+    @classmethod
+    def of(cls, path: Path, folder: Path) -> SessionSource:
+        """As seen from a folder."""
+        try:
+            return cls(Path(os.path.relpath(path, folder)).as_posix())
+        except ValueError:
+            return cls(path.absolute().as_posix())
+
+    def found(self, session: Path) -> Path | None:
+        """Where it lies now: at its place, or moved along with the session file; None: nowhere."""
+        folder = session.absolute().parent
+        places = (Path(os.path.normpath(folder / self.path)), folder / Path(self.path).name)
+        return next((place for place in places if place.exists()), None)
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
+class FreeCamera:
+    """Where the 3D view is seen from, away from the clip's camera."""
+
+    camera: dict[str, Any]
+    down: tuple[float, float, float]
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
+class Varied:
+    """A parameter of the tuning grid."""
+
+    name: str
+    first: float
+    last: float
+    count: int
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
+class Session:
+    """Everything of a session that another start can take up."""
+
+    schema: Literal[1] = 1
+    version: str = ""
+    saved: str = ""
+    """UTC, ISO 8601."""
+    source: SessionSource | None = None
+    """What was opened."""
+    run: SessionSource | None = None
+    """The newest reconstruction; it goes before `source` where it can be opened."""
+    clip_options: ClipOptions = DEFAULTS
+    frame: int = 0
+    frozen: int | None = None
+    params: RecordedLook = EnhanceParams()
+    past: tuple[RecordedLook, ...] = ()
+    """Settled parameters, oldest first."""
+    scope: Literal["image", "clip"] = "image"
+    tissue_only: bool = False
+    enhancing: bool = True
+    zoom: float | None = None
+    center: tuple[float, float] = (0.5, 0.5)
+    linked: bool = True
+    view_time: float = 0.0
+    free: FreeCamera | None = None
+    config: TrainConfig = TrainConfig()
+    input: Literal["original", "enhanced"] = "original"
+    d_factor: float = 0.5
+    run_name: str = ""
+    varied: tuple[Varied, ...] = ()
+    tuning_shown: bool = False
+    sort: str = ""
+    notes: str = ""
+
+
+SESSION = TypeAdapter(Session)
+
+
+def write_session(path: Path, session: Session) -> None:
+    """The file becomes this session or stays as it was. Raises OSError or UserError."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    facts = SESSION.dump_python(session) | {"version": version(), "saved": now}
+    write_bytes(path, strict_json(facts, indent=1).encode())
+
+
+def read_session(path: Path) -> Session:
+    """Raises UserError: no such file, or a damaged one, which is then kept beside as NAME.broken."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise UserError(f"the session cannot be read, {error.strerror}: {path}") from error
+    try:
+        return SESSION.validate_json(content)
+    except ValidationError as error:
+        kept = path.with_name(f"{path.name}.broken")
+        with suppress(OSError):
+            os.replace(path, kept)
+        raise UserError(
+            f"the session is damaged and was kept as {kept.name} ({problem(error)}): {path}"
+        ) from error
+
+
+def autosave_path(folder: Path) -> Path:
+    """Where this process keeps its session."""
+    return folder / f"{AUTOSAVE}{os.getpid()}{SUFFIX}"
+
+
+def recoverable(folder: Path) -> Path | None:
+    """The newest session of a process that ended without clearing it away."""
+    left = [path for path in folder.glob(f"{AUTOSAVE}*{SUFFIX}") if not _is_written_still(path)]
+    return max(left, key=lambda path: path.stat().st_mtime, default=None)
+
+
+def _is_written_still(path: Path) -> bool:
+    """Its process lives, and is not a later one of the same number."""
+    number = path.stem.removeprefix(AUTOSAVE)
+    if not number.isdecimal():
+        return True
+    try:
+        return float(psutil.Process(int(number)).create_time()) <= path.stat().st_mtime
+    except (psutil.Error, OSError, OverflowError):
+        return False

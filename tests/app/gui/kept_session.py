@@ -1,0 +1,44 @@
+"""A window with a session in it that waits to be killed: python -m tests.app.gui.kept_session FOLDER."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from imgui_bundle import imgui
+
+from app.gui import actions
+from app.gui.settings import Places, Settings
+from app.sessions import autosave_path, read_session
+from assets import phantom_path
+from enhance import EnhanceParams
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+def places_in(root: Path) -> Places:
+    return Places(root / "config", root / "runs", root / "pictures")
+
+
+def main(root: Path) -> None:
+    driver = Driver(places_in(root), Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.item_input_value("//Enhancement/##d_factor", 2.5)
+        actions.seek(state, 7)
+        state.notes, state.scope = "left ureter?", "clip"
+        kept = autosave_path(state.places.config)
+        wait(ctx, lambda: kept.exists() and read_session(kept).notes != "", "the session saved in passing")
+        wait(ctx, lambda: read_session(kept).params == EnhanceParams(d_factor=2.5), "all of it")
+        sys.stdout.write("kept\n")
+        sys.stdout.flush()
+        while True:
+            ctx.yield_()
+
+    driver.run(drive)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,280 @@
+"""Sessions: what comes back is what was there, after a save, a crash, and whatever happened to the file."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from imgui_bundle import imgui
+
+from app.errors import UserError
+from app.gui import actions, session_actions
+from app.gui.free_view import FreeView
+from app.gui.opening import OpenRequest, open_path
+from app.gui.panels.session import draw_notes, draw_recovery
+from app.gui.picture_view import PictureView
+from app.gui.session_actions import snapshot
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from app.gui.tuning import Choice
+from app.gui.update import Channels, update
+from app.sessions import Session, autosave_path, read_session, recoverable, write_session
+from assets import phantom_path
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.kept_session import places_in
+from tests.app.gui.test_opening import make_run
+from tests.app.gui.test_panels import Ui
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+def turn(state: AppState, channels: Channels, seconds: float = 2.0) -> None:
+    """One frame, and the worker's share of it."""
+    update(state, channels, state.now + seconds)
+    for channel in channels.all:
+        channel.run_waiting()
+
+
+def opened_state(places: Places, path: Path) -> tuple[AppState, Channels]:
+    state, channels = AppState(places, Settings(acknowledged=True)), Channels()
+    actions.open_path(state, path)
+    for _ in range(4):
+        turn(state, channels)
+    return state, channels
+
+
+@pytest.fixture
+def clip_path(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(phantom_path(), tmp_path / "clips" / "liver"))
+
+
+@pytest.fixture
+def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
+    """A clip is open and much has been set."""
+    state, channels = opened_state(places, clip_path)
+    assert state.clip is not None
+    actions.set_params(state, EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3)))
+    actions.settle_params(state)
+    actions.choose_method(state, VesselParams)
+    actions.seek(state, 5)
+    actions.toggle_freeze(state)
+    actions.seek(state, 9)
+    state.scope, state.tissue_only, state.enhancing = "clip", True, False
+    state.picture_view = PictureView(2.5, (0.25, 0.75))
+    actions.toggle_link(state)
+    state.viewer.free = FreeView.of(state.clip.cameras[0]).looked(0.2, 0.1)
+    state.reconstruction.name, state.reconstruction.input = "second try", "enhanced"
+    state.reconstruction.config = replace(state.reconstruction.config, iterations=500)
+    state.tuning.choices = (Choice("lift", 0.1, 0.9, 3), Choice())
+    state.notes = "Zwölf Uhr: ein Gefäß\nunclear"
+    return state, channels
+
+
+def test_all_of_it_comes_back(worked: tuple[AppState, Channels], places: Places) -> None:
+    state, channels = worked
+    request = session_actions.save_request(state)
+    assert request is not None
+    channels.sessions.ask(request)
+    turn(state, channels)
+    turn(state, channels)
+    assert state.toast is not None
+    assert request.path.name in state.toast.message
+    other, _ = opened_state(places, request.path)
+    assert other.banner is None
+    folder = request.path.parent
+    assert snapshot(other, folder) == snapshot(state, folder)
+    assert (other.session_path, other.params) == (request.path, VesselParams())
+    actions.undo(other)
+    assert other.params == EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3))
+    written = request.path.read_text(encoding="utf-8")
+    assert str(state.opened_path) not in written
+    assert json.loads(written)["source"]["sha256"] is not None
+
+
+def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_path: Path) -> None:
+    state, _ = worked
+    assert state.opened_path is not None
+    folder = tmp_path / "elsewhere"
+    folder.mkdir()
+    state.session_path = folder / "a.vesselsplat"
+    request = session_actions.save_request(state)
+    assert request is not None
+    list(session_actions.write(request))
+    shutil.move(state.opened_path, folder / "liver")
+    (opened,) = open_path(OpenRequest(request.path))
+    assert opened.path == folder / "liver"
+    assert opened.notices == ()
+    image = next((folder / "liver" / "images").iterdir())
+    image.write_bytes(image.read_bytes() + b"\0")
+    (opened,) = open_path(OpenRequest(request.path))
+    assert "has changed" in opened.notices[-1]
+    shutil.rmtree(folder / "liver")
+    with pytest.raises(UserError, match="liver"):
+        list(open_path(OpenRequest(request.path)))
+
+
+def test_a_session_with_a_run_opens_the_run(places: Places, clip_path: Path, model: DynamicGaussians) -> None:
+    run = make_run(places.runs / "first", clip_path, model)
+    state, _ = opened_state(places, run.path)
+    path = places.pictures / "b.vesselsplat"
+    write_session(path, snapshot(state, path.parent))
+    other, _ = opened_state(places, path)
+    assert other.reconstruction.run_path == run.path
+    assert other.model is not None
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"{", b"[]", b'{"params": {"z": 7}}', b'{"schema": 2}', b"\xff\xfe"]
+)
+def test_a_damaged_session_is_a_sentence_and_is_kept(places: Places, content: bytes) -> None:
+    path = places.pictures / "c.vesselsplat"
+    path.parent.mkdir(parents=True)
+    path.write_bytes(content)
+    state, _ = opened_state(places, path)
+    assert state.banner is not None
+    assert "c.vesselsplat.broken" in state.banner.message
+    assert "\n" not in state.banner.message
+    assert not path.exists()
+    assert path.with_name("c.vesselsplat.broken").read_bytes() == content
+    assert state.opening is None
+
+
+def test_saved_in_passing_after_each_change_and_only_then(worked: tuple[AppState, Channels]) -> None:
+    state, channels = worked
+    path = autosave_path(state.places.config)
+    turn(state, channels)
+    assert read_session(path).notes == state.notes
+    path.unlink()
+    turn(state, channels)
+    assert not path.exists()  # Nothing has changed.
+    actions.set_params(state, VesselParams(lift=0.3))
+    turn(state, channels)
+    assert read_session(path).params == VesselParams(lift=0.3)
+    session_actions.end(state)
+    assert not path.exists()
+
+
+def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
+    worked: tuple[AppState, Channels], places: Places
+) -> None:
+    state, channels = worked
+    turn(state, channels)
+    own = autosave_path(places.config)
+    assert recoverable(places.config) is None  # Its process lives.
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    left = own.with_name(f"autosave-{dead.pid}.vesselsplat")
+    own.rename(left)
+    later = AppState(places, Settings(acknowledged=True))
+    session_actions.offer_recovery(later)
+    assert later.recoverable == left
+    session_actions.recover(later)
+    channels = Channels()
+    for _ in range(4):
+        turn(later, channels)
+    assert snapshot(later, places.config) == snapshot(state, places.config)
+    assert (left.exists(), own.exists()) == (False, True)
+    own.rename(left)
+    session_actions.offer_recovery(later)
+    session_actions.decline(later)
+    assert later.recoverable is recoverable(places.config) is None
+    assert read_session(places.config / "declined.vesselsplat").notes == state.notes
+
+
+def test_a_full_disk_is_told_once_and_costs_nothing_saved(
+    worked: tuple[AppState, Channels], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state, channels = worked
+    turn(state, channels)
+    path = autosave_path(state.places.config)
+    before = path.read_bytes()
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("app.atomic.os.fsync", full)
+        state.notes = "more"
+        turn(state, channels)
+        turn(state, channels)
+        assert state.banner is not None
+        assert "No space left on device" in state.banner.message
+        state.banner = None
+        turn(state, channels)
+        turn(state, channels)
+        assert state.banner is None
+        assert path.read_bytes() == before
+    turn(state, channels)
+    turn(state, channels)
+    assert read_session(path).notes == "more"
+
+
+def test_numbers_that_are_none_are_refused(tmp_path: Path) -> None:
+    write_session(tmp_path / "d.vesselsplat", Session(frame=3))
+    text = (tmp_path / "d.vesselsplat").read_text().replace('"frame": 3', '"frame": "x"')
+    (tmp_path / "d.vesselsplat").write_text(text)
+    with pytest.raises(UserError, match="frame"):
+        read_session(tmp_path / "d.vesselsplat")
+
+
+def test_a_frame_beyond_the_clip_is_its_last(places: Places, clip_path: Path) -> None:
+    state, _ = opened_state(places, clip_path)
+    session_actions.restore(state, Session(frame=999, frozen=999, view_time=7.0, free=None))
+    assert state.clip is not None
+    assert state.frame_index == state.frozen_index == len(state.clip) - 1
+    assert state.view_time == 1.0
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+def test_the_panels_draw(ui: Ui, state: AppState, tmp_path: Path) -> None:
+    ui.frame(lambda: draw_notes(state))
+    ui.frame(lambda: draw_recovery(state))
+    state.recoverable = tmp_path / "autosave-1.vesselsplat"
+    ui.frame(lambda: draw_recovery(state))
+    ui.frame(lambda: draw_recovery(state))
+
+
+@pytest.mark.display
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="a system that kills otherwise")
+def test_a_killed_window_is_restored_by_the_next(tmp_path: Path) -> None:
+    killed = subprocess.Popen(
+        [sys.executable, "-m", "tests.app.gui.kept_session", str(tmp_path)], stdout=subprocess.PIPE, text=True
+    )
+    assert killed.stdout is not None
+    try:
+        assert any(line.endswith("kept\n") for line in killed.stdout)
+    finally:
+        killed.kill()
+        killed.wait()
+        killed.stdout.close()
+    places = places_in(tmp_path)
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    session_actions.offer_recovery(state)
+    assert state.recoverable is not None
+    expected = read_session(state.recoverable)
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        ctx.item_click("//The last session ended unexpectedly/Restore")
+        wait(ctx, lambda: is_settled(state), "the session")
+
+    driver.run(drive)
+    assert replace(snapshot(state, places.config), saved=expected.saved, version=expected.version) == expected
+    assert state.params == EnhanceParams(d_factor=2.5)
+    assert list(places.config.glob("autosave-*")) == []  # This window was closed as it should.
