@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
+from dataclasses import field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -63,6 +64,18 @@ class FreeCamera:
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
+class ComparedAs:
+    """What the panes of the pictures show, and how."""
+
+    mode: Literal["side by side", "wipe", "flip", "difference"] = "side by side"
+    left: str = "original"
+    right: str = "enhanced"
+    wipe: float = 0.5
+    flipped: bool = False
+    zebra: bool = False
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
 class Varied:
     """A parameter of the tuning grid."""
 
@@ -93,6 +106,9 @@ class Session:
     scope: Literal["image", "clip"] = "image"
     tissue_only: bool = False
     enhancing: bool = True
+    stored: dict[str, RecordedLook] = field(default_factory=dict)
+    """Settings kept under a letter, to compare with."""
+    comparison: ComparedAs = ComparedAs()
     zoom: float | None = None
     center: tuple[float, float] = (0.5, 0.5)
     linked: bool = True

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
 from app.gui import actions
 from app.gui.background import Failure
+from app.gui.comparison import SOURCES, Comparison
 from app.gui.free_view import FreeView
 from app.gui.picture_view import PictureView
 from app.gui.state import AppState
@@ -19,6 +20,7 @@ from app.provenance import digest
 from app.sessions import (
     MOST_STEPS,
     SUFFIX,
+    ComparedAs,
     FreeCamera,
     Session,
     SessionSource,
@@ -73,6 +75,8 @@ def snapshot(state: AppState, folder: Path) -> Session:
         scope=state.scope,
         tissue_only=state.tissue_only,
         enhancing=state.enhancing,
+        stored=dict(state.stored),
+        comparison=ComparedAs(**vars(state.comparison)),
         zoom=state.picture_view.zoom,
         center=state.picture_view.center,
         linked=state.linked,
@@ -96,6 +100,10 @@ def restore(state: AppState, session: Session) -> None:
     state.frozen_index = min(max(session.frozen, 0), last) if session.frozen is not None else None
     state.params, state.past, state.future = session.params, list(session.past or (session.params,)), []
     state.scope, state.tissue_only, state.enhancing = session.scope, session.tissue_only, session.enhancing
+    state.stored = dict(session.stored)
+    compared = session.comparison
+    if {compared.left, compared.right} <= set(SOURCES):
+        state.comparison = Comparison(**asdict(compared)).wiped(compared.wipe)
     state.picture_view = PictureView(session.zoom, session.center)
     state.linked, state.view_time = session.linked, min(max(session.view_time, 0.0), 1.0)
     if session.free is not None:

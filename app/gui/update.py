@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-<<<<<<< HEAD
-from typing import Any
-=======
 from pathlib import Path
->>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
+from typing import Any
 
 from app.gui import actions, camera_actions, session_actions, tuning_actions
 from app.gui.background import Channel, Failure
@@ -47,24 +44,15 @@ class Channels:
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
-<<<<<<< HEAD
     compare: CompareWork = field(default_factory=CompareWork)
-=======
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
->>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
-<<<<<<< HEAD
     def all(self) -> Sequence[Channel[Any, Any]]:
         first: list[Channel[Any, Any]] = [self.opening, self.pictures, self.picks, self.photos]
-        return (*first, *self.compare.all, self.view, self.bakes, self.saving, self.cells)
-=======
-    def all(self) -> Sequence[Channel[object, object]]:
-        shown = (self.opening, self.pictures, self.picks, self.photos, self.view, self.bakes)
-        return (*shown, self.saving, self.cells, self.sessions)  # type: ignore[return-value]
->>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
+        return (*first, *self.compare.all, self.view, self.bakes, self.saving, self.cells, self.sessions)
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -277,12 +265,9 @@ def _ask(state: AppState, channels: Channels) -> None:
     cell = state.tuning.request
     if cell is not None and channels.cells.asked != cell:
         channels.cells.ask(cell)
-<<<<<<< HEAD
-    channels.compare.ask(state)
-=======
     if (session := session_actions.autosave_request(state)) is not None:
         channels.sessions.ask(session)
->>>>>>> 3388d37 (app: sessions saved, opened, kept in passing and restored after a crash)
+    channels.compare.ask(state)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

@@ -17,6 +17,7 @@ from app.gui import actions, menus
 from app.gui.dialogs import Dialogs
 from app.gui.enhancing import PictureMaker, PictureRequest
 from app.gui.export import Panel, sheet
+from app.gui.keys import Commands
 from app.gui.legible import legible
 from app.gui.opening import OpenRequest
 from app.gui.panels import overlays
@@ -48,7 +49,7 @@ def test_what_utf_8_can_say_stays() -> None:
 def test_the_welcome_and_the_menu_show_such_names(ui: Ui, state: AppState) -> None:
     state.clip, state.settings = None, Settings(recent=(f"/clips/{NAME}",))
     ui.frame(lambda: draw_welcome(state, NOTHING))
-    ui.frame(lambda: menus._draw_file(state, NOTHING, lambda: None))
+    ui.frame(lambda: menus._draw_file(state, NOTHING, Commands(*[lambda: None] * 4)))
     state.opening = OpenRequest(Path(NAME))
     ui.frame(lambda: draw_welcome(state, NOTHING))
 

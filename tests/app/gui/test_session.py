@@ -17,7 +17,8 @@ import pytest
 from imgui_bundle import imgui
 
 from app.errors import UserError
-from app.gui import actions, session_actions
+from app.gui import actions, comparing, session_actions
+from app.gui.comparison import Comparison
 from app.gui.free_view import FreeView
 from app.gui.opening import OpenRequest, open_path
 from app.gui.panels.session import draw_notes, draw_recovery
@@ -76,6 +77,8 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
     state.reconstruction.name, state.reconstruction.input = "second try", "enhanced"
     state.reconstruction.config = replace(state.reconstruction.config, iterations=500)
     state.tuning.choices = (Choice("lift", 0.1, 0.9, 3), Choice())
+    comparing.store(state, "A")
+    state.comparison = Comparison("wipe", "A", "clahe", 0.3, zebra=True)
     state.notes = "Zwölf Uhr: ein Gefäß\nunclear"
     return state, channels
 

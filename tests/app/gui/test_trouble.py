@@ -1,0 +1,152 @@
+"""What goes wrong outside the app: it stays up, says what happened, and loses nothing that was saved."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from app.gui import actions, session_actions
+from app.gui.export import SaveRequest
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from app.gui.update import Channels, update
+from app.job import TrainingJob
+from app.provenance import read_provenance
+from app.run_folder import RunFolder
+from app.sessions import autosave_path, read_session
+from assets import phantom_path
+from enhance import EnhanceParams
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.train.config import TrainConfig
+
+SECONDS = 120.0
+
+
+class App:
+    """The window without its drawing: state, background work done in between."""
+
+    def __init__(self, places: Places, path: Path) -> None:
+        self.state, self.channels = AppState(places, Settings(acknowledged=True)), Channels()
+        actions.open_path(self.state, path)
+        self.turn(6)
+
+    def turn(self, frames: int = 3) -> None:
+        for _ in range(frames):
+            update(self.state, self.channels, self.state.now + 0.6)
+            for channel in self.channels.all:
+                channel.run_waiting()
+
+    def wait(self, until: Callable[[], bool]) -> None:
+        end = time.monotonic() + SECONDS
+        while not until():
+            assert time.monotonic() < end
+            self.turn(1)
+            time.sleep(0.02)
+
+    @property
+    def works(self) -> bool:
+        """Another picture comes when a slider moves."""
+        actions.set_params(self.state, EnhanceParams(d_factor=0.11))
+        self.turn()
+        return self.state.pictures is not None and self.state.pictures.request == self.state.picture_request
+
+    def save(self) -> None:
+        request = SaveRequest(self.state.places.pictures, self.state.pictures, None)
+        self.channels.saving.ask(request)
+        self.turn()
+
+    def trouble(self) -> str:
+        """The sentence that is shown; dismissed with that."""
+        assert self.state.banner is not None
+        message, self.state.banner = self.state.banner.message, None
+        assert "\n" not in message
+        return message
+
+
+@pytest.fixture
+def clip_path(tmp_path: Path) -> Path:
+    path = tmp_path / "clip"
+    write_phantom(path, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
+    return path
+
+
+def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = App(places, clip_path)
+    app.save()
+    (before,) = places.pictures.glob("*.png")
+    content = before.read_bytes()
+    kept = autosave_path(places.config).read_bytes()
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("app.atomic.os.fsync", full)
+        app.save()
+        assert app.trouble() == "the picture was not saved: No space left on device"
+        request = session_actions.save_request(app.state)
+        assert request is not None
+        app.channels.sessions.ask(request)
+        app.state.notes = "full"
+        app.turn()
+        assert "No space left on device" in app.trouble()
+        actions.remember_recent(app.state, False)
+        assert "No space left" in app.state.log[-1]
+        assert app.works
+    assert list(places.pictures.iterdir()) == [before]
+    assert (before.read_bytes(), autosave_path(places.config).read_bytes()) == (content, kept)
+    app.save()
+    assert len(list(places.pictures.glob("*.png"))) == 2
+
+
+def test_a_clip_deleted_under_the_app(places: Places, clip_path: Path) -> None:
+    app = App(places, clip_path)
+    app.save()
+    shutil.rmtree(clip_path)
+    actions.seek(app.state, 7)
+    app.turn()
+    assert "frame" in app.trouble()
+    app.state.notes = "gone at frame 8"
+    app.turn()
+    assert read_session(autosave_path(places.config)).notes == "gone at frame 8"
+    app.save()
+    app.turn()
+    (saved,) = places.pictures.glob("*.png")
+    assert read_provenance(saved)["frame"]["index"] == 0
+    actions.open_path(app.state, phantom_path())
+    app.turn(6)
+    assert app.works
+
+
+@pytest.mark.slow
+def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path) -> None:
+    app = App(places, clip_path)
+    app.state.reconstruction.config = TrainConfig(iterations=100_000, n_gaussians=300, checkpoint_every=10)
+    made: list[TrainingJob] = []
+
+    def make_job(request: object) -> TrainingJob:
+        made.append(TrainingJob(request))  # type: ignore[arg-type]
+        return made[-1]
+
+    actions.start_reconstruction(app.state, make_job)
+    path = app.state.reconstruction.run_path
+    assert path is not None
+    run = RunFolder(path)
+    app.wait(lambda: run.has_checkpoint)
+    assert made[0].process_id is not None
+    os.kill(made[0].process_id, 9)
+    app.wait(lambda: not app.state.reconstruction.is_alive)
+    assert app.state.reconstruction.status == "failed"
+    assert "the reconstruction stopped" in app.trouble()
+    assert actions.can_continue(app.state)
+    assert run.has_checkpoint
+    assert app.works
+    opened = App(places, run.path)
+    assert opened.state.reconstruction.run_path == run.path
+    assert actions.can_continue(opened.state)
