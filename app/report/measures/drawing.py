@@ -1,63 +1,92 @@
-"""Error against run time of drawing: the CPU rasteriser's knobs against the float64 reference."""
+"""Error against run time of drawing: the CPU rasteriser, OpenGL, and keyframes over time."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
+import renderer.draw.accuracy
+import renderer.rasterize.accuracy
 from app.report.bench import Bench, Clock
 from app.report.measures.training import schedule
-from app.report.section import Column, Plate, Section, Table
+from app.report.section import Cell, Column, Plate, Section, Table
 from app.report.work_precision import Diagram, Point
-from renderer.near_plane import near_plane
-from renderer.rasterize.accuracy import Row, accuracy
+from renderer.camera import Camera
+from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import middle_distance, near_plane
+from renderer.rasterize.accuracy import exact
 
+Row = renderer.rasterize.accuracy.Row | renderer.draw.accuracy.Row
 COLUMNS: Final = (
     *(Column(name="what is changed"), Column(name="setting")),
     Column(name="mean error, grey levels", best="low"),
     *(Column(name="99.9th percentile"), Column(name="largest")),
-    *(Column(name="entries"), Column(name="ms", form=".2f", best="low"), Column(name="± ms", form=".2f")),
+    *(Column(name="ms", form=".2f", best="low"), Column(name="± ms", form=".2f")),
 )
+ENTRIES: Final = Column(name="entries")
+KEPT: Final = (Column(name="MB", form=".2f"), Column(name="baking, s", form=".2f"))
 WIDEST: Final = 400
 """Pixels of the view: in the reference every pixel looks at every Gaussian."""
+DEFAULTS: Final = ("as it is", renderer.draw.accuracy.EXPORT, "every frame, 0.02 px")
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
     """On the trained model, from the camera of a held-out frame."""
     index = bench.clip.test_indices[0] if bench.clip.test_indices else 0
-    trained = bench.runs.trained(schedule(bench.clip))
-    model, camera = trained.finished.model, bench.clip.cameras[index]
+    model, camera = bench.runs.trained(schedule(bench.clip)).finished.model, bench.clip.cameras[index]
     divisor = -(-camera.width // WIDEST)
     camera = camera.resized(camera.width // divisor, camera.height // divisor)
-    size = f"{camera.width}x{camera.height}"
+    size, time = f"{camera.width}x{camera.height}", bench.clip.times[index]
     bench.say(f"drawing of {len(model)} Gaussians at {size} against float64")
-    splats, near = model.at(bench.clip.times[index]), near_plane(model, camera)
-    rows = list(accuracy(splats, camera, near))
-    points = tuple(_point(row) for row in rows)
+    near = near_plane(model, camera)
+    rows = list(renderer.rasterize.accuracy.accuracy(model.at(time), camera, near))
+    groups: list[tuple[str, Sequence[Row], tuple[Column, ...]]] = [
+        ("CPU rasteriser", rows, (*COLUMNS, ENTRIES)),
+    ]
+    missing: list[str] = []
+    try:
+        groups += _opengl(bench, model, camera, time)
+    except OpenGLUnavailable as error:
+        missing.append(f"drawing with OpenGL: {error}")
     return Section(
         title="Drawing: error against run time",
         sentences=(
             f"{len(model)} Gaussians of the trained model at {size}, against the float64 reference in which "
-            "every pixel looks at every Gaussian. An entry is a pair of a tile and a Gaussian.",
+            "every pixel looks at every Gaussian; keyframes against pictures of the model computed for each "
+            "moment. An entry is a pair of a tile and a Gaussian.",
         ),
-        plates=(
+        plates=tuple(
             Plate(
-                title="CPU rasteriser",
-                diagrams=(Diagram(measure="mean error, grey levels", points=points),),
-            ),
+                title=name,
+                diagrams=(Diagram(measure="mean error, grey levels", points=tuple(map(_point, those))),),
+            )
+            for name, those, _ in groups
         ),
-        tables=(
-            Table(
-                title="CPU rasteriser",
-                columns=COLUMNS,
-                rows=tuple(
-                    (row.group, row.setting, row.mean, row.p999, row.most, row.entries, row.milliseconds,
-                     row.spread)
-                    for row in rows
-                ),
-                note="\"whole\" is the product; the others show what its bounds are worth.",
-            ),
+        tables=tuple(
+            Table(title=name, columns=columns, rows=tuple(map(_cells, those)))
+            for name, those, columns in groups
         ),
-    )  # fmt: skip
+        not_measured=tuple(missing),
+    )
+
+
+def _opengl(
+    bench: Bench, model: DynamicGaussians, camera: Camera, time: float
+) -> list[tuple[str, Sequence[Row], tuple[Column, ...]]]:
+    context, near = standalone_context(), near_plane(model, camera)
+    bench.say(f"drawing with {renderer_name(context)}")
+    splats = model.at(time)
+    truth = exact(splats.seen_from(camera.position), camera, near)
+    drawn = list(renderer.draw.accuracy.opengl(context, splats, camera, near, truth))
+    pixel = middle_distance(model, camera) / camera.fx
+    kept = list(renderer.draw.accuracy.keyframes(context, model, camera, bench.clip.times, near, pixel))
+    made: list[tuple[str, Sequence[Row], tuple[Column, ...]]] = [
+        (f"OpenGL, {renderer_name(context)}", drawn, COLUMNS),
+        ("Keyframes over time", kept, (*COLUMNS, *KEPT)),
+    ]
+    context.release()
+    return made
 
 
 def _point(row: Row) -> Point:
@@ -67,5 +96,12 @@ def _point(row: Row) -> Point:
         seconds=row.milliseconds / 1000,
         error=row.mean,
         spread=row.spread / 1000,
-        is_default=row.group == "whole",
+        is_default=row.setting in DEFAULTS,
     )
+
+
+def _cells(row: Row) -> tuple[Cell, ...]:
+    common = (row.group, row.setting, row.mean, row.p999, row.most, row.milliseconds, row.spread)
+    if isinstance(row, renderer.rasterize.accuracy.Row):
+        return (*common, row.entries)
+    return common if row.group == "OpenGL" else (*common, row.megabytes, row.baking)

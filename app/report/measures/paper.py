@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -133,10 +134,16 @@ def _reading_of_renders(ours: Sequence[Mapping[str, Cell]]) -> Iterator[str]:
             if first.method == name
         ]
         printed = f"; the paper prints {min(paper):.2f} to {max(paper):.2f} times" if paper else ""
+        seen = (
+            ""
+            if math.isnan(contrast)
+            else f" Vessel contrast is {contrast:.2f} times: it {_moves(contrast)}."
+        )
+        noise = after["noise"]
+        louder = f" Noise of the enhanced photos is {noise:.2f} times." if isinstance(noise, float) else ""
         yield (
             f"{name}: from enhanced photos DV/BV of the renders is {gain:.2f} times that from original "
-            f"ones{printed}: the rise {_holds(gain)}. Vessel contrast is {contrast:.2f} times: it "
-            f"{_moves(contrast)}."
+            f"ones{printed}: the rise {_holds(gain)}.{seen}{louder}"
         )
 
 

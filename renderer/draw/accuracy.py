@@ -1,0 +1,168 @@
+"""Error against run time of drawing with OpenGL: targets, depth keys, size; and of keyframes over time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import Final
+
+import cv2
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+from renderer.draw.keyframes import Tolerance, baked
+from renderer.draw.offscreen import read_image
+from renderer.draw.sorting import DepthKeys
+from renderer.draw.splat_view import Precision, SplatView
+from renderer.gaussians import DynamicGaussians
+from renderer.splats import Splats
+
+EXPORT: Final = "float target, float32 keys"
+SETTINGS: Final[dict[str, tuple[Precision, DepthKeys, int]]] = {
+    EXPORT: ("float", "float32", 1),
+    "half target, float32 keys": ("half", "float32", 1),
+    "float target, uint16 keys": ("float", "uint16", 1),
+    "half target, uint16 keys": ("half", "uint16", 1),
+    "float target, 1/2 along each side": ("float", "float32", 2),
+    "float target, 1/4 along each side": ("float", "float32", 4),
+}
+EVERY: Final = (1, 2, 4, 8)
+"""Frames from one keyframe to the next."""
+PIXELS: Final = (0.02, 0.2, 1.0)
+"""Tolerances of means."""
+MOMENTS: Final = 6
+"""At which pictures from keyframes are compared: between frames as well as on them."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One setting, drawn."""
+
+    group: str
+    setting: str
+    mean: float
+    """Of the absolute error of the picture over black, in grey levels of 255."""
+    p999: float
+    most: float
+    milliseconds: float
+    """Median of a picture whose time or camera is new, finished by the driver."""
+    spread: float
+    """Half of the distance between the quartiles."""
+    megabytes: float | None = None
+    """Of the keyframes' offsets."""
+    baking: float | None = None
+    """Seconds."""
+
+
+def opengl(
+    ctx: moderngl.Context,
+    splats: Splats,
+    camera: Camera,
+    near: float,
+    truth: NDArray[np.float64],
+    repeats: int = 9,
+) -> Iterator[Row]:
+    """Rows for one view; `truth` (H, W, 3) is the float64 picture over black. Pictures take turns, and every
+    one is uploaded and sorted."""
+    works, pictures = [], []
+    for precision, keys, divisor in SETTINGS.values():
+        size = camera.width // divisor, camera.height // divisor
+        view = SplatView(ctx, precision=precision, keys=keys, near=near)
+        target = ctx.simple_framebuffer(size, 4, dtype="f4")
+        work = partial(_drawn, view, target, camera.resized(*size), partial(view.upload, splats))
+        works.append(work)
+        pictures.append(np.asarray(cv2.resize(work(), (camera.width, camera.height))))
+    times = _times(works, repeats)
+    for name, picture, time in zip(SETTINGS, pictures, times, strict=True):
+        yield _row("OpenGL", name, [255 * np.abs(picture - truth)], time)
+
+
+def keyframes(
+    ctx: moderngl.Context,
+    model: DynamicGaussians,
+    camera: Camera,
+    times: Sequence[float],
+    near: float,
+    pixel: float,
+    repeats: int = 5,
+) -> Iterator[Row]:
+    """Rows for a model over the clip's `times`; `pixel` is the size of one at its distance, in scene units.
+
+    "every moment": what the model is at a time is computed, uploaded and drawn. The others are compared with
+    these pictures, at frames and between them.
+    """
+    target = ctx.simple_framebuffer((camera.width, camera.height), 4, dtype="f4")
+    moments = np.linspace(times[0], times[-1], MOMENTS).tolist()
+    exact = SplatView(ctx, precision="float", near=near)
+    show = {
+        time: partial(_drawn, exact, target, camera, partial(_upload, exact, model, time)) for time in moments
+    }
+    truth = {time: work() for time, work in show.items()}
+    nothing = [np.zeros_like(truth[moments[0]])]
+    yield _row("every moment", "computed and uploaded", nothing, _over(list(show.values()), repeats))
+    for every, pixels in [*((every, PIXELS[0]) for every in EVERY), *((1, one) for one in PIXELS[1:])]:
+        began = perf_counter()
+        kept = baked(model, [*times[:-1:every], times[-1]], Tolerance(pixels * pixel))
+        seconds = perf_counter() - began
+        view = SplatView(ctx, precision="float", near=near)
+        view.upload_keyframes(kept)
+        works = [partial(_drawn, view, target, camera, partial(view.seek, time)) for time in moments]
+        errors = [255 * np.abs(work() - truth[time]) for work, time in zip(works, moments, strict=True)]
+        name = f"{'every frame' if every == 1 else f'one frame in {every}'}, {pixels:g} px"
+        yield _row("keyframes", name, errors, _over(works, repeats), kept.n_bytes / 1e6, seconds)
+        view.release()
+    exact.release()
+
+
+def _upload(view: SplatView, model: DynamicGaussians, time: float) -> None:
+    view.upload(model.at(time))
+
+
+def _drawn(
+    view: SplatView, target: moderngl.Framebuffer, camera: Camera, prepare: Callable[[], None]
+) -> NDArray[np.float64]:
+    prepare()
+    view.draw(camera, target)
+    return read_image(target).astype(np.float64)
+
+
+def _times(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
+    """(works, repeats) milliseconds, in turns."""
+    taken = np.empty((repeats + 1, len(works)))
+    for row in taken:
+        for place, work in enumerate(works):
+            start = perf_counter()
+            work()
+            row[place] = 1000 * (perf_counter() - start)
+    return np.asarray(taken[1:].T)
+
+
+def _over(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
+    """Of all works alike."""
+    return _times(works, repeats).ravel()
+
+
+def _row(
+    group: str,
+    setting: str,
+    errors: Sequence[NDArray[np.float64]],
+    milliseconds: NDArray[np.float64],
+    megabytes: float | None = None,
+    baking: float | None = None,
+) -> Row:
+    low, middle, high = np.percentile(milliseconds, (25, 50, 75))
+    return Row(
+        group=group,
+        setting=setting,
+        mean=float(np.mean(errors)),
+        p999=float(np.quantile(np.stack(errors), 0.999)),
+        most=float(np.max(errors)),
+        milliseconds=float(middle),
+        spread=float(high - low) / 2,
+        megabytes=megabytes,
+        baking=baking,
+    )
