@@ -12,6 +12,7 @@ import numpy as np
 
 from app.methods import Look, LookEnhancer
 from enhance import EnhanceParams, Statistics, measure
+from enhance.result import Omission
 from enhance.surround import inside
 from renderer.clip import BoolImage, ByteImage, Clip
 
@@ -51,6 +52,8 @@ class Pictures:
     statistics: Statistics | None = None
     milliseconds: float = 0.0
     """Of the enhancement alone."""
+    omitted: tuple[Omission, ...] = ()
+    """What this frame does without."""
 
 
 class PictureMaker:
@@ -73,7 +76,7 @@ class PictureMaker:
         result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
-        yield Pictures(request, photo, enhanced, result.statistics, milliseconds)
+        yield Pictures(request, photo, enhanced, result.statistics, milliseconds, result.omitted)
 
     def _show(self, request: PictureRequest) -> ByteImage:
         """The photo, read once for as long as only parameters move."""

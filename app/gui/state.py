@@ -11,6 +11,7 @@ from typing import Literal, Protocol
 from app.gui.baking import Baked
 from app.gui.comparison import Comparison, Side
 from app.gui.enhancing import PictureRequest, Pictures, Scope
+from app.gui.measuring import Measured
 from app.gui.opening import OpenRequest
 from app.gui.others import Difference, Other
 from app.gui.photos import Photo, PhotoRequest
@@ -150,6 +151,11 @@ class AppState:
     comparison: Comparison = field(default_factory=Comparison)
     stored: dict[str, Look] = field(default_factory=dict)
     """Settings kept as "A" and "B", to compare with."""
+    presets: dict[str, Look] = field(default_factory=dict)
+    """A person's own, by name."""
+    preset_draft: str = ""
+    """Name that is being typed for one."""
+    measured: Measured | None = None
     others: dict[Side, Other] = field(default_factory=dict)
     """The newest pictures of each side that are neither photo nor present setting."""
     difference: Difference | None = None

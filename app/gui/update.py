@@ -13,6 +13,7 @@ from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.compare_work import CompareWork
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
+from app.gui.measure_work import MeasureWork
 from app.gui.opening import Opened, OpenRequest, open_path
 from app.gui.photos import Photo, PhotoRequest, read_photo
 from app.gui.picking import Picked, PickRequest, pick
@@ -46,8 +47,14 @@ class Channels:
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
     compare: CompareWork = field(default_factory=CompareWork)
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
+    measure: MeasureWork = field(default_factory=MeasureWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
+
+    @property
+    def beside(self) -> Sequence[Channel[Any, Any]]:
+        """What a second worker does: work without numba, which no picture waits for."""
+        return self.measure.all
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
@@ -65,6 +72,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_pick(state, channels)
     _take_photo(state, channels)
     channels.compare.take(state)
+    channels.measure.take(state)
     _take_view(state, channels)
     _take_baked(state, channels)
     _take_saved(state, channels)
@@ -268,6 +276,7 @@ def _ask(state: AppState, channels: Channels) -> None:
     if (session := session_actions.autosave_request(state)) is not None:
         channels.sessions.ask(session)
     channels.compare.ask(state)
+    channels.measure.ask(state)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

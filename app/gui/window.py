@@ -13,7 +13,7 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.errors import UserError
-from app.gui import actions, menus, session_actions, theme
+from app.gui import actions, menus, preset_actions, session_actions, theme
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
 from app.gui.dialogs import Dialogs
@@ -69,9 +69,11 @@ class Window:
 
     def __init__(self, state: AppState, make_job: MakeJob = TrainingJob) -> None:
         self.state = state
+        preset_actions.load(state)
         self._make_job = make_job
         self._channels = Channels()
         self._worker = Worker(self._channels.all, self._refresh)
+        self._beside = Worker(self._channels.beside, self._refresh)
         self._dialogs = Dialogs(self._open, Path.home())
         self._openers = Openers(
             lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
@@ -94,7 +96,7 @@ class Window:
                 raise
             raise UserError(f"expected a display with OpenGL 3.3 for the window, got: {error}") from error
         finally:
-            self._worker.close()
+            self._end_work()
 
     def runner_params(self) -> hello_imgui.RunnerParams:
         """Everything the runner needs; the test engine takes the same."""
@@ -251,11 +253,15 @@ class Window:
         """While OpenGL is still there: end the background work and give everything back."""
         if self.state.reconstruction.job is not None:
             self.state.reconstruction.job.close()
-        self._worker.close()
+        self._end_work()
         session_actions.end(self.state)
         for item in (self._viewport, self._textures):
             if item is not None:
                 item.release()
+
+    def _end_work(self) -> None:
+        for worker in (self._worker, self._beside):
+            worker.close()
 
     def _open(self, path: Path) -> None:
         actions.open_path(self.state, path)

@@ -1,19 +1,26 @@
-"""The parameters of the 2D enhancement, and what they came to on the picture that is shown."""
+"""The parameters of the 2D enhancement; below the main ones, in tabs, the rest and what they came to."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import get_args
 
-from imgui_bundle import imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui import actions, theme
+from app.gui import actions, preset_actions, scales, theme
 from app.gui.enhancing import Scope
+from app.gui.legible import legible
+from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
+from app.gui.panels.enhancement_scales import draw_scales
+from app.gui.presets import BUILT_IN, LONGEST_NAME, preset_name
 from app.gui.state import AppState
-from app.gui.widgets import button, declared, em, explain, row, slide, slide_auto, slider, wants_default
+from app.gui.widgets import button, em, explain, row, slide, slide_auto
 from app.methods import PAPER, VESSEL, Look
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
+
+__all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: tuple[type[Look], ...] = (EnhanceParams, VesselParams)
 METHOD_LABELS = [PAPER, VESSEL]
@@ -27,29 +34,49 @@ VESSEL_SLIDERS = {
     "d_factor": "Colour d",
     "most_color": "Most colour",
 }
-SUBSAMPLES = (1, 2, 4, 8)
+MAIN_VESSEL = ("strength", "radius", "lift", "d_factor")
 SCOPES: tuple[Scope, ...] = get_args(Scope)
 SCOPE_LABELS = ["of each frame", "of the whole clip"]
-UNUSED = "unused"
-SIGMA_TEXT = (
-    "Eq 9: standard deviation of each window's base layer, in grey levels. "
-    "Not measured of a frame while P is set by hand."
-)
 PIXEL_LABELS = ["all", "tissue only"]
 
 
 def draw_enhancement(state: AppState) -> None:
-    """The method, its sliders in the order of its stages, then what was measured."""
+    """Method, preset and the main sliders always; windows, curves and measures by tab."""
     _draw_method(state)
+    _draw_presets(state)
     used = state.pictures.statistics if state.pictures else None
-    params = _draw_params(state.params, used)
-    if params != state.params:
-        actions.set_params(state, params)
-    _draw_scope(state)
-    imgui.spacing()
+    _change(state, _draw_main(state.params, used))
     _draw_edits(state)
     imgui.spacing()
-    _draw_measured(state, used)
+    with imgui_ctx.begin_tab_bar("details") as bar:
+        if not bar:
+            return
+        _draw_tabs(state, used)
+
+
+def _draw_tabs(state: AppState, used: Statistics | None) -> None:
+    first = "Windows" if isinstance(state.params, EnhanceParams) else "More"
+    _draw_tab(f"{first}###windows", partial(_draw_settings, state, used))
+    _draw_tab("Curves", partial(draw_curves, state))
+    _draw_tab("Measures", partial(draw_measures, state))
+
+
+def _draw_tab(label: str, draw: Callable[[], None]) -> None:
+    """Scrolled by itself, so that what is above stays in sight."""
+    with imgui_ctx.begin_tab_item(label) as tab:
+        if tab:
+            with imgui_ctx.begin_child("content"):
+                draw()
+
+
+def _draw_settings(state: AppState, used: Statistics | None) -> None:
+    _change(state, _draw_rest(state.params, used))
+    _draw_scope(state)
+
+
+def _change(state: AppState, params: Look) -> None:
+    if params != state.params:
+        actions.set_params(state, params)
 
 
 def _draw_method(state: AppState) -> None:
@@ -60,62 +87,91 @@ def _draw_method(state: AppState) -> None:
         actions.choose_method(state, METHODS[chosen])
 
 
-def _draw_params(params: Look, used: Statistics | None) -> Look:
-    return _draw_paper(params, used) if isinstance(params, EnhanceParams) else _draw_vessel(params)
+def _draw_presets(state: AppState) -> None:
+    row("Preset", "Settings by name. Keep: the present ones under a name of your own.")
+    imgui.set_next_item_width(-em(4.0))
+    shown = preset_name(state.params, state.presets) or "own setting"
+    if imgui.begin_combo("##preset", legible(shown)):
+        for name in BUILT_IN:
+            if imgui.selectable(name, name == shown)[0]:
+                preset_actions.choose(state, name)
+        _draw_own(state, shown)
+        imgui.end_combo()
+    imgui.same_line()
+    if imgui.button("Keep…", ImVec2(-1, 0)):
+        imgui.open_popup("keep preset")
+    explain("Under a name of your own, for later sessions.")
+    _draw_keep(state)
 
 
-def _draw_paper(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
-    params = _draw_strengths(params, used)
-    imgui.spacing()
-    return _draw_windows(params)
+def _draw_own(state: AppState, shown: str) -> None:
+    if state.presets:
+        imgui.separator()
+    for name in sorted(state.presets):
+        with imgui_ctx.push_id(name):
+            if imgui.small_button("×"):
+                preset_actions.forget(state, name)
+            explain(f"Delete {legible(name)}.")
+            imgui.same_line()
+            if imgui.selectable(legible(name), name == shown)[0]:
+                preset_actions.choose(state, name)
 
 
-def _draw_vessel(params: VesselParams) -> VesselParams:
-    for name, label in VESSEL_SLIDERS.items():
-        params = slide(params, name, label, "%d px" if name == "radius" else "%.2f")
-    return params
+def _draw_keep(state: AppState) -> None:
+    if not imgui.begin_popup("keep preset"):
+        return
+    if imgui.is_window_appearing():
+        state.preset_draft = ""
+        imgui.set_keyboard_focus_here()
+    imgui.set_next_item_width(em(14))
+    flags = imgui.InputTextFlags_.enter_returns_true
+    entered, state.preset_draft = imgui.input_text_with_hint("##name", "name", state.preset_draft, flags)
+    state.preset_draft = state.preset_draft[:LONGEST_NAME]
+    imgui.same_line()
+    named = bool(state.preset_draft.strip())
+    imgui.begin_disabled(not named)
+    entered |= imgui.button("Keep")
+    imgui.end_disabled()
+    if entered and named:
+        preset_actions.keep(state, state.preset_draft)
+        imgui.close_current_popup()
+    imgui.end_popup()
 
 
-def _draw_strengths(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
-    p = sum(used.p) / len(used.p) if used and used.p else None
+def _draw_main(params: Look, used: Statistics | None) -> Look:
+    if isinstance(params, VesselParams):
+        return _draw_vessel(params, MAIN_VESSEL)
     params = slide_auto(params, "z", "Brightness z", used.z if used else None, 0.5)
-    params = slide_auto(params, "p", "Detail P", p, 0.5)
+    params = _draw_detail(params, used)
     return slide(params, "d_factor", "Colour d")
 
 
-def _draw_windows(params: EnhanceParams) -> EnhanceParams:
-    about = declared(EnhanceParams, "radii")
-    row("Windows", about.text)
-    radii, gap = list(params.radii), em(0.25)
-    width = (imgui.get_content_region_avail().x - gap * (len(radii) - 1)) / len(radii)
-    flags = imgui.SliderFlags_.always_clamp | imgui.SliderFlags_.logarithmic
-    for index, radius in enumerate(params.radii):
-        if index:
-            imgui.same_line(0, gap)
-        imgui.set_next_item_width(width)
-        changed, new = slider(f"##radius{index}", radius, about, "%d px", flags)
-        explain(about.text)
-        radii[index] = new if changed else radius
-        if wants_default(f"radius{index}"):
-            radii[index] = about.default[index]
-    params = replace(params, radii=tuple(radii))
-    params = slide(params, "eps", "Smoothing", "%.4f", log=True)
-    return _draw_subsample(params)
-
-
-def _draw_subsample(params: EnhanceParams) -> EnhanceParams:
-    about = declared(EnhanceParams, "subsample")
-    row("Subsample", about.text)
-    imgui.set_next_item_width(em(4.2))
-    labels = [f"{factor}×" if factor > 1 else "off" for factor in SUBSAMPLES]
-    index = SUBSAMPLES.index(params.subsample) if params.subsample in SUBSAMPLES else 1
-    changed, index = imgui.combo("##subsample", index, labels)
-    explain(about.text)
-    params = replace(params, subsample=SUBSAMPLES[index]) if changed else params
+def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
+    if not isinstance(params.p, tuple):
+        p = sum(used.p) / len(used.p) if used and used.p else None
+        return slide_auto(params, "p", "Detail P", p, 0.5)
+    text = "Each window has its own, below under Windows."
+    row("Detail P", text)
+    imgui.align_text_to_frame_padding()
+    imgui.text_colored(theme.MUTED, "   ".join(f"{p:.2f}" for p in params.p))
+    explain(text)
     imgui.same_line()
-    changed, keep = imgui.checkbox("keep black", params.keep_black)
-    explain(declared(EnhanceParams, "keep_black").text)
-    return replace(params, keep_black=keep) if changed else params
+    made: list[EnhanceParams] = []
+    button("One P", lambda: made.append(scales.together(params)), width=-1.0)
+    explain("The same for every window.")
+    return made[0] if made else params
+
+
+def _draw_vessel(params: VesselParams, names: Sequence[str]) -> VesselParams:
+    for name in names:
+        params = slide(params, name, VESSEL_SLIDERS[name], "%d px" if name == "radius" else "%.2f")
+    return params
+
+
+def _draw_rest(params: Look, used: Statistics | None) -> Look:
+    if isinstance(params, EnhanceParams):
+        return draw_scales(params, used)
+    return _draw_vessel(params, [name for name in VESSEL_SLIDERS if name not in MAIN_VESSEL])
 
 
 def _draw_scope(state: AppState) -> None:
@@ -136,47 +192,12 @@ def _choose(label: str, index: int, values: list[str], text: str) -> int:
 
 def _draw_edits(state: AppState) -> None:
     width = (imgui.get_content_region_avail().x / em() - 1) / 3
-    button("Undo", lambda: actions.undo(state), enabled=len(state.past) > 1, width=width)
+    button("Undo", partial(actions.undo, state), enabled=len(state.past) > 1, width=width)
     explain("Ctrl+Z")
     imgui.same_line(0, em(0.5))
-    button("Redo", lambda: actions.redo(state), enabled=bool(state.future), width=width)
+    button("Redo", partial(actions.redo, state), enabled=bool(state.future), width=width)
     explain("Ctrl+Y")
     imgui.same_line(0, em(0.5))
     changed = state.params != type(state.params)()
-    button("Reset all", lambda: actions.reset_params(state), enabled=changed, width=width)
+    button("Reset all", partial(actions.reset_params, state), enabled=changed, width=width)
     explain("R. One value alone: double click on its slider, or right click.")
-
-
-def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str], ...]:
-    """Name, value and explanation of what was measured."""
-    sigmas = "  ".join(f"{sigma:.0f}" for sigma in used.sigmas) or UNUSED
-    exponents = "  ".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
-    return (
-        ("L", f"{used.level:.0f}", "Eq 2: grey level below which a tenth of the picture lies."),
-        ("σ", sigmas, SIGMA_TEXT),
-        ("z", f"{used.z:.3f}", "Eq 1: brightness factor in use."),
-        ("P", exponents, "Eq 7: exponent in use at each window."),
-        ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
-        ("time", f"{milliseconds:.0f} ms", "Of the enhancement of this frame, here."),
-    )
-
-
-def _draw_measured(state: AppState, used: Statistics | None) -> None:
-    if used is None or state.pictures is None:
-        imgui.text_colored(theme.MUTED, "—")
-        return
-    with imgui_ctx.begin_table("measured", 4) as table:
-        if not table:
-            return
-        for column, width in enumerate((3.6, 4.5, 2.6, 4.5)):
-            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        for name, value, text in facts_of(used, state.pictures.milliseconds):
-            imgui.table_next_column()
-            imgui.text_colored(theme.MUTED, name)
-            explain(text)
-            imgui.table_next_column()
-            if value == UNUSED:
-                imgui.text_colored(theme.MUTED, value)
-            else:
-                imgui.text_unformatted(value)
-            explain(text)

@@ -224,7 +224,7 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
     def draw() -> None:
         draw_enhancement(opened)
         window = imgui.get_window_pos()
-        spots["d"] = (window.x + 300, window.y + 10 + 3.5 * imgui.get_frame_height_with_spacing())
+        spots["d"] = (window.x + 300, window.y + 10 + 4.5 * imgui.get_frame_height_with_spacing())
         if not imgui.is_any_item_active():
             actions.settle_params(opened)
 

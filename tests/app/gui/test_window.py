@@ -13,12 +13,15 @@ from imgui_bundle import ImVec2, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
 from app.gui import actions
+from app.gui.presets import load_presets, presets_file
 from app.gui.settings import Places, Settings, load_settings
 from app.gui.state import AppState
 from app.gui.viewport import GraphicsViewport
 from app.gui.window import Window
 from app.provenance import read_provenance
 from assets import phantom_path
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Finished, Progress, Started
 from tests.app.gui.conftest import FakeJob
@@ -153,6 +156,44 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
 
 
 @pytest.mark.display
+def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, key = driver.state, imgui.Key
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.set_ref(ctx.window_info("//Enhancement/details/###windows/content").id_)
+        ctx.item_click("Add window")
+        ctx.set_ref("")
+        wait(ctx, lambda: len(scales_of(state)) == 4 and is_settled(state), "a fourth window")
+        ctx.item_click("//Enhancement/Keep…")
+        ctx.key_chars("mine")
+        ctx.key_press(key.enter)
+        wait(ctx, lambda: "mine" in state.presets, "the preset")
+        ctx.set_ref("//Enhancement")
+        ctx.combo_click("##preset/Vessel (ours)")
+        wait(ctx, lambda: isinstance(state.params, VesselParams), "the other preset")
+        ctx.combo_click("##preset/mine")
+        ctx.set_ref("")
+        wait(ctx, lambda: scales_of(state) == (4, 16, 64, 128) and is_settled(state), "the own preset")
+        for tab in ("Curves", "Measures"):
+            ctx.item_click(f"//Enhancement/details/{tab}")
+            ctx.yield_(3)
+        wait(ctx, lambda: is_measured(state), "the measures")
+
+    def scales_of(state: AppState) -> tuple[int, ...]:
+        return state.params.radii if isinstance(state.params, EnhanceParams) else ()
+
+    def is_measured(state: AppState) -> bool:
+        return state.measured is not None and state.measured.pictures is state.pictures
+
+    driver.run(drive)
+    presets, trouble = load_presets(presets_file(places))
+    assert (list(presets), trouble) == (["mine"], "")
+
+
+@pytest.mark.display
 def test_a_mistake_is_a_banner_that_can_be_dismissed(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     actions.open_path(driver.state, places.config / "nothing.mp4")
@@ -174,9 +215,9 @@ def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         driver.window.drop(None, [str(phantom_path()), "another.mp4"])
         wait(ctx, lambda: is_settled(driver.state), "the phantom")
-        ctx.item_click("//Enhancement/##Statistics")
+        ctx.item_click("//Enhancement/##Method")
         ctx.key_press(imgui.Key.escape)  # Closes the list, and that alone.
-        ctx.item_click("//Enhancement/keep black")
+        ctx.item_click("//Enhancement/Auto##z")
         assert driver.state.enhancing
         ctx.key_press(imgui.Key.f)
         ctx.key_press(imgui.Key.e)

@@ -1,0 +1,183 @@
+"""What the enhancement did to the picture on screen: transfer curves, histograms, measures, omissions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
+from numpy.typing import NDArray
+
+from app.gui import theme
+from app.gui.enhancing import Pictures
+from app.gui.legible import legible
+from app.gui.measuring import BINS, Measured, curves
+from app.gui.state import AppState
+from app.gui.widgets import em, explain
+from app.tuning import DEFINITIONS, Measures
+from enhance import Statistics
+
+PLOT_FLAGS = (
+    implot.Flags_.no_title
+    | implot.Flags_.no_menus
+    | implot.Flags_.no_box_select
+    | implot.Flags_.no_mouse_text
+    | implot.Flags_.no_legend
+    | implot.Flags_.no_inputs
+)
+AXIS_FLAGS = (
+    implot.AxisFlags_.no_tick_labels | implot.AxisFlags_.no_tick_marks | implot.AxisFlags_.no_highlight
+)
+MIDDLES = (np.arange(BINS) + 0.5) / BINS
+PHOTO_FILL, ENHANCED_FILL = theme.grey(0.75), theme.ACCENT
+FILL_ALPHA = 0.45
+MARK = theme.WARNING
+Array = NDArray[np.float64]
+ROWS: tuple[tuple[str, str, Callable[[Measures], str]], ...] = (
+    ("DV", "dv_bv", lambda one: _number(one.dv, ".0f")),
+    ("BV", "dv_bv", lambda one: _number(one.bv, ".0f")),
+    ("DV/BV", "dv_bv", lambda one: _number(one.dv_bv, ".2f")),
+    ("Vessel contrast", "vessel_contrast", lambda one: _number(one.vessel_contrast, ".3f")),
+    ("Noise gain", "noise_gain", lambda one: _number(one.noise_gain, ".2f")),
+    ("Saturated", "saturated_share", lambda one: _number(100 * one.saturated_share, ".1f") + " %"),
+)
+DV_TEXT = (
+    "Detail and background variance in grey levels squared; an inferred definition: the paper prints none."
+)
+UNUSED = "unused"
+SIGMA_TEXT = (
+    "Eq 9: standard deviation of each window's base layer, in grey levels. "
+    "Not measured of a frame while P is set by hand."
+)
+
+
+def _number(value: float, form: str) -> str:
+    return "—" if math.isnan(value) else format(value, form)
+
+
+def draw_curves(state: AppState) -> None:
+    """V and S before and after, over their histograms, with L and S_m marked."""
+    pictures = state.pictures
+    if pictures is None or pictures.statistics is None or pictures.request.params is None:
+        imgui.text_colored(theme.MUTED, "—")
+        return
+    used, made = pictures.statistics, curves(pictures.request.params, pictures.statistics)
+    space = imgui.get_content_region_avail()
+    size = ImVec2((space.x - em(0.5)) / 2, min(max(space.y - 1.6 * em(), em(5)), em(11)))
+    seen = state.measured if _is_of_frame(state.measured, pictures) else None
+    spreads = None if seen is None else (seen.photo.value, seen.enhanced.value)
+    _draw_plot("V", size, spreads, (made.given, made.value), used.level / 255)
+    explain("Eq 1: V to Vn, at the marked L. Grey: histogram of the photo; blue: of the enhanced picture.")
+    imgui.same_line(0, em(0.5))
+    spreads = None if seen is None else (seen.photo.saturation, seen.enhanced.saturation)
+    _draw_plot("S", size, spreads, (made.given, made.saturation), used.saturation_mean)
+    explain("Eqs 11 and 12: S to S*, at the marked mean S_m. Grey: photo; blue: enhanced picture.")
+    _captions(used, size.x)
+
+
+def _captions(used: Statistics, width: float) -> None:
+    start = imgui.get_cursor_pos_x()
+    imgui.text_colored(theme.MUTED, "V to Vn")
+    imgui.same_line(0, em(0.6))
+    imgui.text_colored(MARK, f"L {used.level:.0f}")
+    imgui.same_line(start + width + em(0.5))
+    imgui.text_colored(theme.MUTED, "S to S*")
+    imgui.same_line(0, em(0.6))
+    imgui.text_colored(MARK, f"S_m {used.saturation_mean:.2f}")
+
+
+def _is_of_frame(seen: Measured | None, pictures: Pictures) -> bool:
+    """A histogram of another setting is worth showing, one of another frame is not."""
+    if seen is None:
+        return False
+    now, then = pictures.request, seen.pictures.request
+    return now.clip is then.clip and now.frame_index == then.frame_index
+
+
+def _draw_plot(
+    name: str, size: ImVec2, spreads: tuple[Array, Array] | None, line: tuple[Array, Array], mark: float
+) -> None:
+    if not implot.begin_plot(f"##{name}", size, PLOT_FLAGS):
+        return
+    implot.setup_axes("", "", AXIS_FLAGS, AXIS_FLAGS)
+    implot.setup_axis_limits(implot.ImAxis_.x1, 0, 1, implot.Cond_.always)
+    implot.setup_axis_limits(implot.ImAxis_.y1, 0, 1.02, implot.Cond_.always)
+    for label, color, shares in zip(
+        ("photo", "enhanced"), (PHOTO_FILL, ENHANCED_FILL), spreads or (), strict=False
+    ):
+        implot.plot_shaded(label, MIDDLES, shares, 0.0, implot.Spec(fill_color=color, fill_alpha=FILL_ALPHA))
+    implot.plot_line("same", line[0], line[0], implot.Spec(line_color=theme.grey(0.4), line_weight=1.0))
+    implot.plot_line("curve", *line, implot.Spec(line_color=theme.TEXT, line_weight=em(0.12)))
+    implot.plot_inf_lines("mark", np.array([mark]), implot.Spec(line_color=MARK, line_weight=1.5))
+    implot.end_plot()
+
+
+def draw_measures(state: AppState) -> None:
+    """Photo and enhanced picture in numbers, greyed while they are of an earlier setting."""
+    seen, pictures = state.measured, state.pictures
+    if seen is None or pictures is None:
+        imgui.text_colored(theme.MUTED, "Not measured yet.")
+    else:
+        imgui.begin_disabled(seen.pictures is not pictures)
+        _draw_table(seen)
+        imgui.end_disabled()
+    if pictures is not None and pictures.statistics is not None:
+        _draw_facts(pictures.statistics, pictures.milliseconds)
+        _draw_omitted(pictures)
+
+
+def _draw_table(seen: Measured) -> None:
+    with imgui_ctx.begin_table("measures", 3, imgui.TableFlags_.row_bg) as table:
+        if not table:
+            return
+        for column, width in enumerate((8.0, 4.4, 4.4)):
+            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
+        _row("inferred definition:", "photo", "enhanced", DV_TEXT, theme.MUTED)
+        for name, key, text in ROWS:
+            why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
+            _row(name, text(seen.before), text(seen.after), why, theme.TEXT)
+
+
+def _row(name: str, before: str, after: str, why: str, color: ImVec4) -> None:
+    for text, ink in ((name, theme.MUTED), (before, theme.MUTED), (after, color)):
+        imgui.table_next_column()
+        imgui.text_colored(ink, text)
+        explain(why)
+
+
+def _draw_omitted(pictures: Pictures) -> None:
+    """What this picture does without, and how much that can change."""
+    with imgui_ctx.push_text_wrap_pos(0):
+        for omission in pictures.omitted:
+            bound = f"at most {omission.error:.2f} levels" if omission.error else "changes nothing"
+            imgui.text_colored(theme.MUTED, legible(f"left out: {omission.what} ({omission.why}; {bound})"))
+
+
+def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str], ...]:
+    """Name, value and explanation of what was measured."""
+    sigmas = "  ".join(f"{sigma:.0f}" for sigma in used.sigmas) or UNUSED
+    exponents = "  ".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
+    return (
+        ("L", f"{used.level:.0f}", "Eq 2: grey level below which a tenth of the picture lies."),
+        ("σ", sigmas, SIGMA_TEXT),
+        ("z", f"{used.z:.3f}", "Eq 1: brightness factor in use."),
+        ("P", exponents, "Eq 7: exponent in use at each window."),
+        ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
+        ("time", f"{milliseconds:.0f} ms", "Of the enhancement of this frame, here."),
+    )
+
+
+def _draw_facts(used: Statistics, milliseconds: float) -> None:
+    with imgui_ctx.begin_table("measured", 4) as table:
+        if not table:
+            return
+        for column, width in enumerate((3.6, 4.5, 2.6, 6.5)):
+            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
+        for name, value, text in facts_of(used, milliseconds):
+            imgui.table_next_column()
+            imgui.text_colored(theme.MUTED, name)
+            explain(text)
+            imgui.table_next_column()
+            imgui.text_colored(theme.MUTED if value == UNUSED else theme.TEXT, value)
+            explain(text)

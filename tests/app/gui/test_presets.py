@@ -1,0 +1,76 @@
+"""Settings by name, kept between sessions; a damaged file loses nothing and is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from app.gui import actions, preset_actions
+from app.gui.presets import BUILT_IN, load_presets, preset_name, presets_file, save_presets
+from app.gui.state import AppState
+from app.training import RECONSTRUCTION_PARAMS
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+
+OWN = {"mine": EnhanceParams(z=0.25, p=(0.5, 1.0, 1.5)), "ours, stronger": VesselParams(strength=3.5)}
+
+
+def test_own_presets_come_back_as_they_were(tmp_path: Path) -> None:
+    path = tmp_path / "presets.json"
+    assert load_presets(path) == ({}, "")
+    save_presets(path, OWN)
+    assert load_presets(path) == (OWN, "")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"mine": {"z": 7}}', '{"mine": 3}', '{"a": {"strength": -1}}']
+)
+def test_a_damaged_file_is_told_and_put_aside(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "presets.json"
+    path.write_text(text)
+    presets, trouble = load_presets(path)
+    assert presets == {}
+    assert "presets.damaged.json" in trouble
+    save_presets(path, OWN)
+    assert (tmp_path / "presets.damaged.json").read_text() == text
+    assert load_presets(path) == (OWN, "")
+
+
+def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
+    assert [look.d_factor for look in BUILT_IN.values()] == [1.0, 0.5, VesselParams().d_factor]
+    assert preset_name(EnhanceParams(), {}).startswith("Paper, d 1 ")
+    assert preset_name(RECONSTRUCTION_PARAMS, OWN).startswith("Paper, d 0.5 ")
+    assert preset_name(OWN["mine"], OWN) == "mine"
+    assert preset_name(EnhanceParams(z=0.9), OWN) == ""
+
+
+def test_keeping_choosing_and_forgetting(state: AppState) -> None:
+    actions.set_params(state, OWN["mine"])
+    preset_actions.keep(state, "  mine ")
+    actions.set_params(state, EnhanceParams(z=0.9))
+    preset_actions.choose(state, "mine")
+    assert state.params == OWN["mine"]
+    actions.undo(state)
+    assert state.params == EnhanceParams(z=0.9)
+    assert load_presets(presets_file(state.places))[0] == {"mine": OWN["mine"]}
+    preset_actions.choose(state, "no such preset")
+    assert state.params == EnhanceParams(z=0.9)
+    preset_actions.forget(state, "mine")
+    assert load_presets(presets_file(state.places))[0] == state.presets == {}
+
+
+@pytest.mark.parametrize("name", ["", "   ", *BUILT_IN])
+def test_a_name_that_is_taken_or_empty_is_refused(state: AppState, name: str) -> None:
+    preset_actions.keep(state, name)
+    assert state.banner is not None
+    assert not state.presets
+
+
+def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> None:
+    state.places.config.parent.mkdir(parents=True, exist_ok=True)
+    state.places.config.write_text("a file where the folder should be")
+    preset_actions.keep(state, "mine")
+    assert state.banner is not None
+    assert "cannot be kept" in state.banner.message
+    assert not state.presets
