@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -47,6 +48,28 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
     except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
         text = f"no {error}" if isinstance(error, KeyError) else str(error)
         raise CameraFileError(f"expected a camera or several, got {text}: {path}") from error
+
+
+def splatting_json(cameras: Sequence[NamedCamera]) -> bytes:
+    """cameras.json as 3D Gaussian Splatting writes it: pose of the camera in the world, focal lengths in px.
+
+    It has no principal point: viewers take the middle of the picture.
+    """
+    return json.dumps([_splatting(place, one) for place, one in enumerate(cameras)], indent=1).encode()
+
+
+def _splatting(place: int, one: NamedCamera) -> dict[str, Any]:
+    camera, pose = one.camera, one.camera.world_from_camera
+    return {
+        "id": place,
+        "img_name": one.name,
+        "width": camera.width,
+        "height": camera.height,
+        "position": np.round(pose[:3, 3], 9).tolist(),
+        "rotation": np.round(pose[:3, :3], 12).tolist(),
+        "fy": camera.fy,
+        "fx": camera.fx,
+    }
 
 
 def _of_json(content: Any, name: str) -> tuple[NamedCamera, ...]:

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from renderer.camera import Camera
-from renderer.camera_files import CameraFileError, NamedCamera
+from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.camera_path import CameraPath, Keyframe
 
 FORMAT: Final = "vesselsplat views"
 VERSION: Final = 1
 UNITS: Final = {"seconds": "s from the path's beginning", "time": "of the clip, 0 to 1", "lens": "px"}
+HEAD: Final = 256
+"""Bytes of a file that say whether it is one of ours."""
 T = TypeVar("T")
 
 
@@ -62,6 +64,20 @@ def read_views(path: Path) -> Views:
         return _views(content)
     except ValueError as error:
         raise CameraFileError(f"{error}: {path}") from error
+
+
+def import_views(path: Path) -> Views:
+    """Of our file, or the cameras of another program's as named views; of COLMAP its folder or a file in it.
+
+    Raises CameraFileError as `read_views` and `read_cameras` do.
+    """
+    if path.suffix.lower() == ".txt":
+        return Views(read_cameras(path.parent))
+    try:
+        ours = path.is_file() and FORMAT.encode() in path.read_bytes()[:HEAD]
+    except OSError as error:
+        raise CameraFileError(f"expected a camera file, {error.strerror}: {path}") from error
+    return read_views(path) if ours else Views(read_cameras(path))
 
 
 def _views(content: Any) -> Views:

@@ -7,9 +7,6 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from app import moments
 from app.atomic import filled, write_bytes
@@ -21,6 +18,7 @@ from app.progress import progress
 from app.provenance import provenance, strict_json, write_sidecar
 from app.scene import Scene
 from app.video import write_video
+from renderer.camera_files import NamedCamera, splatting_json
 from renderer.near_plane import near_plane
 from renderer.splat_files.inria_ply import ply_bytes
 
@@ -45,8 +43,8 @@ def run(flags: argparse.Namespace) -> None:
     if flags.video:
         _write_video(flags, scene, wanted)
     if flags.cameras:
-        content = json.dumps([_inria_camera(place, moment) for place, moment in enumerate(wanted)], indent=1)
-        write_bytes(flags.cameras, content.encode())
+        named = [NamedCamera(moment.name, moment.camera) for moment in wanted]
+        write_bytes(flags.cameras, splatting_json(named))
         sys.stdout.write(f"{flags.cameras}: {len(wanted)} cameras\n")
 
 
@@ -78,22 +76,3 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
     facts |= {"frames_per_second": flags.frames_per_second, "moments": views}
     write_sidecar(flags.video, provenance(kind="render video", **facts))
     sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {name}\n")
-
-
-def _inria_camera(place: int, moment: Moment) -> dict[str, Any]:
-    """As 3D Gaussian Splatting writes its cameras.json: pose of the camera in the world, focal lengths in px.
-
-    It has no principal point: viewers take the middle of the picture.
-    """
-    camera = moment.camera
-    pose = camera.world_from_camera
-    return {
-        "id": place,
-        "img_name": moment.name,
-        "width": camera.width,
-        "height": camera.height,
-        "position": np.round(pose[:3, 3], 9).tolist(),
-        "rotation": np.round(pose[:3, :3], 12).tolist(),
-        "fy": camera.fy,
-        "fx": camera.fx,
-    }

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from app.errors import UserError
+from app.gui.camera_list import CameraList
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.origin import origin_of
@@ -79,6 +80,8 @@ def open_path(state: AppState, path: Path) -> None:
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     """Take over what has been opened: the start of a session with it."""
     state.opening, state.opened_path, state.session_path = None, opened.path or path, None
+    if opened.clip is None or state.clip is None or opened.clip.path != state.clip.path:
+        state.cameras = CameraList()
     state.clip, state.opened_options, state.pictures = opened.clip, opened.options, None
     state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
     state.tuning = state.tuning.renewed()

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from app.gui.free_view import FreeView, Vector, vector
+from app.gui.measurement import Measurement
 from app.gui.picking import Picked, PickRequest, Purpose
 from app.gui.state import AppState, Toast
-from app.gui.viewer import MAX_SPEED, MIN_SPEED, Viewer
+from app.gui.viewer import MAX_SPEED, MIN_SPEED
 from app.gui.viewing import ShownModel
 
 TOAST_SECONDS = 4.0
@@ -19,14 +20,15 @@ LONGEST_STEP = 0.1
 
 def reset_view(state: AppState) -> None:
     """Back to the clip's own camera, and down from flight."""
-    state.viewer = Viewer(speed=state.viewer.speed, blend=state.viewer.blend)
+    state.cameras.playing = False
+    state.viewer = replace(state.viewer, free=None, pivot=None, snapped=False, flying=False)
 
 
 def toggle_snap(state: AppState) -> None:
     """The clip's camera to the pixel, under its photo; and back to filling the view."""
     if not state.has_photos:
         return
-    viewer = state.viewer
+    viewer, state.cameras.playing = state.viewer, False
     state.viewer = replace(viewer, free=None, pivot=None, flying=False, snapped=not viewer.snapped)
 
 
@@ -77,6 +79,13 @@ def fly(state: AppState, right: float, down: float, forward: float, seconds: flo
     _carry(state, _leave(state, state.model).flown(step * right, step * down, step * forward))
 
 
+def toggle_measuring(state: AppState) -> None:
+    """Clicks measure from now on, or turn and move the view alone again, without a distance shown."""
+    if state.model is not None:
+        viewer = state.viewer
+        viewer.measuring, viewer.measurement = not viewer.measuring, Measurement()
+
+
 def ask_point(state: AppState, pixel: tuple[int, int], purpose: Purpose) -> None:
     """Wish for the surface point behind a pixel (column, row) of the view."""
     request = state.view_request
@@ -86,10 +95,13 @@ def ask_point(state: AppState, pixel: tuple[int, int], purpose: Purpose) -> None
 
 def take_point(state: AppState, request: PickRequest, picked: Picked) -> None:
     """The answer to a wish; of a view that is no longer shown, it is dropped."""
-    if state.model is None or request.view.shown.model is not state.model.model:
+    if state.model is None or request.view.shown.cameras != state.model.cameras:
         return
     if picked.point is None:
         state.toast = Toast("No surface is there", state.now + TOAST_SECONDS)
+    elif request.purpose == "measure":
+        viewer = state.viewer
+        viewer.measurement = viewer.measurement.with_point(picked.point, request.view.time)
     else:
         state.viewer.pivot, state.viewer.flying = picked.point, False
 
@@ -98,7 +110,8 @@ def centre(state: AppState, model: ShownModel) -> Vector:
     """What the view turns around, in the world."""
     if state.viewer.pivot is not None:
         return state.viewer.pivot
-    pose = model.camera_at(state.time).world_from_camera
+    free = state.viewer.free
+    pose = (free.camera if free is not None else model.camera_at(state.time)).world_from_camera
     return vector(pose[:3, 3] + model.distance * pose[:3, 2])
 
 
@@ -106,6 +119,7 @@ def _leave(state: AppState, model: ShownModel) -> FreeView:
     """The view as it stands, no longer the clip's camera nor under its photo; its centre stays, too."""
     viewer = state.viewer
     viewer.pivot, viewer.snapped = centre(state, model), False
+    state.cameras.playing = False
     viewer.free = viewer.free or FreeView.of(model.camera_at(state.time))
     return viewer.free
 

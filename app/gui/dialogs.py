@@ -61,14 +61,16 @@ class Dialogs:
     """At most one dialog at a time; `chosen` is called with what the user picked."""
 
     def __init__(self, chosen: Callable[[Path], None], start: Path) -> None:
-        self._chosen = chosen
+        self._opens = self._chosen = chosen
         self._start = start
         self._desktop: OpenDialog | None = None
         self.browser: Browser | None = None
 
-    def ask(self, kind: Kind) -> None:
+    def ask(self, kind: Kind, chosen: Callable[[Path], None] | None = None) -> None:
+        """`chosen`, if given, is called this time in place of the usual."""
         if self._desktop is not None or self.browser is not None:
             return
+        self._chosen = chosen or self._opens
         if not has_desktop_dialogs():
             self.browser = Browser.at(self._start, kind)
         elif kind == "folder":

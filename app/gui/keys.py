@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.gui import actions, camera_actions, comparing, tuning_actions, view_actions
+from app.gui import actions, camera_actions, comparing, path_actions, tuning_actions, view_actions
 from app.gui.picture_view import PictureView
 from app.gui.state import AppState
 
@@ -89,6 +89,10 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(key.right_bracket, "]", "more of the photo over the 3D view", raise_photo, repeats=True),
         Shortcut(key.g, "G", "fly through the 3D view and back to turning it", camera_actions.toggle_flight),
         Shortcut(key.n, "N", "3D view: colour, depth, normals and on", view_actions.next_view),
+        Shortcut(key.m, "M", "measure between two clicks on the 3D view", camera_actions.toggle_measuring),
+        Shortcut(key.b, "B", "keep this 3D view by a name", path_actions.save_view),
+        Shortcut(key.i, "I", "add this 3D view to the camera path", path_actions.add_keyframe),
+        Shortcut(key.l, "L", "play the camera path", path_actions.toggle_path),
         Shortcut(key._0, "0", "fit the pictures", fit_pictures),
         Shortcut(key._1, "1", "pictures at 100 %", one_to_one),
         Shortcut(key.r, "R", "reset all enhancement parameters", actions.reset_params),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from imgui_bundle import hello_imgui, imgui, imgui_ctx
 
-from app.gui import actions, comparing, theme, tuning_actions
+from app.gui import actions, camera_actions, comparing, path_actions, theme, tuning_actions
 from app.gui.comparison import MODES, SLOTS
 from app.gui.keys import Commands, fit_pictures, one_to_one, toggle_help
 from app.gui.legible import legible
@@ -20,7 +20,7 @@ from app.gui.widgets import em, explain
 Act = Callable[[], None]
 
 
-def draw_menus(state: AppState, openers: Openers, commands: Commands) -> None:
+def draw_menus(state: AppState, openers: Openers, commands: Commands, import_views: Act) -> None:
     """Everything that has a key, for those who look rather than remember."""
     with imgui_ctx.begin_menu("File") as menu:
         if menu:
@@ -28,6 +28,9 @@ def draw_menus(state: AppState, openers: Openers, commands: Commands) -> None:
     with imgui_ctx.begin_menu("Picture") as menu:
         if menu:
             _draw_picture(state)
+    with imgui_ctx.begin_menu("Camera") as menu:
+        if menu:
+            _draw_camera(state, import_views)
     hello_imgui.show_view_menu(hello_imgui.get_runner_params())
     with imgui_ctx.begin_menu("Help") as menu:
         if menu:
@@ -95,6 +98,31 @@ def _draw_compare(state: AppState, clip: bool) -> None:
     for slot in SLOTS:
         _item(f"Store setting {slot}", f"Shift+{slot}", partial(comparing.store, state, slot))
         _item(f"Use setting {slot}", "", partial(comparing.recall, state, slot), enabled=slot in state.stored)
+
+
+def _draw_camera(state: AppState, import_views: Act) -> None:
+    model, views = state.model is not None, state.cameras.views
+    keys = len(views.path.keyframes)
+    _item("Clip camera", "Home", lambda: camera_actions.reset_view(state), enabled=model)
+    snapped, flying = state.viewer.snapped, state.viewer.flying
+    snap = partial(camera_actions.toggle_snap, state)
+    _item("Under its photo", "C", snap, ticked=snapped, enabled=state.has_photos)
+    measuring = state.viewer.measuring
+    measure = partial(camera_actions.toggle_measuring, state)
+    _item("Measure", "M", measure, ticked=measuring, enabled=model)
+    _item("Fly", "G", lambda: camera_actions.toggle_flight(state), ticked=flying, enabled=model)
+    imgui.separator()
+    _item("Keep this view", "B", lambda: path_actions.save_view(state), enabled=model)
+    _item("Add a keyframe", "I", lambda: path_actions.add_keyframe(state), enabled=model)
+    play = partial(path_actions.toggle_path, state)
+    _item("Play the path", "L", play, ticked=state.cameras.playing, enabled=keys > 1)
+    imgui.separator()
+    _item("Import views…", "", import_views, enabled=model)
+    some = bool(keys or views.named)
+    _item("Save views and path", "", lambda: path_actions.save_views(state), enabled=some)
+    _item("Export the clip's cameras", "", lambda: path_actions.export_clip_cameras(state), enabled=model)
+    export = partial(path_actions.export_path_cameras, state)
+    _item("Export the path's cameras", "", export, enabled=keys > 0)
 
 
 def quit_app() -> None:

@@ -9,7 +9,7 @@ from typing import Literal
 from app.gui.free_view import Vector, vector
 from app.gui.viewing import ViewRequest
 
-Purpose = Literal["orbit"]
+Purpose = Literal["orbit", "measure"]
 
 
 @dataclass(frozen=True, eq=False)

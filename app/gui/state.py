@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from app.gui.baking import Baked
+from app.gui.camera_list import CameraList
 from app.gui.comparison import Comparison, Side
 from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.measuring import Measured
@@ -177,6 +178,7 @@ class AppState:
     """Pixels of the 3D view, as last laid out; (0, 0) while it is hidden."""
     view_dragged: bool = False
     viewer: Viewer = field(default_factory=Viewer)
+    cameras: CameraList = field(default_factory=CameraList)
     linked: bool = True
     """The 3D view follows the clip's frame."""
     view_time: float = 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.gui import actions, camera_actions, session_actions, tuning_actions
+from app.gui import actions, camera_actions, path_actions, session_actions, tuning_actions
 from app.gui.background import Channel, Failure
 from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.compare_work import CompareWork
@@ -80,6 +80,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_written(state, channels)
     _follow_job(state)
     _play(state, elapsed)
+    path_actions.advance_path(state, elapsed)
     _ask(state, channels)
 
 
@@ -242,7 +243,7 @@ def _waits(state: AppState) -> bool:
 def view_request(state: AppState) -> ViewRequest | None:
     """What the 3D view should show, smaller while it moves when a whole one takes long."""
     request = state.view_request
-    moving = state.view_dragged or state.viewer.moving or state.playing
+    moving = state.view_dragged or state.viewer.moving or state.playing or state.cameras.playing
     if request is None or not moving or not is_slow(state.view):
         return request
     return request.scaled(REDUCED)

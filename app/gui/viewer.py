@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from app.gui.free_view import FreeView, Vector
+from app.gui.measurement import Measurement
 from app.gui.photos import Photo
 from app.gui.picking import PickRequest
 
@@ -30,5 +31,8 @@ class Viewer:
     """Of flight: the scene's distance so many times a second."""
     moving: bool = False
     """A key of flight is held."""
+    measuring: bool = False
+    """A click on the view picks a point of a distance."""
+    measurement: Measurement = field(default_factory=Measurement)
     pick: PickRequest | None = None
     """The newest wish for a point on the surface."""

@@ -13,13 +13,14 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.errors import UserError
-from app.gui import actions, menus, preset_actions, session_actions, theme
+from app.gui import actions, menus, path_actions, preset_actions, session_actions, theme
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
 from app.gui.dialogs import Dialogs
 from app.gui.export import SaveRequest
 from app.gui.keys import Commands, Keyboard, shortcuts
 from app.gui.panels import overlays
+from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
@@ -133,7 +134,9 @@ class Window:
         calls.setup_imgui_config = _configure
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
-        calls.show_menus = lambda: menus.draw_menus(self.state, self._openers, self._commands)
+        calls.show_menus = lambda: menus.draw_menus(
+            self.state, self._openers, self._commands, self._import_views
+        )
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
         calls.before_exit = self.close
@@ -162,6 +165,7 @@ class Window:
             ("3D view", "Below", self._draw_view),
             ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
             ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state, self._make_job)),
+            ("Cameras", "SideBelow", lambda: draw_cameras(self.state, self._import_views)),
         ]
         layout.dockable_windows = [
             hello_imgui.DockableWindow(title, dock, draw, can_be_closed_=False)
@@ -195,9 +199,13 @@ class Window:
         params = hello_imgui.get_runner_params()
         # Without anything to show there, the pictures have its space.
         params.docking_params.dockable_window_of_name("3D view").is_visible = self.state.has_view
+        # Splats alone have no pictures, only the welcome in their place.
+        alone = self.state.model is not None and self.state.clip is None
+        params.docking_params.dockable_window_of_name("Pictures").is_visible = not alone
         self._show_tuning(params.docking_params.dockable_window_of_name(TUNING))
         idling = params.fps_idling
-        idling.enable_idling = not (self.state.playing or self.state.viewer.moving)
+        moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing
+        idling.enable_idling = not moves
         idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
 
     def _draw_pictures(self) -> None:
@@ -264,7 +272,13 @@ class Window:
             worker.close()
 
     def _open(self, path: Path) -> None:
-        actions.open_path(self.state, path)
+        if path.suffix.lower() == ".json":
+            path_actions.load_views(self.state, path)
+        else:
+            actions.open_path(self.state, path)
+
+    def _import_views(self) -> None:
+        self._dialogs.ask("file", lambda path: path_actions.load_views(self.state, path))
 
     def _open_phantom(self) -> None:
         self._open(phantom_path())

@@ -5,27 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, camera_actions, theme, view_actions
-from app.gui.free_view import Vector
 from app.gui.legible import legible
 from app.gui.panels.color_bar import draw_color_bar
+from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.photos import Photo
-from app.gui.picture_view import PictureView, Placement
 from app.gui.state import AppState
 from app.gui.viewport import OnScreen, Viewport
 from app.gui.widgets import button, centered, em, explain, stack_tags
 from app.views import EXPLAINED
-from renderer.camera import Camera
 from renderer.clip import ByteImage
 
 TURN = 2.2
 """Radians for a drag across the whole view."""
 WHEEL_STEP = 1.12
 SPEED_STEP = 1.25
+CLICK = 4.0
+"""Pixels that a hand may slip in a click."""
 PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
 """What shows a whole photo."""
 Tag = tuple[str, ImVec4]
@@ -65,6 +64,12 @@ def _draw_toolbar(state: AppState) -> None:
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if flying else theme.grey(0.25)):
         button(f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly", lambda: camera_actions.toggle_flight(state))
     explain("G: fly with W, S, A, D, Q and E, look by dragging, speed by the wheel. Home: back.")
+    imgui.same_line()
+    measuring = state.viewer.measuring
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if measuring else theme.grey(0.25)):
+        label = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
+        button(label, lambda: camera_actions.toggle_measuring(state))
+    explain("M: click two points of the surface. It is the model's own, where its expected depth is.")
     imgui.same_line()
     _draw_snap(state)
     _draw_kind(state)
@@ -136,38 +141,18 @@ def _move(state: AppState, size: ImVec2) -> None:
 
 
 def _pick(state: AppState, corner: ImVec2, size: ImVec2) -> None:
-    """A double click, or O, makes the surface under the pointer the centre of the orbit."""
-    request = state.view_request
+    """A double click, or O, turns the view around what is under the pointer; a click may measure."""
+    request, io = state.view_request, imgui.get_io()
     if request is None or not imgui.is_item_hovered():
         return
-    typing = imgui.get_io().want_text_input
-    if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) or (
-        imgui.is_key_pressed(imgui.Key.o, False) and not typing
-    ):
-        camera_actions.ask_point(state, pixel_at(request.camera, corner, size), "orbit")
-
-
-def placement(camera: Camera, size: ImVec2) -> Placement:
-    """Where a camera's picture lies in the view: as large as fits, in the middle."""
-    return PictureView().place((camera.width, camera.height), (size.x, size.y))
-
-
-def pixel_at(camera: Camera, corner: ImVec2, size: ImVec2) -> tuple[int, int]:
-    """Column and row of the picture under the pointer; it may lie outside the picture."""
-    mouse = imgui.get_mouse_pos()
-    x, y = placement(camera, size).picture_at(mouse.x - corner.x, mouse.y - corner.y)
-    return math.floor(x), math.floor(y)
-
-
-def on_screen(camera: Camera, point: Vector, corner: ImVec2, size: ImVec2) -> ImVec2 | None:
-    """Where a point of the world is seen; None behind the camera."""
-    (pixel,), (depth,) = camera.project(np.array([point]))
-    if depth <= 0:
-        return None
-    place = placement(camera, size)
-    return ImVec2(
-        corner.x + place.offset_x + place.zoom * pixel[0], corner.y + place.offset_y + place.zoom * pixel[1]
-    )
+    pixel = pixel_at(request.camera, corner, size)
+    left, measuring = imgui.MouseButton_.left, state.viewer.measuring
+    wants_centre = imgui.is_key_pressed(imgui.Key.o, False) and not io.want_text_input
+    if wants_centre or (imgui.is_mouse_double_clicked(left) and not measuring):
+        camera_actions.ask_point(state, pixel, "orbit")
+    moved = imgui.get_mouse_drag_delta(left, 0.0)
+    if measuring and imgui.is_mouse_released(left) and math.hypot(moved.x, moved.y) < CLICK:
+        camera_actions.ask_point(state, pixel, "measure")
 
 
 def _draw_picture(
@@ -183,35 +168,16 @@ def _draw_picture(
         if (photo := photo_over(state)) is not None:
             tint = imgui.get_color_u32(theme.grey(1.0, state.viewer.blend))
             draw.add_image(photo_texture(photo.image), low, high, (0, 0), (1, 1), tint)
-        _draw_centre(state, shown, corner, size)
+        draw_marks(state.viewer, shown.request, corner, size)
         if shown.scale is not None:
             draw_color_bar(shown.scale, ImVec2(end.x, corner.y), size.y)
     stack_tags(view_tags(state, shown), corner)
     draw.pop_clip_rect()
 
 
-def bounds(camera: Camera, corner: ImVec2, size: ImVec2) -> tuple[ImVec2, ImVec2]:
-    """Upper left and lower right end of a camera's picture on screen."""
-    place = placement(camera, size)
-    low = ImVec2(corner.x + place.offset_x, corner.y + place.offset_y)
-    return low, ImVec2(low.x + place.zoom * camera.width, low.y + place.zoom * camera.height)
-
-
 def photo_over(state: AppState) -> Photo | None:
     """The photo that lies over the picture; a difference to it shows it already."""
     return None if state.view_kind == "difference" else state.photo
-
-
-def _draw_centre(state: AppState, shown: OnScreen, corner: ImVec2, size: ImVec2) -> None:
-    """A small ring around what the view turns around."""
-    pivot = state.viewer.pivot
-    if pivot is None or state.viewer.flying:
-        return
-    at = on_screen(shown.request.camera, pivot, corner, size)
-    if at is not None:
-        draw, radius = imgui.get_window_draw_list(), em(0.32)
-        draw.add_circle(at, radius, imgui.get_color_u32(theme.grey(0.0, 0.7)), thickness=em(0.18))
-        draw.add_circle(at, radius, imgui.get_color_u32(theme.grey(1.0, 0.9)), thickness=em(0.08))
 
 
 def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
@@ -228,6 +194,9 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     tags.append((said, theme.TAG_ORIGINAL))
     if state.viewer.flying:
         tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G ends", theme.TAG_CAUTION))
+    if state.viewer.measuring:
+        told = "MEASURING on the model, by expected depth"
+        tags.append((told, theme.TAG_CAUTION))
     if state.viewer.snapped:
         share = f"PHOTO {100 * state.viewer.blend:.0f} % over the reconstruction"
         if state.photo is None:

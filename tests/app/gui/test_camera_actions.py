@@ -72,7 +72,12 @@ def test_nothing_is_picked_beside_the_tissue_or_of_a_view_that_is_gone(seen: App
     camera_actions.take_point(seen, wish, answer)
     assert seen.viewer.pivot is None
     assert seen.toast is not None
-    actions.show_live_model(seen, make_model())
+    assert seen.model is not None
+    seen.model = replace(seen.model, model=make_model())
+    camera_actions.take_point(seen, wish, Picked((1.0, 2.0, 3.0)))
+    assert seen.viewer.pivot == (1.0, 2.0, 3.0)  # A newer preview of the same tissue.
+    camera_actions.reset_view(seen)
+    seen.model = replace(seen.model, cameras=seen.model.cameras[:1])
     camera_actions.take_point(seen, wish, Picked((1.0, 2.0, 3.0)))
     assert seen.viewer.pivot is None
 

@@ -9,19 +9,22 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
-from app.gui import actions, camera_actions
+from app.gui import actions, camera_actions, path_actions
 from app.gui.comparison import SIDES
 from app.gui.enhancing import PictureMaker, Pictures
 from app.gui.keys import Commands, Keyboard, shortcuts
 from app.gui.panels import overlays
+from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.scene_marks import bounds
 from app.gui.panels.timeline import draw_timeline
-from app.gui.panels.view3d import bounds, draw_view3d, photo_over, view_tags
+from app.gui.panels.view3d import draw_view3d, photo_over, view_tags
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.panes import Pane, pane
 from app.gui.photos import read_photo
+from app.gui.picking import pick
 from app.gui.picture_view import Placement
 from app.gui.state import AppState
 from app.gui.textures import OnPane
@@ -336,6 +339,34 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
     assert photo_over(opened) is None
 
 
+def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: draw_view3d(opened, StillViewport(), no_texture)  # noqa: E731
+    ui.frame(draw)
+    ui.drag(draw, (400, 300), (400, 300))
+    assert opened.viewer.pick is None
+    camera_actions.toggle_measuring(opened)
+    ui.drag(draw, (400, 300), (460, 300))
+    assert opened.viewer.pick is None
+    assert opened.viewer.free is not None
+    camera_actions.reset_view(opened)
+    for x in (420, 480):
+        ui.drag(draw, (x, 330), (x, 330))
+        wish = opened.viewer.pick
+        assert wish is not None
+        assert wish.purpose == "measure"
+        (answer,) = pick(wish)
+        camera_actions.take_point(opened, wish, answer)
+        ui.frame(draw)
+    request = opened.view_request
+    assert request is not None
+    expected = 60 / request.camera.fx * 50.0  # On the model's sheet, which is 50 before the camera.
+    assert opened.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
+    assert "mm" in opened.viewer.measurement.text("mm", opened.time)
+    camera_actions.toggle_measuring(opened)
+    assert opened.viewer.measurement.points == ()
+
+
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     saved: list[str] = []
@@ -453,3 +484,26 @@ def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
 )
 def test_durations_are_said_as_people_do(duration: float, text: str) -> None:
     assert seconds(duration) == text
+
+
+def test_the_cameras_panel_draws_every_state(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    draw: Draw = lambda: draw_cameras(opened, lambda: None)  # noqa: E731
+    ui.frame(draw)
+    start_live(opened, model)
+    ui.frame(draw)
+    for _ in range(2):
+        path_actions.save_view(opened)
+        path_actions.add_keyframe(opened)
+        ui.frame(draw)
+    path_actions.toggle_path(opened)
+    ui.frame(draw)
+
+
+def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    keyboard = Keyboard(shortcuts(Commands(lambda: None, lambda: None, lambda: None)))
+    for key in (imgui.Key.b, imgui.Key.i, imgui.Key.i, imgui.Key.l):
+        ui.press(lambda: keyboard.handle(opened), key)
+    assert len(opened.cameras.views.named) == 1
+    assert len(opened.cameras.views.path.keyframes) == 2
+    assert opened.cameras.playing

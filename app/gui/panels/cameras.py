@@ -1,0 +1,161 @@
+"""Where to look from: named views, the camera path, and the files of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
+
+from app.gui import path_actions, theme
+from app.gui.legible import legible
+from app.gui.state import AppState
+from app.gui.widgets import button, em, explain
+from renderer.camera_path import Keyframe
+
+Act = Callable[[], None]
+
+
+def draw_cameras(state: AppState, ask_file: Act) -> None:
+    """`ask_file` lets a person choose a file of views."""
+    if state.model is None:
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.MUTED, "Views and camera paths need a reconstruction: make or open one.")
+        return
+    _draw_files(state, ask_file)
+    imgui.separator_text("Views")
+    _draw_new_view(state)
+    for index in range(len(state.cameras.views.named)):
+        if index < len(state.cameras.views.named):
+            _draw_view(state, index)
+    imgui.separator_text("Path")
+    _draw_path(state)
+
+
+def _draw_files(state: AppState, ask_file: Act) -> None:
+    views = state.cameras.views
+    button("Import…###import", ask_file)
+    explain(
+        "Saved views, cameras.json, transforms.json or COLMAP's images.txt; or drop the file on the window."
+    )
+    imgui.same_line()
+    has_some = bool(views.named or views.path.keyframes)
+    button("Save###save", lambda: path_actions.save_views(state), enabled=has_some)
+    explain("All views and the path, for this app and for vesselsplat export --path.")
+    imgui.same_line()
+    button("Export…###export", _open_export)
+    explain("Poses as cameras.json, for other programs.")
+    with imgui_ctx.begin_popup("export") as popup:
+        if popup:
+            if imgui.menu_item_simple("The clip's cameras"):
+                path_actions.export_clip_cameras(state)
+            if imgui.menu_item_simple("The path's cameras", enabled=bool(views.path.keyframes)):
+                path_actions.export_path_cameras(state)
+
+
+def _open_export() -> None:
+    imgui.open_popup("export")
+
+
+def _draw_new_view(state: AppState) -> None:
+    imgui.set_next_item_width(-em(6))
+    _, state.cameras.name = imgui.input_text_with_hint("##name", "name of this view", state.cameras.name)
+    imgui.same_line()
+    button(f"{icons.ICON_FA_PLUS} Keep###keep", lambda: path_actions.save_view(state), width=-1)
+    explain("B: keep what the 3D view is seen from under this name.")
+
+
+def _draw_view(state: AppState, index: int) -> None:
+    one = state.cameras.views.named[index]
+    with imgui_ctx.push_id(f"view {index}"):
+        width = imgui.get_content_region_avail().x - em(4.2)
+        if imgui.selectable(f"{legible(one.name)}###go", False, 0, ImVec2(width, 0))[0]:
+            path_actions.go_to(state, one.camera)
+        explain("See the reconstruction from here.")
+        imgui.same_line()
+        if imgui.small_button(f"{icons.ICON_FA_EDIT}###rename"):
+            imgui.open_popup("name")
+        explain("Rename")
+        imgui.same_line()
+        if imgui.small_button(f"{icons.ICON_FA_TRASH}###delete"):
+            path_actions.delete_view(state, index)
+        explain("Delete")
+        with imgui_ctx.begin_popup("name") as popup:
+            if popup:
+                _draw_rename(state, index, one.name)
+
+
+def _draw_rename(state: AppState, index: int, name: str) -> None:
+    if imgui.is_window_appearing():
+        imgui.set_keyboard_focus_here()
+    flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
+    done, text = imgui.input_text("##text", name, flags)
+    if done:
+        path_actions.rename_view(state, index, text)
+        imgui.close_current_popup()
+
+
+def _draw_path(state: AppState) -> None:
+    cameras, path = state.cameras, state.cameras.views.path
+    button(f"{icons.ICON_FA_PLUS} Keyframe###keyframe", lambda: path_actions.add_keyframe(state))
+    explain("I: this view and this time, at the path's present second or after its end.")
+    imgui.same_line()
+    icon = icons.ICON_FA_PAUSE if cameras.playing else icons.ICON_FA_PLAY
+    enabled = len(path.keyframes) > 1
+    button(f"{icon}###path", lambda: path_actions.toggle_path(state), enabled=enabled, width=2.2)
+    explain("L: play the path, and stop. It takes two keyframes.")
+    imgui.same_line()
+    changed, loop = imgui.checkbox("Loop", cameras.views.loop)
+    explain("Again from the beginning; without a corner where the last keyframe is the first one's view.")
+    if changed:
+        path_actions.set_loop(state, loop)
+    if not path.keyframes:
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.MUTED, "Move the view, add a keyframe, move on, add the next.")
+        return
+    if enabled:
+        imgui.set_next_item_width(-em(0.1))
+        moved, seconds = imgui.slider_float("##playhead", cameras.playhead, path.start, path.end, "%.2f s")
+        if moved:
+            path_actions.seek_path(state, seconds)
+    _draw_keyframes(state)
+
+
+def _draw_keyframes(state: AppState) -> None:
+    flags = imgui.TableFlags_.sizing_stretch_same
+    with imgui_ctx.begin_table("keyframes", 3, flags) as table:
+        if not table:
+            return
+        imgui.table_setup_column("Second")
+        imgui.table_setup_column("Clip time")
+        imgui.table_setup_column("", imgui.TableColumnFlags_.width_fixed, em(6.6))
+        imgui.table_headers_row()
+        for index, key in enumerate(state.cameras.views.path.keyframes):
+            with imgui_ctx.push_id(f"key {index}"):
+                _draw_keyframe(state, index, key)
+
+
+def _draw_keyframe(state: AppState, index: int, key: Keyframe) -> None:
+    imgui.table_next_column()
+    imgui.set_next_item_width(-em(0.1))
+    changed, seconds = imgui.drag_float("##seconds", key.seconds, 0.02, 0, 3600, "%.2f s")
+    explain("When the path is here. Drag, or Ctrl+click to type.")
+    if changed:
+        path_actions.move_keyframe(state, index, seconds)
+    imgui.table_next_column()
+    imgui.set_next_item_width(-em(0.1))
+    changed, time = imgui.drag_float("##time", key.time, 0.002, 0, 1, "%.3f")
+    explain("The moment of the clip that is seen, from 0 to 1.")
+    if changed:
+        path_actions.retime_keyframe(state, index, time)
+    imgui.table_next_column()
+    acts: tuple[tuple[str, str, Act], ...] = (
+        (icons.ICON_FA_EYE, "See it", lambda: path_actions.seek_path(state, key.seconds)),
+        (icons.ICON_FA_SYNC, "From here and now", lambda: path_actions.replace_keyframe(state, index)),
+        (icons.ICON_FA_TRASH, "Delete", lambda: path_actions.delete_keyframe(state, index)),
+    )
+    for icon, text, act in acts:
+        if imgui.small_button(f"{icon}###{text}"):
+            act()
+        explain(text)
+        imgui.same_line()
