@@ -239,6 +239,11 @@ class AppState:
         return self.model is not None or self.reconstruction.is_alive
 
     @property
+    def is_model_alone(self) -> bool:
+        """A reconstruction without pictures: splats of a file, or a run whose clip is gone."""
+        return self.model is not None and self.clip is None
+
+    @property
     def is_busy(self) -> bool:
         """Something goes on that the window should follow closely."""
         return (

@@ -43,6 +43,8 @@ IDLE_FPS = 9.0
 BUSY_FPS = 25.0
 """While something runs in the background that the window should follow."""
 SIZE = (1280, 720)
+SPLATS = "Splats"
+"""The 3D view of a model without pictures, in their place."""
 TUNING = "Tuning"
 
 
@@ -163,6 +165,7 @@ class Window:
         panels: list[tuple[str, str, Callable[[], None]]] = [
             ("Pictures", "MainDockSpace", self._draw_pictures),
             ("3D view", "Below", self._draw_view),
+            (SPLATS, "MainDockSpace", self._draw_view),
             ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
             ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state, self._make_job)),
             ("Cameras", "SideBelow", lambda: draw_cameras(self.state, self._import_views)),
@@ -171,6 +174,8 @@ class Window:
             hello_imgui.DockableWindow(title, dock, draw, can_be_closed_=False)
             for title, dock, draw in panels
         ]
+        splats = next(window for window in layout.dockable_windows if window.label == SPLATS)
+        splats.include_in_view_menu = splats.is_visible = False
         log = hello_imgui.DockableWindow("Log", "Below", self._draw_log, is_visible_=False)
         tuning = hello_imgui.DockableWindow(
             TUNING, "MainDockSpace", self._draw_tuning, is_visible_=False, can_be_closed_=False
@@ -197,11 +202,10 @@ class Window:
             self._open(Path(self._dropped.pop()))
         update(self.state, self._channels, time.monotonic() - self._began)
         params = hello_imgui.get_runner_params()
-        # Without anything to show there, the pictures have its space.
-        params.docking_params.dockable_window_of_name("3D view").is_visible = self.state.has_view
-        # Splats alone have no pictures, only the welcome in their place.
-        alone = self.state.model is not None and self.state.clip is None
-        params.docking_params.dockable_window_of_name("Pictures").is_visible = not alone
+        # What has nothing to show leaves its space to the other.
+        alone, panel = self.state.is_model_alone, params.docking_params.dockable_window_of_name
+        panel("3D view").is_visible = self.state.has_view and not alone
+        panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
         self._show_tuning(params.docking_params.dockable_window_of_name(TUNING))
         idling = params.fps_idling
         moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing

@@ -246,3 +246,15 @@ def test_settings_that_cannot_be_kept_are_no_disaster(state: AppState) -> None:
     actions.acknowledge(state)
     assert state.settings.acknowledged
     assert any("settings" in line for line in state.log)
+
+
+def test_a_model_without_pictures_is_alone(
+    state: AppState, model: DynamicGaussians, make_job: MakeFake
+) -> None:
+    started(state, make_job)
+    actions.show_live_model(state, model)
+    assert not state.is_model_alone
+    state.clip = None
+    assert state.is_model_alone
+    state.model = None
+    assert not state.is_model_alone

@@ -501,7 +501,7 @@ def test_the_cameras_panel_draws_every_state(ui: Ui, opened: AppState, model: Dy
 
 def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    keyboard = Keyboard(shortcuts(Commands(lambda: None, lambda: None, lambda: None)))
+    keyboard = Keyboard(shortcuts(Commands(*[lambda: None] * 4)))
     for key in (imgui.Key.b, imgui.Key.i, imgui.Key.i, imgui.Key.l):
         ui.press(lambda: keyboard.handle(opened), key)
     assert len(opened.cameras.views.named) == 1

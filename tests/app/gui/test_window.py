@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.gaussians import DynamicGaussians
+from renderer.splat_files.inria_ply import ply_bytes
 from renderer.train.events import Finished, Progress, Started
 from tests.app.gui.conftest import FakeJob
 
@@ -258,3 +260,28 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
     assert 60 < middle[0] < 140  # half as bright as white,
     assert (view[view.shape[0] // 2, 2] == 0).all()  # and nothing is beside it.
     assert np.ptp(shot[:top]) > 200
+
+
+@pytest.mark.display
+def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
+    places: Places, model: DynamicGaussians, tmp_path: Path
+) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    file = tmp_path / "splats.ply"
+    file.write_bytes(ply_bytes(model.raw, "default", []))
+    actions.open_path(driver.state, file)
+    heights: list[float] = []
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: driver.state.view is not None, "the splats")
+        ctx.yield_(3)
+        box = ctx.item_info("//Splats/view").rect_full
+        heights.append(box.max.y - box.min.y)
+        actions.open_path(driver.state, phantom_path())
+        wait(ctx, lambda: is_settled(driver.state), "the phantom")
+        ctx.yield_(3)
+        ctx.item_click("//Pictures/**/###freeze")
+
+    driver.run(drive)
+    assert driver.state.frozen_index == 0
+    assert heights[0] > 400
