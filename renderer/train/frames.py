@@ -19,7 +19,7 @@ class TrainFrame:
 
     time: float
     camera: Camera
-    colors: NDArray[np.uint8]  # (H, W, 3)
+    colors: NDArray[np.uint8]  # (3, H, W)
     color_mask: NDArray[np.bool_]  # (H, W)
     depth: NDArray[np.float32]  # (H, W), 0 = not supervised
     tile_wanted: NDArray[np.bool_]  # (tile rows, tile columns)
@@ -50,7 +50,7 @@ def halved(frame: TrainFrame, has_masks: bool = True) -> TrainFrame:
     width, height = frame.camera.width, frame.camera.height
     half = (max(width // 2, 1), max(height // 2, 1))
     mask = frame.color_mask[:height, :width].astype(np.float32)
-    colors = frame.colors[:height, :width].astype(np.float32)
+    colors = frame.colors[:, :height, :width].transpose(1, 2, 0).astype(np.float32)
     if has_masks:
         colors = _masked_mean(colors, mask, half)
     else:
@@ -91,7 +91,7 @@ def _padded(
     return TrainFrame(
         time=time,
         camera=camera,
-        colors=np.pad(colors, ((0, below), (0, beside), (0, 0))),
+        colors=np.pad(colors.transpose(2, 0, 1), ((0, 0), (0, below), (0, beside))),
         color_mask=mask,
         depth=depth,
         tile_wanted=tissue_tiles(mask),

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from renderer.depth.alignment import aligned
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.cpu import Rasterizer
+from renderer.rasterize.stack import stack_array
 from renderer.rasterize.tiles import (
+    ADJOINT_PLANES,
     BY_BLUE,
     BY_DEPTH,
     BY_GREEN,
@@ -22,6 +24,7 @@ from renderer.rasterize.tiles import (
     PLANE_DEPTH,
     PLANE_GREEN,
     PLANE_RED,
+    PLANES,
     TOTAL,
 )
 from renderer.train.frames import TrainFrame
@@ -124,7 +127,7 @@ def _extra_terms(
             extra[:, *inside],
         )  # fmt: skip
     if weights.dissimilarity > 0:
-        photo = frame.colors.transpose(2, 0, 1) * BYTE
+        photo = frame.colors * BYTE
         mask = frame.color_mask.astype(np.float32)
         picture = planes[PLANE_RED : PLANE_BLUE + 1]
         loss += add_dissimilarity(picture, photo, mask, weights.dissimilarity, extra)
@@ -139,7 +142,7 @@ def _sign(value: np.float32) -> np.float32:
 @njit(parallel=True, cache=True, error_model="numpy")
 def masked_loss(
     planes: NDArray[np.float32],  # (5, H, W) blended picture, black background
-    colors: NDArray[np.uint8],  # (H, W, 3)
+    colors: NDArray[np.uint8],  # (3, H, W)
     color_mask: NDArray[np.bool_],  # (H, W)
     depths: NDArray[np.float32],  # (H, W), 0 = not supervised
     tile_wanted: NDArray[np.bool_],
@@ -155,49 +158,85 @@ def masked_loss(
     Loss = color_weight * sum |color - photo| + depth_weight * sum |D - depth|
     + inverse_weight * sum |1 / D - 1 / depth| with D = sum(w z) / sum(w).
     """
-    color_gradient = np.float32(color_weight)
-    depth_gradient, inverse_gradient = np.float32(depth_weight), np.float32(inverse_weight)
     for y in prange(planes.shape[1]):
-        sums[y] = 0.0
-        for x in range(planes.shape[2]):
-            if not tile_wanted[y // TILE, x // TILE]:
-                continue
-            for plane in range(adjoint.shape[0]):
-                adjoint[plane, y, x] = ZERO
-            if len(extra) > 0:
-                _add_extra(planes, extra, y, x, adjoint)
-            if not color_mask[y, x]:
-                continue
-            red = planes[PLANE_RED, y, x] - np.float32(colors[y, x, 0]) * BYTE
-            green = planes[PLANE_GREEN, y, x] - np.float32(colors[y, x, 1]) * BYTE
-            blue = planes[PLANE_BLUE, y, x] - np.float32(colors[y, x, 2]) * BYTE
-            sums[y, COLOR_LOSS] += abs(red) + abs(green) + abs(blue)
-            sums[y, SQUARED_ERROR] += red * red + green * green + blue * blue
-            by_red, by_green, by_blue = (
-                color_gradient * _sign(red),
-                color_gradient * _sign(green),
-                color_gradient * _sign(blue),
-            )
-            adjoint[BY_RED, y, x] += by_red
-            adjoint[BY_GREEN, y, x] += by_green
-            adjoint[BY_BLUE, y, x] += by_blue
+        _row_loss(
+            planes[:, y], colors[:, y], color_mask[y], depths[y], tile_wanted[y // TILE],
+            np.float32(color_weight), np.float32(depth_weight), np.float32(inverse_weight),
+            adjoint[:, y], sums[y],
+        )  # fmt: skip
+        if len(extra) > 0:
+            for x in range(planes.shape[2]):
+                if tile_wanted[y // TILE, x // TILE]:
+                    _add_extra(planes, extra, y, x, adjoint)
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _row_loss(
+    planes: NDArray[np.float32],  # (5, W)
+    colors: NDArray[np.uint8],  # (3, W)
+    color_mask: NDArray[np.bool_],
+    depths: NDArray[np.float32],
+    wanted: NDArray[np.bool_],  # one a tile
+    color_gradient: np.float32,
+    depth_gradient: np.float32,
+    inverse_gradient: np.float32,
+    adjoint: NDArray[np.float32],  # (6, W), out
+    sums: NDArray[np.float64],  # (N_SUMS,), out
+) -> None:
+    """One row, a tile's width at a time: fetched to the stack, reckoned there as vectors, and put back."""
+    drawn, photo = stack_array(PLANES, TILE), stack_array(3, TILE)
+    by, lanes = stack_array(ADJOINT_PLANES, TILE), stack_array(N_SUMS, TILE)
+    kept, measured = stack_array(TILE), stack_array(TILE)
+    for row in range(N_SUMS):
+        for lane in range(TILE):
+            lanes[row, lane] = ZERO
+    for tile in range(len(wanted)):
+        if not wanted[tile]:
+            continue
+        left = TILE * tile
+        for lane in range(TILE):
+            kept[lane] = ONE if color_mask[left + lane] else ZERO
+            measured[lane] = depths[left + lane]
+            for plane in range(PLANES):
+                drawn[plane, lane] = planes[plane, left + lane]
+            for channel in range(3):
+                photo[channel, lane] = np.float32(colors[channel, left + lane]) * BYTE
+        for lane in range(TILE):
+            keep = kept[lane]
+            red = (drawn[PLANE_RED, lane] - photo[0, lane]) * keep
+            green = (drawn[PLANE_GREEN, lane] - photo[1, lane]) * keep
+            blue = (drawn[PLANE_BLUE, lane] - photo[2, lane]) * keep
+            lanes[COLOR_LOSS, lane] += abs(red) + abs(green) + abs(blue)
+            lanes[SQUARED_ERROR, lane] += red * red + green * green + blue * blue
+            by_red = color_gradient * _sign(red)
+            by_green = color_gradient * _sign(green)
+            by_blue = color_gradient * _sign(blue)
+            by[BY_RED, lane], by[BY_GREEN, lane], by[BY_BLUE, lane] = by_red, by_green, by_blue
             # The depth terms of the total cancel: sum(w z) h - sum(w) D h = 0.
-            adjoint[TOTAL, y, x] += (
-                planes[PLANE_RED, y, x] * by_red
-                + planes[PLANE_GREEN, y, x] * by_green
-                + planes[PLANE_BLUE, y, x] * by_blue
+            by[TOTAL, lane] = (
+                drawn[PLANE_RED, lane] * by_red
+                + drawn[PLANE_GREEN, lane] * by_green
+                + drawn[PLANE_BLUE, lane] * by_blue
             )
-            weight = ONE - planes[LEFT, y, x]
-            if depths[y, x] > ZERO and weight > HALF:
-                expected = planes[PLANE_DEPTH, y, x] / weight
-                error = expected - depths[y, x]
-                nearness = ONE / depths[y, x] - ONE / expected
-                sums[y, DEPTH_LOSS] += abs(error)
-                sums[y, INVERSE_LOSS] += abs(nearness)
-                slope = depth_gradient + inverse_gradient / (expected * expected)
-                by_depth = slope * _sign(error) / weight
-                adjoint[BY_DEPTH, y, x] += by_depth
-                adjoint[BY_WEIGHT, y, x] -= by_depth * expected
+            weight, depth = ONE - drawn[LEFT, lane], measured[lane]
+            compared = keep > ZERO and depth > ZERO and weight > HALF
+            weight = weight if compared else ONE
+            depth = depth if compared else ONE
+            expected = drawn[PLANE_DEPTH, lane] / weight if compared else ONE
+            error, nearness = expected - depth, ONE / depth - ONE / expected
+            lanes[DEPTH_LOSS, lane] += abs(error)
+            lanes[INVERSE_LOSS, lane] += abs(nearness)
+            slope = depth_gradient + inverse_gradient / (expected * expected)
+            by_depth = slope * _sign(error) / weight
+            by[BY_DEPTH, lane] = by_depth
+            by[BY_WEIGHT, lane] = -by_depth * expected
+        for plane in range(ADJOINT_PLANES):
+            for lane in range(TILE):
+                adjoint[plane, left + lane] = by[plane, lane]
+    for row in range(N_SUMS):
+        sums[row] = 0.0
+        for lane in range(TILE):
+            sums[row] += np.float64(lanes[row, lane])
 
 
 @njit(inline="always")
@@ -205,10 +244,10 @@ def _add_extra(
     planes: NDArray[np.float32], extra: NDArray[np.float32], y: int, x: int, adjoint: NDArray[np.float32]
 ) -> None:
     for c in range(3):
-        adjoint[BY_RED + c, y, x] = extra[c, y, x]
+        adjoint[BY_RED + c, y, x] += extra[c, y, x]
         adjoint[TOTAL, y, x] += planes[PLANE_RED + c, y, x] * extra[c, y, x]
     weight = ONE - planes[LEFT, y, x]
     if weight > HALF:
         by_depth = extra[3, y, x] / weight
-        adjoint[BY_DEPTH, y, x] = by_depth
-        adjoint[BY_WEIGHT, y, x] = -by_depth * planes[PLANE_DEPTH, y, x] / weight
+        adjoint[BY_DEPTH, y, x] += by_depth
+        adjoint[BY_WEIGHT, y, x] -= by_depth * planes[PLANE_DEPTH, y, x] / weight

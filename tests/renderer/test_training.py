@@ -168,9 +168,9 @@ def test_half_resolution_frame_keeps_means_and_masks() -> None:
     frame = train_frame(moving_sheet().read_frame(3))
     small = halved(frame)
     assert (small.camera.width, small.camera.height) == (24, 16)
-    blocks = frame.colors[:32, :48].reshape(16, 2, 24, 2, 3).mean(axis=(1, 3))
+    blocks = frame.colors[:, :32, :48].reshape(3, 16, 2, 24, 2).mean(axis=(2, 4))
     inside = small.color_mask[:16, :24]
-    assert np.abs(small.colors[:16, :24] - blocks)[inside].max() <= 0.5 + 1e-4
+    assert np.abs(small.colors[:, :16, :24] - blocks)[:, inside].max() <= 0.5 + 1e-4
     assert not inside[:4, :5].any()
     assert small.depth[8, 20] == pytest.approx(frame.depth[16, 40], rel=1e-6)
 
