@@ -53,6 +53,16 @@ class Row:
     """Half of the distance between the quartiles of these milliseconds."""
 
 
+def named(params: EnhanceParams) -> tuple[Group, str]:
+    """Group and setting under which the windows of these parameters are among the rows, if they are."""
+    radii = " + ".join(map(str, params.radii))
+    if params.radii == EXACT.radii:
+        return "subsample", f"s = {params.subsample}"
+    if params.subsample == EXACT.subsample:
+        return "scales", radii
+    return "both", f"{radii}, s = {params.subsample}"
+
+
 def accuracy(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
     """Rows for an RGB image.
 

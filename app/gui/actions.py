@@ -78,7 +78,11 @@ def open_path(state: AppState, path: Path) -> None:
 
 
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
-    """Take over what has been opened: the start of a session with it."""
+    """Take over what has been opened: the start of a session with it, but for a report, which joins it."""
+    if opened.report is not None:
+        state.opening, state.report, state.report_asked = None, opened.report, True
+        say(state, f"opened {path.name}")
+        return
     state.opening, state.opened_path, state.session_path = None, opened.path or path, None
     if opened.clip is None or state.clip is None or opened.clip.path != state.clip.path:
         state.cameras = CameraList()
@@ -113,6 +117,11 @@ def _show_run(state: AppState, opened: Opened) -> None:
         progress=run.progress[-1] if run.progress else None,
         curve=[point_of(progress) for progress in run.progress],
     )
+
+
+def choose_chart(state: AppState, place: int) -> None:
+    """Of the report, the diagram to show."""
+    state.report_place = place
 
 
 def seek(state: AppState, index: int) -> None:

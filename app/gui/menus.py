@@ -44,7 +44,7 @@ def _item(label: str, keys: str, act: Act, *, ticked: bool = False, enabled: boo
 
 def _draw_file(state: AppState, openers: Openers, commands: Commands) -> None:
     _item("Open folder…", "Ctrl+O", openers.folder)
-    _item("Open image, video or session…", "Ctrl+I", openers.file)
+    _item("Open image, video, session or report…", "Ctrl+I", openers.file)
     _item("Open the built-in phantom", "", openers.phantom)
     with imgui_ctx.begin_menu("Open recent", bool(state.settings.recent)) as menu:
         if menu:

@@ -8,8 +8,10 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.gui.origin import Origin, origin_of
+from app.gui.reported import Reported, read
 from app.gui.viewing import ShownModel
 from app.provenance import digest
+from app.report.saved import is_report
 from app.run_folder import RunFolder, RunRecord
 from app.scene import is_splat_file, splat_scene
 from app.sessions import SUFFIX, Session, read_session
@@ -60,12 +62,17 @@ class Opened:
     """To take up, of a session file."""
     path: Path | None = None
     """What was opened: of a session file, its source."""
+    report: Reported | None = None
+    """Nothing else is opened with one."""
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
     """Raises ClipError or UserError: one line for the banner."""
     if request.path.suffix == SUFFIX:
         yield _open_session(request.path)
+        return
+    if is_report(request.path):
+        yield Opened(None, report=read(request.path))
         return
     if is_splat_file(request.path):
         yield _open_splats(request.path)

@@ -17,6 +17,7 @@ from app.gui.opening import OpenRequest
 from app.gui.others import Difference, Other
 from app.gui.photos import Photo, PhotoRequest
 from app.gui.picture_view import PictureView
+from app.gui.reported import Reported
 from app.gui.settings import Places, Settings
 from app.gui.tuning import Tuning
 from app.gui.viewer import Viewer
@@ -185,6 +186,12 @@ class AppState:
     """In [0, 1]; used when not linked."""
 
     tuning: Tuning = field(default_factory=Tuning)
+
+    report: Reported | None = None
+    report_place: int = 0
+    """Which diagram of it is shown."""
+    report_asked: bool = False
+    """Its panel is to come to the front."""
 
     notes: str = ""
     session_path: Path | None = None

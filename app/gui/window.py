@@ -24,6 +24,7 @@ from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.report import draw_report
 from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
@@ -45,7 +46,7 @@ BUSY_FPS = 25.0
 SIZE = (1280, 720)
 SPLATS = "Splats"
 """The 3D view of a model without pictures, in their place."""
-TUNING = "Tuning"
+TUNING, REPORT = "Tuning", "Report"
 
 
 def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> None:
@@ -184,7 +185,10 @@ class Window:
         notes = hello_imgui.DockableWindow(
             "Notes", "Below", lambda: draw_notes(self.state), is_visible_=False
         )
-        layout.dockable_windows = [*layout.dockable_windows, log, notes, tuning]
+        report = hello_imgui.DockableWindow(
+            REPORT, "MainDockSpace", lambda: draw_report(self.state), is_visible_=False
+        )
+        layout.dockable_windows = [*layout.dockable_windows, log, notes, report, tuning]
         return layout
 
     def _begin(self) -> None:
@@ -207,6 +211,7 @@ class Window:
         panel("3D view").is_visible = self.state.has_view and not alone
         panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
         self._show_tuning(params.docking_params.dockable_window_of_name(TUNING))
+        self._show_report(params.docking_params.dockable_window_of_name(REPORT))
         idling = params.fps_idling
         moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing
         idling.enable_idling = not moves
@@ -220,6 +225,12 @@ class Window:
         """In front when it is asked for."""
         window.focus_window_at_next_frame |= self.state.tuning.shown and not window.is_visible
         window.is_visible = self.state.tuning.shown
+
+    def _show_report(self, window: hello_imgui.DockableWindow) -> None:
+        """In front, when one was just opened; then as the View menu says."""
+        if self.state.report_asked:
+            window.is_visible = window.focus_window_at_next_frame = True
+            self.state.report_asked = False
 
     def _draw_tuning(self) -> None:
         assert self._textures is not None

@@ -1,0 +1,97 @@
+"""The report panel: error against run time as `vesselsplat report` measured it, and the present setting."""
+
+from __future__ import annotations
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
+
+from app.gui import actions, theme
+from app.gui.reported import Chart, Reported, Scale, current
+from app.gui.state import AppState
+from app.gui.widgets import centered, em, explain
+
+FLAGS = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
+NEAR = 12.0
+"""Screen pixels from the pointer to a point that it names."""
+
+
+def draw_report(state: AppState) -> None:
+    """A diagram, which one, and what the report says in words."""
+    if state.report is None:
+        imgui.dummy(ImVec2(0, em(3)))
+        centered("Open the report.json that `vesselsplat report` wrote, by Ctrl+I or by dropping it here.")
+        return
+    report = state.report
+    imgui.text_colored(theme.MUTED, report.about)
+    if report.charts:
+        chart = report.charts[_chosen(state, report)]
+        _draw_chart(state, chart)
+    for title, sentences in report.sentences:
+        if imgui.collapsing_header(title):
+            with imgui_ctx.push_text_wrap_pos(0):
+                for sentence in sentences:
+                    imgui.text_wrapped(sentence)
+
+
+def _chosen(state: AppState, report: Reported) -> int:
+    names = [f"{chart.title}: {chart.measure}" for chart in report.charts]
+    imgui.set_next_item_width(-1)
+    changed, place = imgui.combo("##diagram", min(state.report_place, len(names) - 1), names)
+    explain("Which diagram. Each point is a setting; those on the line are beaten by no other.")
+    if changed:
+        actions.choose_chart(state, place)
+    return place
+
+
+def _draw_chart(state: AppState, chart: Chart) -> None:
+    now = current(chart, state.params)
+    size = ImVec2(-1, max(em(12), imgui.get_content_region_avail().y * 0.62))
+    if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, FLAGS):
+        return
+    implot.setup_axes("ms", chart.measure)
+    _setup(implot.ImAxis_.x1, chart.across, logarithmic=True)
+    _setup(implot.ImAxis_.y1, chart.up, logarithmic=chart.logarithmic)
+    implot.setup_legend(implot.Location_.north_east)
+    implot.plot_stairs(chart.front.name, chart.front.milliseconds, chart.front.errors)
+    for line in chart.series:
+        implot.plot_scatter(line.name, line.milliseconds, line.errors)
+    if now is not None:
+        _draw_dot(chart, now)
+    _explain_nearest(chart)
+    implot.end_plot()
+    if now is not None:
+        text = f"Now: {now.setting}, {now.error:.3g} in {1e3 * now.seconds:.3g} ms"
+        imgui.text_colored(theme.ACCENT, f"{text}, the default" if now.is_default else text)
+    elif chart.part == "enhancement":
+        imgui.text_colored(theme.MUTED, "The present setting is not among those that were measured.")
+
+
+def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:
+    implot.setup_axis_limits(axis, scale.least, scale.most)
+    if logarithmic:
+        implot.setup_axis_scale(axis, implot.Scale_.log10)
+        implot.setup_axis_ticks(axis, list(scale.ticks), scale.labels)
+
+
+def _draw_dot(chart: Chart, now: object) -> None:
+    place = implot.plot_to_pixels(*chart.place(now))  # type: ignore[arg-type]
+    draw = implot.get_plot_draw_list()
+    implot.push_plot_clip_rect()
+    draw.add_circle_filled(place, em(0.38), imgui.get_color_u32(theme.ACCENT))
+    draw.add_circle(place, em(0.6), imgui.get_color_u32(theme.ACCENT), 0, 2.0)
+    implot.pop_plot_clip_rect()
+
+
+def _explain_nearest(chart: Chart) -> None:
+    """Name the setting under the pointer."""
+    if not implot.is_plot_hovered():
+        return
+    mouse = imgui.get_mouse_pos()
+    for point in chart.points:
+        place = implot.plot_to_pixels(*chart.place(point))
+        if (place.x - mouse.x) ** 2 + (place.y - mouse.y) ** 2 < NEAR**2:
+            default = " (default)" if point.is_default else ""
+            text = (
+                f"{point.series}: {point.setting}{default}\n{point.error:.4g} in {1e3 * point.seconds:.4g} ms"
+            )
+            imgui.set_tooltip(text)
+            return

@@ -1,0 +1,136 @@
+"""A report as its panel draws it: numbers ready for the plots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.report.saved import SavedReport, read_report
+from app.report.work_precision import Diagram, Point, pareto_front
+from enhance import EnhanceParams
+from enhance.accuracy import named
+
+ENHANCEMENT = "enhancement"
+LEAST = 1e-6
+"""What an error of 0 is drawn as, on a logarithmic axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Points of one kind."""
+
+    name: str
+    milliseconds: NDArray[np.float64]
+    errors: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """What an axis spans, and where it has numbers; none: as the plot likes."""
+
+    least: float
+    most: float
+    ticks: tuple[float, ...] = ()
+
+    @property
+    def labels(self) -> list[str]:
+        """Of the ticks."""
+        return [f"{tick:g}" for tick in self.ticks]
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """One work-precision diagram."""
+
+    part: str
+    title: str
+    measure: str
+    logarithmic: bool
+    points: tuple[Point, ...]
+    series: tuple[Line, ...]
+    front: Line
+    across: Scale
+    """Of the times."""
+    up: Scale
+
+    def place(self, point: Point) -> tuple[float, float]:
+        """On the axes."""
+        return 1e3 * point.seconds, max(point.error, LEAST) if self.logarithmic else point.error
+
+
+@dataclass(frozen=True, eq=False)
+class Reported:
+    """All of them, and what else is worth a line."""
+
+    name: str
+    about: str
+    charts: tuple[Chart, ...]
+    sentences: tuple[tuple[str, tuple[str, ...]], ...]
+    """Of each part, by its title."""
+
+
+def read(path: Path) -> Reported:
+    """Raises UserError when the file is no report."""
+    report = read_report(path)
+    machine: dict[str, Any] = report.machine
+    about = f"{report.clip}, {report.utc[:10]}, {machine.get('processor')}, {machine.get('cores')} cores"
+    told = tuple((one.title, one.sentences) for one in report.sections.values())
+    return Reported(path.parent.name, about, tuple(_charts(report)), told)
+
+
+def current(chart: Chart, params: object) -> Point | None:
+    """The point of the setting that is chosen; None where it was not measured."""
+    if chart.part != ENHANCEMENT or not isinstance(params, EnhanceParams):
+        return None
+    setting = named(params)
+    return next((point for point in chart.points if (point.series, point.setting) == setting), None)
+
+
+def _charts(report: SavedReport) -> Iterator[Chart]:
+    for part, section in report.sections.items():
+        for plate in section.plates:
+            for diagram in plate.diagrams:
+                if diagram.points:
+                    yield _chart(part, plate.title, diagram)
+
+
+def _chart(part: str, title: str, diagram: Diagram) -> Chart:
+    logarithmic = not diagram.more_is_better
+    names = dict.fromkeys(point.series for point in diagram.points)
+
+    def line(name: str, points: list[Point]) -> Line:
+        errors = np.array([point.error for point in points], np.float64)
+        times = 1e3 * np.array([point.seconds for point in points], np.float64)
+        return Line(name, times, np.maximum(errors, LEAST) if logarithmic else errors)
+
+    whole = line("", list(diagram.points))
+    return Chart(
+        part=part,
+        title=title,
+        measure=diagram.measure,
+        logarithmic=logarithmic,
+        points=diagram.points,
+        series=tuple(line(name, [one for one in diagram.points if one.series == name]) for name in names),
+        front=line("Pareto front", list(pareto_front(diagram))),
+        across=_scale(whole.milliseconds, logarithmic=True),
+        up=_scale(whole.errors, logarithmic=logarithmic),
+    )
+
+
+def _scale(values: NDArray[np.float64], *, logarithmic: bool) -> Scale:
+    """With a margin; few decades are numbered between their ends."""
+    least, most = float(values.min()), float(values.max())
+    if not logarithmic:
+        margin = 0.08 * (most - least) or 1.0
+        return Scale(least - margin, most + margin)
+    margin = max((most / least) ** 0.08, 1.15)
+    least, most = least / margin, most * margin
+    decades = range(int(np.floor(np.log10(least))), int(np.ceil(np.log10(most))) + 1)
+    between = (1.0, 2.0, 5.0) if most / least < 300 else (1.0,)
+    ticks = (digit * 10.0**decade for decade in decades for digit in between)
+    return Scale(least, most, tuple(tick for tick in ticks if least <= tick <= most))

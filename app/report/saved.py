@@ -1,0 +1,40 @@
+"""A report that was written before: its JSON, read back."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from app.errors import UserError
+from app.report.section import Section
+
+SECTIONS = TypeAdapter(dict[str, Section])
+
+
+@dataclass(frozen=True)
+class SavedReport:
+    """What `vesselsplat report` measured."""
+
+    clip: str
+    utc: str
+    machine: dict[str, Any]
+    sections: dict[str, Section]
+
+
+def is_report(path: Path) -> bool:
+    """Whether the name is one of a report's figures."""
+    return path.suffix == ".json"
+
+
+def read_report(path: Path) -> SavedReport:
+    """Raises UserError when the file is no report of ours."""
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+        sections = SECTIONS.validate_python(facts["parts"])
+        return SavedReport(facts["clip"]["name"], facts["utc"], facts["machine"], sections)
+    except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
+        raise UserError(f"expected the report.json of a report: {path}") from error

@@ -1,0 +1,91 @@
+"""The report panel: what it reads, what it draws, and where the present setting is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.errors import UserError
+from app.gui import actions
+from app.gui.opening import OpenRequest, open_path
+from app.gui.panels.report import draw_report
+from app.gui.reported import LEAST, current, read
+from app.gui.state import AppState
+from app.provenance import provenance, strict_json
+from app.report.section import Plate, Section
+from app.report.work_precision import Diagram, Point
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from tests.app.gui.test_panels import Ui
+
+POINTS = (
+    Point(series="subsample", setting="s = 2", seconds=0.002, error=0.01, is_default=True),
+    Point(series="subsample", setting="s = 1", seconds=0.006, error=0.0),
+    Point(series="scales", setting="4 + 16", seconds=0.003, error=0.2),
+)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    diagrams = (Diagram(measure="mean error, grey levels", points=POINTS),)
+    psnr = (Diagram(measure="PSNR, dB", points=POINTS, more_is_better=True),)
+    sections = {
+        "enhancement": Section(
+            title="E", sentences=("words",), plates=(Plate(title="P", diagrams=diagrams),)
+        ),
+        "training": Section(title="T", plates=(Plate(title="Q", diagrams=psnr),)),
+    }
+    facts = provenance(machine={"cores": 2, "processor": "p"}, clip={"name": "c"}, parts=sections)
+    file = tmp_path / "report.json"
+    file.write_text(strict_json(facts))
+    return file
+
+
+def test_charts_are_ready_to_draw(path: Path) -> None:
+    first, second = read(path).charts
+    assert first.logarithmic
+    assert not second.logarithmic
+    assert np.all(np.diff(first.front.milliseconds) > 0)
+    assert first.across.least < 2 < 6 < first.across.most
+    assert first.across.ticks == (2.0, 5.0)
+    assert first.up.least < LEAST
+    assert second.up.ticks == ()
+    assert min(line.errors.min() for line in first.series) == LEAST
+    assert read(path).sentences[0] == ("E", ("words",))
+
+
+def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
+    first, second = read(path).charts
+    default = EnhanceParams()
+    assert current(first, default) == POINTS[0]
+    assert current(first, replace(default, subsample=1)) == POINTS[1]
+    assert current(first, replace(default, radii=(4, 16))) == POINTS[2]
+    assert current(first, replace(default, radii=(5, 16))) is None
+    assert current(first, VesselParams()) is None
+    assert current(second, default) is None
+
+
+def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -> None:
+    clip = state.clip
+    (opened,) = open_path(OpenRequest(path))
+    actions.show_opened(state, path, opened)
+    assert state.clip is clip
+    assert state.report_asked
+    ui = Ui()
+    for place in (0, 1):
+        actions.choose_chart(state, place)
+        for _ in range(2):
+            ui.frame(lambda: draw_report(state))
+    state.report = None
+    ui.frame(lambda: draw_report(state))
+    ui.close()
+
+
+def test_another_file_is_refused_in_one_line(tmp_path: Path) -> None:
+    other = tmp_path / "cameras.json"
+    other.write_text("[1, 2]")
+    with pytest.raises(UserError, match="report"):
+        list(open_path(OpenRequest(other)))
