@@ -72,9 +72,21 @@ def _save(state: AppState) -> None:
 
 
 def open_path(state: AppState, path: Path) -> None:
-    """Ask for a clip or a run; what is open stays until the new one is there."""
-    state.opening = OpenRequest(path.absolute(), state.clip_options)
-    state.banner = None
+    """Ask for a clip or a run; what is open stays until the new one is there, and unsaved edits for good."""
+
+    def go() -> None:
+        state.opening = OpenRequest(path.absolute(), state.clip_options)
+        state.banner = None
+
+    leave(state, go)
+
+
+def leave(state: AppState, go: Callable[[], None]) -> None:
+    """Go on with what ends the edits of a model, after a question where they are not saved."""
+    if state.editing.is_unsaved:
+        state.editing.leaving = go
+    else:
+        go()
 
 
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
@@ -96,6 +108,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     for notice in opened.notices:
         say(state, notice)
     say(state, f"opened {path.name}")
+    if opened.warning:
+        fail(state, opened.warning)
     state.settings = state.settings.opened(path)
     _save(state)
 
@@ -232,14 +246,15 @@ def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
         input=draft.input,
         enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
     )
-    _start(state, make_job, clip, request, [])
+    leave(state, lambda: _start(state, make_job, clip, request, []))
 
 
 def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
     run = state.reconstruction
-    if can_continue(state) and run.clip is not None and run.request is not None:
-        _start(state, make_job, run.clip, replace(run.request, resume=True), run.curve)
+    clip, request = run.clip, run.request
+    if can_continue(state) and clip is not None and request is not None:
+        leave(state, lambda: _start(state, make_job, clip, replace(request, resume=True), run.curve))
 
 
 def _start(

@@ -88,7 +88,7 @@ def toggle_measuring(state: AppState) -> None:
 
 def ask_point(state: AppState, pixel: tuple[int, int], purpose: Purpose) -> None:
     """Wish for the surface point behind a pixel (column, row) of the view."""
-    request = state.view_request
+    request = state.plain_view_request
     if request is not None:
         state.viewer.pick = PickRequest(request, pixel, purpose)
 

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from imgui_bundle import imgui
 
-from app.gui import actions, camera_actions, comparing, path_actions, tuning_actions, view_actions
+from app.gui import (
+    actions,
+    camera_actions,
+    comparing,
+    edit_actions,
+    path_actions,
+    tuning_actions,
+    view_actions,
+)
+from app.gui.editing import Tool
 from app.gui.picture_view import PictureView
 from app.gui.state import AppState
 
@@ -35,6 +45,9 @@ class Commands:
 
 
 BLEND_STEP = 0.1
+TOOL_KEYS: dict[Tool, str] = {
+    "look": "Shift+V", "rectangle": "Shift+R", "lasso": "Shift+L", "sphere": "Shift+S", "box": "Shift+K"
+}  # fmt: skip
 MODIFIERS = int(imgui.Key.mod_mask_)
 PEEK = imgui.Key.space
 PEEK_TEXT = "hold: the original in every pane"
@@ -96,9 +109,14 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(key._0, "0", "fit the pictures", fit_pictures),
         Shortcut(key._1, "1", "pictures at 100 %", one_to_one),
         Shortcut(key.r, "R", "reset all enhancement parameters", actions.reset_params),
-        Shortcut(ctrl | key.z, "Ctrl+Z", "undo a parameter", actions.undo, repeats=True),
-        Shortcut(ctrl | key.y, "Ctrl+Y", "redo a parameter", actions.redo, repeats=True),
+        Shortcut(
+            ctrl | key.z, "Ctrl+Z", "undo a parameter, in edit mode an edit", edit_actions.undo, repeats=True
+        ),
+        Shortcut(
+            ctrl | key.y, "Ctrl+Y", "redo a parameter, in edit mode an edit", edit_actions.redo, repeats=True
+        ),
         Shortcut(ctrl | key.t, "Ctrl+T", "tuning grid: a range of settings", tuning_actions.toggle_tuning),
+        *edit_shortcuts(),
         Shortcut(key.s, "S", "save a picture of what is shown", lambda s: commands.screenshot()),
         Shortcut(ctrl | key.s, "Ctrl+S", "save the session", lambda s: commands.session()),
         Shortcut(ctrl | key.o, "Ctrl+O", "open a folder", lambda s: commands.open_folder()),
@@ -106,6 +124,36 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(shift | key.slash, "?", "this help", toggle_help),
         Shortcut(key.f1, "F1", "this help", toggle_help),
     )
+
+
+def edit_shortcuts() -> tuple[Shortcut, ...]:
+    """Of edit mode; all but the first do nothing outside it."""
+    key, ctrl, shift = imgui.Key, imgui.Key.mod_ctrl, imgui.Key.mod_shift
+    return (
+        Shortcut(ctrl | key.e, "Ctrl+E", "edit the reconstruction, and end that", edit_actions.toggle),
+        *(
+            Shortcut(
+                shift | getattr(key, keys[-1].lower()),
+                keys,
+                f"edit: {tool}",
+                partial(edit_actions.choose_tool, tool=tool),
+            )
+            for tool, keys in TOOL_KEYS.items()
+        ),
+        Shortcut(ctrl | key.a, "Ctrl+A", "edit: select all", edit_actions.select_all),
+        Shortcut(ctrl | key.d, "Ctrl+D", "edit: select none", edit_actions.select_none),
+        Shortcut(ctrl | shift | key.i, "Ctrl+Shift+I", "edit: invert the selection", edit_actions.invert),
+        Shortcut(key.delete, "Del", "edit: delete the selected Gaussians", edit_actions.delete),
+        Shortcut(shift | key.delete, "Shift+Del", "edit: crop, delete all others", edit_actions.crop),
+        Shortcut(key.h, "H", "edit: hide the selected Gaussians", edit_actions.hide),
+        Shortcut(shift | key.h, "Shift+H", "edit: show what is hidden", edit_actions.show_hidden),
+        Shortcut(ctrl | shift | key.s, "Ctrl+Shift+S", "save the edits", save_edits),
+    )
+
+
+def save_edits(state: AppState) -> None:
+    if state.editing.is_unsaved:
+        edit_actions.save(state)
 
 
 def fade_photo(state: AppState) -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from imgui_bundle import hello_imgui, imgui, imgui_ctx
 
-from app.gui import actions, camera_actions, comparing, path_actions, theme, tuning_actions
+from app.gui import actions, camera_actions, comparing, edit_actions, path_actions, theme, tuning_actions
 from app.gui.comparison import MODES, SLOTS
-from app.gui.keys import Commands, fit_pictures, one_to_one, toggle_help
+from app.gui.keys import TOOL_KEYS, Commands, fit_pictures, one_to_one, save_edits, toggle_help
 from app.gui.legible import legible
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.panels.welcome import Openers
@@ -31,6 +31,9 @@ def draw_menus(state: AppState, openers: Openers, commands: Commands, import_vie
     with imgui_ctx.begin_menu("Camera") as menu:
         if menu:
             _draw_camera(state, import_views)
+    with imgui_ctx.begin_menu("Edit") as menu:
+        if menu:
+            _draw_edit(state)
     hello_imgui.show_view_menu(hello_imgui.get_runner_params())
     with imgui_ctx.begin_menu("Help") as menu:
         if menu:
@@ -123,6 +126,33 @@ def _draw_camera(state: AppState, import_views: Act) -> None:
     _item("Export the clip's cameras", "", lambda: path_actions.export_clip_cameras(state), enabled=model)
     export = partial(path_actions.export_path_cameras, state)
     _item("Export the path's cameras", "", export, enabled=keys > 0)
+
+
+def _draw_edit(state: AppState) -> None:
+    editing = state.editing
+    on, some = editing.active, editing.active and len(editing.edits.selected) > 0
+    ready = editing.base is not None
+    _item("Edit mode", "Ctrl+E", lambda: edit_actions.toggle(state), ticked=on, enabled=ready)
+    with imgui_ctx.begin_menu("Tool", on) as menu:
+        if menu:
+            for tool, keys in TOOL_KEYS.items():
+                choose = partial(edit_actions.choose_tool, state, tool)
+                _item(tool.capitalize(), keys, choose, ticked=tool == editing.tool)
+    imgui.separator()
+    _item("Select all", "Ctrl+A", lambda: edit_actions.select_all(state), enabled=on)
+    _item("Select none", "Ctrl+D", lambda: edit_actions.select_none(state), enabled=some)
+    _item("Invert selection", "Ctrl+Shift+I", lambda: edit_actions.invert(state), enabled=on)
+    imgui.separator()
+    _item("Delete", "Del", lambda: edit_actions.delete(state), enabled=some)
+    _item("Crop to selection", "Shift+Del", lambda: edit_actions.crop(state), enabled=some)
+    _item("Hide", "H", lambda: edit_actions.hide(state), enabled=some)
+    _item("Show hidden", "Shift+H", lambda: edit_actions.show_hidden(state), enabled=on)
+    imgui.separator()
+    _item("Undo edit", "Ctrl+Z", lambda: edit_actions.undo(state), enabled=on and bool(editing.history.past))
+    _item(
+        "Redo edit", "Ctrl+Y", lambda: edit_actions.redo(state), enabled=on and bool(editing.history.future)
+    )
+    _item("Save edits", "Ctrl+Shift+S", lambda: save_edits(state), enabled=editing.is_unsaved)
 
 
 def quit_app() -> None:

@@ -12,6 +12,7 @@ from app.gui.reported import Reported, read
 from app.gui.viewing import ShownModel
 from app.provenance import digest
 from app.report.saved import is_report
+from app.run_edits import read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.scene import is_splat_file, splat_scene
 from app.sessions import SUFFIX, Session, read_session
@@ -64,6 +65,8 @@ class Opened:
     """What was opened: of a session file, its source."""
     report: Reported | None = None
     """Nothing else is opened with one."""
+    warning: str = ""
+    """What could not be opened of it."""
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
@@ -107,7 +110,7 @@ def _open_session(path: Path) -> Opened:
 
 def _open_splats(path: Path) -> Opened:
     scene = splat_scene(path)
-    distance, origin = middle_distance(scene.model, scene.cameras[0]), Origin(scene.facts)
+    distance, origin = middle_distance(scene.model, scene.cameras[0]), Origin(scene.facts, path)
     shown = ShownModel(
         scene.model, scene.cameras, distance, scene.name, 0, 0, live=False, origin=origin, mode=scene.mode
     )
@@ -117,11 +120,16 @@ def _open_splats(path: Path) -> Opened:
 def _open_run(folder: RunFolder) -> Opened:
     record = folder.record()
     clip, notices = _clip_of(record)
-    model = shown_model(folder, record) if folder.is_finished else None
-    if model is None:
+    model, warning = shown_model(folder, record) if folder.is_finished else None, ""
+    if model is not None:
+        try:
+            model = replace(model, saved_edits=read_edits(folder, len(model.model)))
+        except UserError as error:
+            warning = f"the model is shown as trained: {error}"
+    else:
         notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
     run = OpenedRun(folder.path, record, _request(folder, record), model, _logged(folder))
-    return Opened(clip, run, notices=notices, options=record.clip.options)
+    return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
 
 
 def _request(folder: RunFolder, record: RunRecord) -> TrainRequest:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
@@ -16,11 +17,13 @@ class Origin:
 
     facts: dict[str, Any]
     """What an export says of it, as `vesselsplat render` does."""
+    path: Path
+    """The run folder or the file."""
 
 
 def origin_of(folder: RunFolder) -> Origin | None:
     """What the run folder says; None when it cannot be read."""
     try:
-        return Origin(run_facts(folder, folder.record(), folder.path.name))
+        return Origin(run_facts(folder, folder.record(), folder.path.name), folder.path)
     except (OSError, UserError):
         return None

@@ -11,6 +11,7 @@ from typing import Literal, Protocol
 from app.gui.baking import Baked
 from app.gui.camera_list import CameraList
 from app.gui.comparison import Comparison, Side
+from app.gui.editing import Editing
 from app.gui.enhancing import PictureRequest, Pictures, Scope
 from app.gui.measuring import Measured
 from app.gui.opening import OpenRequest
@@ -172,6 +173,7 @@ class AppState:
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
     model: ShownModel | None = None
     view: View | None = None
+    editing: Editing = field(default_factory=Editing)
     baked: Baked | None = None
     """Keyframes for the graphics card, of `model` or of one before it; more to come while they are None."""
     view_kind: ViewKind = "color"
@@ -258,16 +260,25 @@ class AppState:
             or self.opening is not None
             or self._pictures_wait
             or self.tuning.request is not None
+            or self.editing.wish is not None
         )
 
     @property
     def view_request(self) -> ViewRequest | None:
         """What the 3D view should show now; None without a model or while it is hidden."""
-        if self.model is None or min(self.view_size) < 1:
+        return self._view_of(self.editing.tinted or self.model)
+
+    @property
+    def plain_view_request(self) -> ViewRequest | None:
+        """The same with no selection in colour: for everything but the eye."""
+        return self._view_of(self.model)
+
+    def _view_of(self, model: ShownModel | None) -> ViewRequest | None:
+        if model is None or min(self.view_size) < 1:
             return None
         if self.viewer.snapped:
-            return self.model.snapped(self.time).of_kind(self.view_kind, self.photo)
-        return self.model.view(self.time, self.viewer.free, self.view_size).of_kind(self.view_kind)
+            return model.snapped(self.time).of_kind(self.view_kind, self.photo)
+        return model.view(self.time, self.viewer.free, self.view_size).of_kind(self.view_kind)
 
     @property
     def has_photos(self) -> bool:

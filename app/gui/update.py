@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.gui import actions, camera_actions, path_actions, session_actions, tuning_actions
+from app.gui import actions, camera_actions, edit_actions, path_actions, session_actions, tuning_actions
 from app.gui.background import Channel, Failure
 from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.compare_work import CompareWork
+from app.gui.editing import Selected, Selector, SelectRequest
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
 from app.gui.measure_work import MeasureWork
@@ -40,6 +41,7 @@ class Channels:
     opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
     pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
     picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
+    selecting: Channel[SelectRequest, Selected] = field(default_factory=lambda: Channel(Selector().select))
     photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
@@ -58,7 +60,7 @@ class Channels:
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
-        first: list[Channel[Any, Any]] = [self.opening, self.pictures, self.picks, self.photos]
+        first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
         return (*first, *self.compare.all, self.view, self.bakes, self.saving, self.cells, self.sessions)
 
 
@@ -73,6 +75,8 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_photo(state, channels)
     channels.compare.take(state)
     channels.measure.take(state)
+    edit_actions.follow(state)
+    _take_selected(state, channels)
     _take_view(state, channels)
     _take_baked(state, channels)
     _take_saved(state, channels)
@@ -131,6 +135,18 @@ def _take_pick(state: AppState, channels: Channels) -> None:
         actions.fail(state, f"the point cannot be found: {answer.message}")
     else:
         camera_actions.take_point(state, request, answer)
+
+
+def _take_selected(state: AppState, channels: Channels) -> None:
+    taken = channels.selecting.take()
+    if taken is None:
+        return
+    request, answer = taken
+    if isinstance(answer, Failure):
+        state.editing.wish = None
+        actions.fail(state, f"nothing was selected: {answer.message}")
+    else:
+        edit_actions.take_selected(state, request, answer)
 
 
 def _take_photo(state: AppState, channels: Channels) -> None:
@@ -267,6 +283,9 @@ def _ask(state: AppState, channels: Channels) -> None:
     pick = state.viewer.pick
     if pick is not None and channels.picks.asked is not pick:
         channels.picks.ask(pick)
+    wish = state.editing.wish
+    if wish is not None and channels.selecting.asked is not wish:
+        channels.selecting.ask(wish)
     photo = state.photo_request
     if photo is not None and channels.photos.asked != photo:
         channels.photos.ask(photo)

@@ -13,6 +13,7 @@ from app.gui.photos import Photo
 from app.views import SCENE_UNITS, SHAPES, Composed, Scale, ViewKind, composed, splats_for
 from renderer.camera import Camera
 from renderer.clip import ByteImage
+from renderer.editing.edits import Edits
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE
 from renderer.splats import RenderMode
@@ -40,6 +41,8 @@ class ShownModel:
     mode: RenderMode = "default"
     unit: str = SCENE_UNITS
     """Of lengths."""
+    saved_edits: Edits | None = None
+    """What was saved of edits of `model`, which is without them."""
 
     def frame_at(self, time: float) -> int:
         """The frame of the clip that is nearest to `time` in [0, 1]."""

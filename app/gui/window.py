@@ -22,6 +22,8 @@ from app.gui.keys import Commands, Keyboard, shortcuts
 from app.gui.panels import overlays
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
+from app.gui.panels.edit_view import draw_edit_tools
+from app.gui.panels.editing import PANEL, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
@@ -188,7 +190,11 @@ class Window:
         report = hello_imgui.DockableWindow(
             REPORT, "MainDockSpace", lambda: draw_report(self.state), is_visible_=False
         )
-        layout.dockable_windows = [*layout.dockable_windows, log, notes, report, tuning]
+        edit = hello_imgui.DockableWindow(
+            PANEL, "Side", lambda: draw_editing(self.state), is_visible_=False, can_be_closed_=False
+        )
+        edit.include_in_view_menu = False
+        layout.dockable_windows = [*layout.dockable_windows, log, notes, report, tuning, edit]
         return layout
 
     def _begin(self) -> None:
@@ -212,6 +218,7 @@ class Window:
         panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
         self._show_tuning(params.docking_params.dockable_window_of_name(TUNING))
         self._show_report(params.docking_params.dockable_window_of_name(REPORT))
+        _show_edit(params.docking_params.dockable_window_of_name(PANEL), self.state)
         idling = params.fps_idling
         moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing
         idling.enable_idling = not moves
@@ -232,6 +239,13 @@ class Window:
             window.is_visible = window.focus_window_at_next_frame = True
             self.state.report_asked = False
 
+    def _ask_before_quitting(self, params: hello_imgui.RunnerParams) -> None:
+        """Unsaved edits keep the window open until they are saved or given up."""
+        if params.app_shall_exit and self.state.editing.is_unsaved:
+            params.app_shall_exit = False
+            glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
+            actions.leave(self.state, menus.quit_app)
+
     def _draw_tuning(self) -> None:
         assert self._textures is not None
         draw_tuning(self.state, self._textures)
@@ -239,6 +253,8 @@ class Window:
     def _draw_view(self) -> None:
         assert self._viewport is not None
         draw_view3d(self.state, self._viewport, self._photo_texture)
+        if self.state.model is not None:
+            draw_edit_tools(self.state)
 
     def _photo_texture(self, image: ByteImage) -> imgui.ImTextureRef:
         assert self._textures is not None
@@ -251,6 +267,9 @@ class Window:
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._keyboard.table)
+        # The runner looks at the wish to quit between two frames: here is the last place to hold it back.
+        self._ask_before_quitting(hello_imgui.get_runner_params())
+        draw_question(self.state)
         overlays.draw_notice(self.state)
         draw_recovery(self.state)
         self._dialogs.draw()
@@ -261,9 +280,9 @@ class Window:
     def save_picture(self) -> None:
         """Ask for a PNG of what is shown, made in the background."""
         state = self.state
-        if state.pictures is not None or state.view_request is not None:
+        if state.pictures is not None or state.plain_view_request is not None:
             request = SaveRequest(
-                state.places.pictures, state.pictures, state.view_request, state.opened_options
+                state.places.pictures, state.pictures, state.plain_view_request, state.opened_options
             )
             self._channels.saving.ask(request)
 
@@ -305,6 +324,12 @@ class Window:
     def _refresh(self) -> None:
         """Called from the worker's thread: an idle window draws at once."""
         hello_imgui.request_refresh()
+
+
+def _show_edit(window: hello_imgui.DockableWindow, state: AppState) -> None:
+    """In front while the mouse edits, gone otherwise."""
+    window.focus_window_at_next_frame |= state.editing.active and not window.is_visible
+    window.is_visible = state.editing.active
 
 
 def _can_hold_files(folder: Path) -> bool:

@@ -126,6 +126,8 @@ def _move(state: AppState, size: ImVec2) -> None:
     """Left drag turns, right or middle drag moves, the wheel goes nearer, or sets the speed of flight."""
     io = imgui.get_io()
     held = imgui.is_item_active() and not imgui.is_mouse_double_clicked(imgui.MouseButton_.left)
+    selects = state.editing.takes_drags and not io.key_alt and imgui.is_mouse_down(imgui.MouseButton_.left)
+    held = held and not selects
     state.view_dragged = held and any(imgui.is_mouse_down(index) for index in range(3))
     if held and (io.mouse_delta.x or io.mouse_delta.y):
         if imgui.is_mouse_down(imgui.MouseButton_.left):
@@ -143,7 +145,7 @@ def _move(state: AppState, size: ImVec2) -> None:
 def _pick(state: AppState, corner: ImVec2, size: ImVec2) -> None:
     """A double click, or O, turns the view around what is under the pointer; a click may measure."""
     request, io = state.view_request, imgui.get_io()
-    if request is None or not imgui.is_item_hovered():
+    if request is None or not imgui.is_item_hovered() or state.editing.takes_drags:
         return
     pixel = pixel_at(request.camera, corner, size)
     left, measuring = imgui.MouseButton_.left, state.viewer.measuring

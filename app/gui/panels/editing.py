@@ -1,0 +1,204 @@
+"""Editing of the reconstruction: tools, ranges, what to do with the selection."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+
+from app.gui import edit_actions, theme
+from app.gui.editing import TOOLS, TRAITS, Editing, Limits, Tool
+from app.gui.panels.edit_view import grouped
+from app.gui.state import AppState
+from app.gui.widgets import button, em, explain, row
+from renderer.editing.edits import Combination
+from renderer.editing.sight import Trait
+
+PANEL = "Edit"
+HOWS: tuple[Combination, ...] = get_args(Combination)
+TOOL_TEXTS: dict[Tool, str] = {
+    "look": "Shift+V: drags turn the view, as outside edit mode. Alt+drag turns it with every tool.",
+    "rectangle": "Shift+R: drag a rectangle. It selects Gaussians whose centres lie in it, at any depth.",
+    "lasso": "Shift+L: drag around what is to be selected, at any depth.",
+    "sphere": "Shift+S: click on the surface; all within the radius is selected.",
+    "box": "Shift+K: click on the surface; all within the box is selected.",
+}
+TRAIT_TEXTS: dict[Trait, tuple[str, str]] = {
+    "opacity": ("Opacity", "From transparent, 0, to solid, 1, at this time."),
+    "size": ("Size", "Largest standard deviation, in the clip's unit, at this time."),
+    "depth": ("Depth", "Along the axis of this view's camera, in the clip's unit, at this time."),
+    "motion": ("Motion", "Largest distance from where it is at the clip's start, in the clip's unit."),
+}
+HOW_TEXT = (
+    "What a tool does to the selection. Shift adds, Ctrl subtracts, both together keep what is in both, "
+    "whatever is chosen here."
+)
+
+
+def draw_editing(state: AppState) -> None:
+    """Everything that has a key has a button here."""
+    editing = state.editing
+    if editing.base is None:
+        imgui.text_colored(theme.MUTED, "There is no finished reconstruction to edit.")
+        return
+    _draw_tools(state, editing)
+    _draw_counts(editing)
+    _draw_changes(state, editing)
+    imgui.separator_text("Select by range")
+    for trait in TRAITS:
+        _draw_range(state, editing, trait)
+
+
+def _draw_tools(state: AppState, editing: Editing) -> None:
+    width = _share(len(TOOLS), 0.25)
+    for place, tool in enumerate(TOOLS):
+        if place:
+            imgui.same_line(0, em(0.25))
+        chosen = tool == editing.tool
+        with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if chosen else theme.grey(0.25)):
+            label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
+            button(f"{label}###tool {tool}", lambda t=tool: edit_actions.choose_tool(state, t), width=width)  # type: ignore[misc]
+        explain(TOOL_TEXTS[tool])
+    row("Result", HOW_TEXT)
+    imgui.set_next_item_width(-em(0.1))
+    _, index = imgui.combo("##how", HOWS.index(editing.how), [how.capitalize() for how in HOWS])
+    explain(HOW_TEXT)
+    editing.how = HOWS[index]
+    if editing.tool in ("sphere", "box"):
+        _draw_radius(state, editing)
+
+
+def _draw_radius(state: AppState, editing: Editing) -> None:
+    text = "Of the sphere, or half of the box's edge, in the clip's unit. Let go to select with it again."
+    distance = editing.base.distance if editing.base else 1.0
+    row("Radius", text)
+    imgui.set_next_item_width(-em(0.1))
+    flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp
+    shown = editing.radius * distance
+    changed, radius = imgui.slider_float("##radius", shown, 1e-3 * distance, distance, "%.3g", flags)
+    explain(text)
+    if changed:
+        editing.radius = radius / distance
+    if imgui.is_item_deactivated_after_edit():
+        edit_actions.select_again(state)
+
+
+def _draw_counts(editing: Editing) -> None:
+    edits = editing.edits
+    chosen, seen = len(edits.selected), len(edits.visible)
+    imgui.text_colored(
+        theme.WARNING if chosen else theme.TEXT, f"{grouped(chosen)} of {grouped(seen)} selected"
+    )
+    gone = f"{grouped(len(edits.deleted))} deleted, {grouped(len(edits.hidden - edits.deleted))} hidden"
+    imgui.same_line(em(11))
+    imgui.text_colored(theme.MUTED, gone)
+
+
+def _draw_changes(state: AppState, editing: Editing) -> None:
+    some, history = len(editing.edits.selected) > 0, editing.history
+    hidden = len(editing.edits.hidden) > 0
+    rows = (
+        (
+            ("All", edit_actions.select_all, True, "Ctrl+A: select all that can be seen."),
+            ("None", edit_actions.select_none, some, "Ctrl+D: select nothing."),
+            ("Invert", edit_actions.invert, True, "Ctrl+Shift+I: select what is not selected."),
+        ),
+        (
+            ("Delete", edit_actions.delete, some, "Del: remove the selected Gaussians, at all times."),
+            ("Crop", edit_actions.crop, some, "Shift+Del: remove what can be seen and is not selected."),
+            (
+                "Hide",
+                edit_actions.hide,
+                some,
+                "H: not drawn nor exported, and safe from changes, until shown.",
+            ),
+            ("Show", edit_actions.show_hidden, hidden, "Shift+H: show all that is hidden."),
+        ),
+        (
+            (
+                "Undo",
+                edit_actions.undo,
+                bool(history.past),
+                "Ctrl+Z in edit mode: one edit or selection back.",
+            ),
+            (
+                "Redo",
+                edit_actions.redo,
+                bool(history.future),
+                "Ctrl+Y in edit mode: one edit or selection on.",
+            ),
+            ("Save", save, editing.is_unsaved, f"Ctrl+Shift+S: keep the edits {_kept(editing)}."),
+            ("Done", edit_actions.toggle, True, "Ctrl+E: leave edit mode; edits stay, also unsaved ones."),
+        ),
+    )
+    for line in rows:
+        width = _share(len(line), 0.25)
+        for place, (label, act, enabled, text) in enumerate(line):
+            if place:
+                imgui.same_line(0, em(0.25))
+            button(f"{label}###edit {label}", lambda act=act: act(state), enabled=enabled, width=width)  # type: ignore[misc]
+            explain(text)
+
+
+def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
+    label, text = TRAIT_TEXTS[trait]
+    whole: Limits = (0.0, 1.0) if trait == "opacity" else editing.limits.get(trait, (0.0, 0.0))
+    low, high = editing.ranges.get(trait, whole)
+    row(label, text)
+    imgui.set_next_item_width(-em(0.1))
+    enabled = whole[1] > whole[0]
+    imgui.begin_disabled(not enabled)
+    speed = max(whole[1] - whole[0], 1e-6) / 400
+    form, flags = "from %.3g", imgui.SliderFlags_.always_clamp
+    changed, low, high = imgui.drag_float_range2(
+        f"##{trait}", low, high, speed, whole[0], whole[1], form, "to %.3g", flags
+    )
+    ended = imgui.is_item_deactivated_after_edit()
+    imgui.end_disabled()
+    explain(f"{text} Drag either end, or double click to type; let go to select." if enabled else text)
+    if changed:
+        editing.ranges[trait] = (low, high)
+    if ended:
+        edit_actions.select_range(state, trait, (low, high))
+
+
+def _kept(editing: Editing) -> str:
+    return "beside the run; the trained model stays as it is" if editing.is_of_run else "as a new PLY file"
+
+
+def save(state: AppState) -> None:
+    edit_actions.save(state)
+
+
+def _share(parts: int, gap: float) -> float:
+    """Width in em of one of so many equal controls in what is left of the line."""
+    return (imgui.get_content_region_avail().x / em() - gap * (parts - 1)) / parts
+
+
+def draw_question(state: AppState) -> None:
+    """Before unsaved edits are lost."""
+    title = "Unsaved edits"
+    if state.editing.leaving is None:
+        return
+    imgui.open_popup(title)
+    imgui.set_next_window_pos(imgui.get_main_viewport().get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
+    imgui.set_next_window_size(ImVec2(em(27), 0))
+    with imgui_ctx.begin_popup_modal(title, imgui.WindowFlags_.no_resize) as opened:
+        if not opened:
+            return
+        edits = state.editing.edits
+        with imgui_ctx.push_text_wrap_pos(0):
+            left_out = grouped(edits.count - len(edits.visible))
+            imgui.text_unformatted(
+                f"{left_out} of {grouped(edits.count)} Gaussians are edited away and not saved."
+            )
+        imgui.spacing()
+        width, reply = _share(3, 0.5), ""
+        for place, (label, said) in enumerate((("Save", "save"), ("Discard", "discard"), ("Stay", "stay"))):
+            if place:
+                imgui.same_line(0, em(0.5))
+            if imgui.button(label, ImVec2(width * em(), em(2))):
+                reply = said
+        if reply or imgui.is_key_pressed(imgui.Key.escape):
+            imgui.close_current_popup()
+            edit_actions.answer(state, reply or "stay")

@@ -1,0 +1,211 @@
+"""Editing as plain code: what is selected and changed, what the window then shows, and what is kept."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.gui import actions, edit_actions
+from app.gui.editing import Selector
+from app.gui.opening import OpenRequest, open_path
+from app.gui.settings import Places
+from app.gui.state import AppState
+from app.gui.update import Channels, update
+from app.run_edits import read_edits
+from app.run_folder import RunFolder
+from renderer.editing.edits import Edits
+from renderer.editing.highlight import COLOR, OWN
+from renderer.gaussians import DynamicGaussians
+from renderer.splat_files import read_splats
+from renderer.splat_files.inria_ply import ply_bytes
+from tests.app.gui.conftest import make_model
+
+
+def opened(state: AppState, path: Path) -> None:
+    (answer,) = open_path(OpenRequest(path))
+    actions.show_opened(state, path, answer)
+    edit_actions.follow(state)
+    state.view_size = (96, 80)
+
+
+@pytest.fixture
+def splats(state: AppState, model: DynamicGaussians, tmp_path: Path) -> AppState:
+    """With a file of splats open, in edit mode."""
+    path = tmp_path / "sheet.ply"
+    path.write_bytes(ply_bytes(model.raw))
+    opened(state, path)
+    edit_actions.toggle(state)
+    settle(state)
+    return state
+
+
+def settle(state: AppState) -> None:
+    """Answer what was asked for, as the worker does."""
+    request = state.editing.wish
+    assert request is not None
+    (answer,) = Selector().select(request)
+    edit_actions.take_selected(state, request, answer)
+
+
+def drag(state: AppState, *points: tuple[float, float], how: str = "replace") -> None:
+    for point in points:
+        edit_actions.draw_on(state, point)
+    edit_actions.end_stroke(state, how)  # type: ignore[arg-type]
+
+
+def shown(state: AppState) -> DynamicGaussians:
+    assert state.model is not None
+    return state.model.model
+
+
+def test_a_rectangle_selects_deletes_and_comes_back(splats: AppState) -> None:
+    before = shown(splats)
+    drag(splats, (0, 0), (48, 80))
+    settle(splats)
+    chosen = splats.editing.edits.selected
+    camera = splats.model.camera_at(0).fitted(96, 80)  # type: ignore[union-attr]
+    inside = camera.project(before.means.astype(np.float64))[0][:, 0] <= 48
+    np.testing.assert_array_equal(chosen.booleans(), inside)
+    assert 0 < len(chosen) < len(before)
+    edit_actions.delete(splats)
+    np.testing.assert_array_equal(shown(splats).means, before.means[~inside])
+    assert splats.editing.is_unsaved
+    edit_actions.undo(splats)
+    edit_actions.undo(splats)
+    assert shown(splats) is before
+    assert not splats.editing.is_unsaved
+    edit_actions.redo(splats)
+    edit_actions.redo(splats)
+    assert len(shown(splats)) == np.count_nonzero(~inside)
+
+
+def test_the_selection_is_coloured_for_the_eye_alone(splats: AppState) -> None:
+    edit_actions.choose_tool(splats, "lasso")
+    drag(splats, (0, 0), (0, 80), (48, 80), (48, 0))
+    settle(splats)
+    chosen = splats.editing.edits.selected.booleans()
+    seen, plain = splats.view_request, splats.plain_view_request
+    assert seen is not None
+    assert plain is not None
+    assert plain.shown.model is shown(splats)
+    colors, own = seen.shown.model.at(0.5).colors, plain.shown.model.at(0.5).colors
+    np.testing.assert_array_equal(colors[~chosen], own[~chosen])
+    np.testing.assert_allclose(colors[chosen], OWN * own[chosen] + (1 - OWN) * np.array(COLOR), atol=1e-6)
+    edit_actions.toggle(splats)
+    assert splats.view_request == plain
+
+
+@pytest.mark.parametrize("tool", ["sphere", "box"])
+def test_a_click_selects_around_the_surface(splats: AppState, tool: str) -> None:
+    edit_actions.choose_tool(splats, tool)  # type: ignore[arg-type]
+    splats.editing.radius = 0.1
+    request = splats.plain_view_request
+    assert request is not None
+    pixels, _ = request.camera.project(shown(splats).means.astype(np.float64))
+    drag(splats, (float(pixels[0, 0]), float(pixels[0, 1])))
+    settle(splats)
+    few = len(splats.editing.edits.selected)
+    assert splats.editing.center is not None
+    splats.editing.radius = 1.0
+    edit_actions.select_again(splats)
+    settle(splats)
+    assert 0 < few < len(splats.editing.edits.selected)
+    drag(splats, (0.0, 0.0))
+    settle(splats)
+    assert splats.toast is not None
+
+
+def test_what_is_asked_for_while_a_selection_is_on_its_way_comes_after_it(splats: AppState) -> None:
+    drag(splats, (0, 0), (48, 80))
+    edit_actions.delete(splats)
+    assert splats.editing.edits == Edits.none(30)
+    settle(splats)
+    assert 0 < len(splats.editing.edits.deleted) < 30
+
+
+def test_undo_outside_edit_mode_is_of_parameters(splats: AppState) -> None:
+    drag(splats, (0, 0), (48, 80))
+    settle(splats)
+    edit_actions.delete(splats)
+    edit_actions.toggle(splats)
+    edits = splats.editing.edits
+    edit_actions.undo(splats)
+    edit_actions.delete(splats)
+    assert splats.editing.edits == edits
+
+
+def test_an_edited_file_is_saved_as_another(splats: AppState, tmp_path: Path) -> None:
+    source = (tmp_path / "sheet.ply").read_bytes()
+    edit_actions.select_range(splats, "depth", (0.0, 1e9))
+    settle(splats)
+    drag(splats, (0, 0), (48, 80), how="subtract")
+    settle(splats)
+    edit_actions.crop(splats)
+    for name in ("sheet-edited.ply", "sheet-edited-2.ply"):
+        assert edit_actions.save(splats)
+        written = read_splats(tmp_path / name).raw
+        np.testing.assert_array_equal(written.means, shown(splats).means)
+    assert (tmp_path / "sheet.ply").read_bytes() == source
+    assert not splats.editing.is_unsaved
+
+
+def test_unsaved_edits_are_asked_about_before_they_are_lost(splats: AppState, tmp_path: Path) -> None:
+    edit_actions.select_all(splats)
+    edit_actions.delete(splats)
+    assert len(shown(splats)) == 0
+    actions.open_path(splats, tmp_path / "other.ply")
+    assert splats.opening is None
+    edit_actions.answer(splats, "stay")
+    assert splats.opening is None
+    assert splats.editing.leaving is None
+    actions.open_path(splats, tmp_path / "other.ply")
+    edit_actions.answer(splats, "discard")
+    assert splats.opening is not None
+    assert len(shown(splats)) == 30
+
+
+def test_edits_of_a_run_come_back_with_it(
+    state: AppState, runs: dict[str, Path], tmp_path: Path, places: Places
+) -> None:
+    folder = RunFolder(Path(shutil.copytree(runs["original"], tmp_path / "run")))
+    opened(state, folder.path)
+    count = len(shown(state))
+    edit_actions.toggle(state)
+    settle(state)
+    low, high = state.editing.limits["opacity"]
+    edit_actions.select_range(state, "opacity", (0.0, (low + high) / 2))
+    settle(state)
+    edit_actions.hide(state)
+    hidden = state.editing.edits.hidden
+    assert 0 < len(hidden) < count
+    assert edit_actions.save(state)
+    saved = read_edits(folder, count)
+    assert saved is not None
+    assert saved.hidden == hidden
+    again = AppState(places)
+    opened(again, folder.path)
+    assert again.editing.edits.hidden == hidden
+    assert not again.editing.is_unsaved
+    assert len(shown(again)) == count - len(hidden)
+    assert again.model is not None
+    assert again.model.origin is not None
+    assert again.model.origin.facts["edits"]["n_hidden"] == len(hidden)
+    folder.save_model(folder.model().rows(np.arange(count - 1)))
+    opened(again, folder.path)
+    assert again.banner is not None
+    assert "has changed" in again.banner.message
+    assert len(shown(again)) == count - 1
+
+
+def test_editing_begins_anew_with_another_model(splats: AppState) -> None:
+    edit_actions.select_all(splats)
+    assert splats.model is not None
+    splats.model = type(splats.model)(make_model(12), splats.model.cameras, 50.0, "live", 1, 9, live=True)
+    update(splats, Channels(), 1.0)
+    assert splats.editing.base is None
+    assert not splats.editing.active
+    edit_actions.toggle(splats)
+    assert not splats.editing.active
