@@ -1,4 +1,4 @@
-"""Error against run time of drawing with OpenGL: targets, depth keys, size; and of keyframes over time."""
+"""Error against run time of drawing with OpenGL: targets, depth keys, size, cut-offs; and of keyframes."""
 
 from __future__ import annotations
 
@@ -17,18 +17,33 @@ from renderer.camera import Camera
 from renderer.draw.keyframes import Tolerance, baked
 from renderer.draw.offscreen import read_image
 from renderer.draw.sorting import DepthKeys
-from renderer.draw.splat_view import Precision, SplatView
+from renderer.draw.splat_view import EXACT_CUT, Cut, Precision, SplatView
 from renderer.gaussians import DynamicGaussians
 from renderer.splats import Splats
 
 EXPORT: Final = "float target, float32 keys"
-SETTINGS: Final[dict[str, tuple[Precision, DepthKeys, int]]] = {
-    EXPORT: ("float", "float32", 1),
-    "half target, float32 keys": ("half", "float32", 1),
-    "float target, uint16 keys": ("float", "uint16", 1),
-    "half target, uint16 keys": ("half", "uint16", 1),
-    "float target, 1/2 along each side": ("float", "float32", 2),
-    "float target, 1/4 along each side": ("float", "float32", 4),
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How a view is drawn; the default is what exports have."""
+
+    precision: Precision = "float"
+    keys: DepthKeys = "float32"
+    cut: Cut = EXACT_CUT
+    divisor: int = 1
+    """Of both sides of the picture."""
+
+
+SETTINGS: Final[dict[str, Setting]] = {
+    EXPORT: Setting(),
+    "half target, float32 keys": Setting("half"),
+    "8-bit target, float32 keys": Setting("byte"),
+    **{f"float target, {bits}-bit keys": Setting(keys=bits) for bits in (8, 10, 12, 16)},
+    "half target, 16-bit keys": Setting("half", 16),
+    **{f"to {radius:.2f} deviations": Setting(cut=Cut(widest=radius)) for radius in (2.0, 8**0.5, 3.0)},
+    **{f"alpha from {levels:g}/255": Setting(cut=Cut(faintest=levels / 255)) for levels in (0.1, 0.5, 2, 4)},
+    **{f"float target, 1/{side} along each side": Setting(divisor=side) for side in (2, 4)},
 }
 EVERY: Final = (1, 2, 4, 8)
 """Frames from one keyframe to the next."""
@@ -69,9 +84,9 @@ def opengl(
     """Rows for one view; `truth` (H, W, 3) is the float64 picture over black. Pictures take turns, and every
     one is uploaded and sorted."""
     works, pictures = [], []
-    for precision, keys, divisor in SETTINGS.values():
-        size = camera.width // divisor, camera.height // divisor
-        view = SplatView(ctx, precision=precision, keys=keys, near=near)
+    for one in SETTINGS.values():
+        size = camera.width // one.divisor, camera.height // one.divisor
+        view = SplatView(ctx, precision=one.precision, keys=one.keys, near=near, cut=one.cut)
         target = ctx.simple_framebuffer(size, 4, dtype="f4")
         work = partial(_drawn, view, target, camera.resized(*size), partial(view.upload, splats))
         works.append(work)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -85,6 +86,11 @@ class Keyframes:
         before = int(place)
         return before, min(before + 1, len(self) - 1), place - before
 
+    @cached_property
+    def _columns(self) -> NDArray[np.float64]:
+        """(3, N) means: a row at a time goes several times as fast as a point at a time."""
+        return np.ascontiguousarray(self.rest.means.T, dtype=np.float64)
+
     def offset(self, texel: int, time: float) -> Float32Array:
         """(M, 4) to add to a texel that moves."""
         before, after, share = self.between(time)
@@ -96,7 +102,11 @@ class Keyframes:
 
     def depths(self, axis: NDArray[np.float64], time: float) -> NDArray[np.floating[Any]]:
         """(N,) of the means along a row (4,) of the camera's matrix."""
-        depths: NDArray[np.floating[Any]] = self.rest.means @ axis[:3] + axis[3]
+        x, y, z = self._columns
+        depths: NDArray[np.floating[Any]] = axis[0] * x
+        depths += axis[1] * y
+        depths += axis[2] * z
+        depths += axis[3]
         if PLACE in self.offsets:
             depths[self.moving] += self.offset(PLACE, time)[:, MEAN] @ axis[:3]
         return depths

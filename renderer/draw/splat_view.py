@@ -7,7 +7,7 @@ and expected depth by up to 1e-4 of the depth range.
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from importlib.resources import files
 from typing import Literal
 
@@ -20,13 +20,28 @@ from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
 from renderer.draw.storage import Storage
+from renderer.projection import ALPHA_CUT
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
-Precision = Literal["half", "float"]
-"""The target in which colour is blended: 16 bits for the screen, 32 for exports."""
+Precision = Literal["byte", "half", "float"]
+"""The target in which colour is blended: 16 bits for the screen, 32 for exports; 8 lose a level or two."""
+_FORMATS: dict[Precision, str] = {"byte": "f1", "half": "f2", "float": "f4"}
 
 _GUARD_BAND = 0.3
 _BODIES: dict[Shape, int] = {"soft": 0, "ellipsoid": 1, "point": 2}
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Where a splat ends. The default is where the rasterisers end it; others are measured against it."""
+
+    widest: float = 4.0
+    """Standard deviations from the middle; an opaque splat falls to 1/255 at 3.33."""
+    faintest: float = ALPHA_CUT
+    """Alpha below which nothing is drawn."""
+
+
+EXACT_CUT = Cut()
 
 
 class SplatView:
@@ -45,13 +60,14 @@ class SplatView:
         precision: Precision | None = None,
         keys: DepthKeys = "float32",
         near: float = 0.01,
+        cut: Cut = EXACT_CUT,
     ) -> None:
         if not near > 0:
             raise ValueError(f"near must be > 0, got {near}")
         self._ctx = ctx
         self._precision: Precision = precision or ("float" if is_software(ctx) else "half")
         self._keys = keys
-        self._near = near
+        self._near, self._cut = near, cut
         self._state = StateGuard(ctx)
         self._program = ctx.program(_shader("splat.vert"), _shader("splat.frag"))
         self._resolve_color = ctx.program(_shader("screen.vert"), _shader("resolve_color.frag"))
@@ -93,6 +109,10 @@ class SplatView:
         if time != self._time and self._keyframes.offsets:
             self._sorted_along = None
         self._time = time
+
+    def forget_order(self) -> None:
+        """Sort with the next drawing, whatever it shows; for measuring."""
+        self._sorted_along = None
 
     def draw(
         self,
@@ -177,6 +197,7 @@ class SplatView:
         self._program["depth_as_color"] = depth_as_color
         self._program["compensated"] = self._mode == "mip"
         self._program["body"] = _BODIES[shape]
+        self._program["widest"], self._program["faintest"] = self._cut.widest, self._cut.faintest
         self._storage.use()
         if self._visible:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)
@@ -233,7 +254,7 @@ class _Target:
     """Premultiplied RGBA in which the splats are blended, top row first."""
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], precision: Precision) -> None:
-        self.texture = ctx.texture(size, 4, dtype="f2" if precision == "half" else "f4")
+        self.texture = ctx.texture(size, 4, dtype=_FORMATS[precision])
         self.texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self.framebuffer = ctx.framebuffer([self.texture])
 

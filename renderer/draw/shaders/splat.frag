@@ -2,7 +2,8 @@
 // Premultiplied colour of one splat at one pixel (Eq 16 without the sum, which blending makes).
 
 const float ALPHA_MAX = 0.99;
-const float ALPHA_CUT = 1.0 / 255.0;
+
+uniform float faintest;          // alpha below it is not drawn
 
 flat in vec2 center;
 flat in vec3 shape;
@@ -22,6 +23,6 @@ void main() {
         return;
     }
     float alpha = min(ALPHA_MAX, paint.a * exp(-0.5 * distance));
-    if (alpha < ALPHA_CUT) discard;
+    if (alpha < faintest) discard;
     premultiplied = vec4(paint.rgb * alpha, alpha);
 }

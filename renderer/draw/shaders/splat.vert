@@ -27,6 +27,8 @@ uniform mat3 rotation;           // camera_from_world
 uniform vec3 translation;
 uniform vec4 lens;               // fx fy cx cy
 uniform vec4 slopes;             // least x/z, y/z and greatest x/z, y/z that the Jacobian follows
+uniform float widest;            // standard deviations that a quad reaches at most
+uniform float faintest;          // alpha at which it ends
 uniform vec2 size;               // width height
 uniform bool depth_as_color;
 uniform int body;                // 0: soft
@@ -130,7 +132,7 @@ void main() {
     if (compensated) opacity *= length(minors) * inversesqrt(remainder);
     paint = vec4(depth_as_color ? vec3(z) : color, opacity);
 
-    float reach = sqrt(max(0.0, 2.0 * log(255.0 * opacity)));
+    float reach = min(widest, sqrt(max(0.0, 2.0 * log(opacity / faintest))));
     solid = vec2(0.0);
     bool hidden = false;
     if (body != 0) {

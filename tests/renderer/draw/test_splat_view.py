@@ -334,7 +334,7 @@ def test_exact_keys_draw_a_scene_with_a_far_outlier_right(ctx: moderngl.Context)
     near = joined(random_splats(400, camera, 12, sigma=(3.0, 9.0)), splat((0.0, 0.0, 1e7)))
     oracle = reference(near, camera).image.numpy()
     view, framebuffer = (
-        SplatView(ctx, precision="float", keys="uint16"),
+        SplatView(ctx, precision="float", keys=16),
         ctx.simple_framebuffer((96, 72), dtype="f4"),
     )
     view.upload(near)
