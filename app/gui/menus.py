@@ -167,6 +167,8 @@ def draw_status(state: AppState) -> None:
     if x > imgui.calc_text_size(LONG_NOTICE).x + em(3):
         imgui.same_line(x)
         imgui.text_colored(theme.MUTED, text)
+        if state.model is not None:
+            explain(state.drawn_by)
 
 
 def _facts(state: AppState) -> list[str]:
@@ -177,7 +179,7 @@ def _facts(state: AppState) -> list[str]:
     if state.pictures is not None and state.pictures.enhanced is not None:
         facts.append(f"enhanced in {state.pictures.milliseconds:.0f} ms")
     if state.model is not None:
-        who = "by the processor" if state.processor_draws else "by the graphics card"
+        who = "by the processor" if state.processor_draws else "by OpenGL"
         took = f" in {state.view.milliseconds:.0f} ms" if state.view and state.processor_draws else ""
         facts.append(f"3D drawn {who}{took}")
     return facts

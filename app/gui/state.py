@@ -212,7 +212,9 @@ class AppState:
     log: deque[str] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     help_open: bool = False
     processor_draws: bool = True
-    """The numba rasteriser draws the 3D view, since there is no graphics card."""
+    """The numba rasteriser draws the 3D view, since there is no graphics card, or OpenGL is slower."""
+    drawn_by: str = ""
+    """Why, for the tooltip."""
 
     @property
     def shown_index(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Protocol
 
 import moderngl
@@ -13,7 +14,6 @@ from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.viewing import BACKGROUND, ViewRequest
 from app.views import RECOLORED, SHAPES, Composed, Scale, splats_for
-from renderer.draw.context import is_software
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
 from renderer.draw.splat_view import SplatView
@@ -80,12 +80,24 @@ class GraphicsViewport:
         # OpenGL stores the bottom row first.
         return OnScreen(imgui.ImTextureRef(self._texture.glo), (0, 1), (1, 0), request)
 
+    def milliseconds(self, request: ViewRequest) -> float:
+        """Of drawing it as after a move of the camera, its splats being there already."""
+        self._draw(request, None)
+        assert self._splats is not None
+        self._splats.forget_order()
+        self._ctx.finish()
+        began = perf_counter()
+        self._draw(request, None)
+        self._ctx.finish()
+        return 1000 * (perf_counter() - began)
+
     def _draw(self, request: ViewRequest, keyframes: Keyframes | None) -> None:
+        _forget_errors(self._ctx)
         splats = self._upload(request, keyframes)
         if request.kind != "color":
             layers = read_layers(splats, request.camera, SHAPES[request.kind])
             self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
-            self._drawn = request
+            self._finish(request)
             return
         self._composed = None
         size = (request.camera.width, request.camera.height)
@@ -93,6 +105,12 @@ class GraphicsViewport:
             self._resize(size)
         assert self._target is not None
         splats.draw(request.camera, self._target, background=BACKGROUND)
+        self._finish(request)
+
+    def _finish(self, request: ViewRequest) -> None:
+        """Raises moderngl.Error for a context that is lost, or has run out of memory."""
+        if (error := self._ctx.error) != "GL_NO_ERROR":
+            raise moderngl.Error(error)
         self._drawn = request
 
     def _upload(self, request: ViewRequest, keyframes: Keyframes | None) -> SplatView:
@@ -132,12 +150,14 @@ class GraphicsViewport:
         self._release_splats()
 
 
+def _forget_errors(ctx: moderngl.Context) -> None:
+    """Of others; a lost context reports its loss for ever."""
+    for _ in range(8):
+        if ctx.error == "GL_NO_ERROR":
+            return
+
+
 def keyframes_of(state: AppState) -> Keyframes | None:
     """Of the model that is shown, once they are there."""
     baked = state.baked
     return baked.keyframes if baked is not None and baked.request.shown is state.model else None
-
-
-def make_viewport(ctx: moderngl.Context, textures: Textures) -> Viewport:
-    """Without a graphics card the numba rasteriser is several times as fast as the driver's own emulation."""
-    return ProcessorViewport(textures) if is_software(ctx) else GraphicsViewport(ctx, textures)

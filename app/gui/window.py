@@ -16,6 +16,7 @@ from app.errors import UserError
 from app.gui import actions, menus, path_actions, preset_actions, session_actions, theme
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
+from app.gui.chosen_viewport import ChosenViewport
 from app.gui.dialogs import Dialogs
 from app.gui.export import SaveRequest
 from app.gui.keys import Commands, Keyboard, shortcuts
@@ -36,7 +37,7 @@ from app.gui.settings import Places, load_settings
 from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.update import Channels, update
-from app.gui.viewport import ProcessorViewport, Viewport, make_viewport
+from app.gui.viewport import Viewport
 from app.job import TrainingJob
 from assets import phantom_path
 from renderer.clip import ByteImage
@@ -202,8 +203,7 @@ class Window:
         theme.apply_plot_style()
         ctx = _attach()
         self._textures = Textures(ctx)
-        self._viewport = make_viewport(ctx, self._textures)
-        self.state.processor_draws = isinstance(self._viewport, ProcessorViewport)
+        self._viewport = ChosenViewport(ctx, self._textures, self.state)
         glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self.drop)  # type: ignore[arg-type]
 
     def _advance(self) -> None:

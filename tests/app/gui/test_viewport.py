@@ -11,9 +11,8 @@ from app.gui.photos import read_photo
 from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.viewing import draw_view
-from app.gui.viewport import GraphicsViewport, ProcessorViewport, make_viewport
+from app.gui.viewport import GraphicsViewport, ProcessorViewport
 from app.views import EXPLAINED, ViewKind, has_scale
-from renderer.draw.context import is_software
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
 
@@ -97,13 +96,6 @@ def test_the_graphics_card_draws_only_what_changed(
     live.view_size = (0, 0)
     assert graphics.show(live) is None
     graphics.release()
-
-
-@pytest.mark.gl
-def test_the_processor_draws_where_there_is_no_graphics_card(ctx: moderngl.Context) -> None:
-    viewport = make_viewport(ctx, Textures(ctx))
-    assert isinstance(viewport, ProcessorViewport) == is_software(ctx)
-    viewport.release()
 
 
 @pytest.mark.gl

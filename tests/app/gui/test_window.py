@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import glfw
+import moderngl
 import numpy as np
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
@@ -19,6 +20,7 @@ from app.gui import actions
 from app.gui.presets import load_presets, presets_file
 from app.gui.settings import Places, Settings, load_settings
 from app.gui.state import AppState
+from app.gui.textures import Textures
 from app.gui.viewport import GraphicsViewport
 from app.gui.window import Window
 from app.provenance import read_provenance
@@ -237,7 +239,12 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
     places: Places, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Drawn by OpenGL in the window's context, the view is in its pane and the controls are still there."""
-    monkeypatch.setattr("app.gui.window.make_viewport", GraphicsViewport)
+
+    def on_the_card(ctx: moderngl.Context, textures: Textures, state: AppState) -> GraphicsViewport:
+        state.processor_draws = False
+        return GraphicsViewport(ctx, textures)
+
+    monkeypatch.setattr("app.gui.window.ChosenViewport", on_the_card)
     jobs: list[FakeJob] = []
     driver = Driver(places, Settings(acknowledged=True), jobs)
     actions.open_path(driver.state, phantom_path())

@@ -1,0 +1,125 @@
+"""Which of the two ways draws: by measurement on a software driver, and never a card that fails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import moderngl
+import pytest
+
+from app.gui import actions, chosen_viewport
+from app.gui.chosen_viewport import VIEWS, ChosenViewport
+from app.gui.state import AppState
+from app.gui.textures import Textures
+from app.gui.viewing import ShownModel, draw_view
+from app.gui.viewport import GraphicsViewport
+from renderer.draw.context import renderer_name
+from renderer.gaussians import DynamicGaussians
+
+pytestmark = pytest.mark.gl
+
+
+@pytest.fixture
+def looking(state: AppState, model: DynamicGaussians) -> AppState:
+    assert state.clip is not None
+    state.model = ShownModel(model, state.clip.cameras, 50.0, "run", 7, 7, live=False)
+    state.view_size = (64, 48)
+    return state
+
+
+def look_around(state: AppState, viewport: ChosenViewport, milliseconds: float, count: int = VIEWS) -> None:
+    """The processor draws `count` pictures, each said to have taken so long."""
+    for index in range(count):
+        actions.seek(state, index)
+        assert state.view_request is not None
+        (view,) = draw_view(state.view_request)
+        state.view = replace(view, milliseconds=milliseconds)
+        viewport.show(state)
+
+
+@pytest.mark.parametrize(
+    ("own", "card", "winner"), [(50.0, 10.0, "OpenGL"), (10.0, 50.0, "the numba rasteriser")]
+)
+def test_a_software_driver_draws_where_it_is_faster(
+    ctx: moderngl.Context,
+    looking: AppState,
+    monkeypatch: pytest.MonkeyPatch,
+    own: float,
+    card: float,
+    winner: str,
+) -> None:
+    monkeypatch.setattr(chosen_viewport, "is_software", lambda _: True)
+    monkeypatch.setattr(GraphicsViewport, "milliseconds", lambda *_: card)
+    viewport = ChosenViewport(ctx, Textures(ctx), looking)
+    look_around(looking, viewport, own, VIEWS - 1)
+    assert looking.processor_draws
+    assert not looking.log
+    look_around(looking, viewport, own)
+    assert looking.processor_draws == (winner != "OpenGL")
+    (said,) = looking.log
+    assert looking.drawn_by == said
+    assert (
+        said == f"3D view: numba {own:.0f} ms, {renderer_name(ctx)} {card:.0f} ms a picture: {winner} draws"
+    )
+    assert viewport.show(looking) is not None
+    viewport.release()
+
+
+def test_the_comparison_is_of_drawing_itself(ctx: moderngl.Context, looking: AppState) -> None:
+    graphics = GraphicsViewport(ctx, Textures(ctx))
+    assert looking.view_request is not None
+    assert 0 < graphics.milliseconds(looking.view_request) < 5000
+    graphics.release()
+
+
+def test_previews_of_a_training_decide_nothing(
+    ctx: moderngl.Context, looking: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chosen_viewport, "is_software", lambda _: True)
+    assert looking.model is not None
+    looking.model = replace(looking.model, live=True)
+    viewport = ChosenViewport(ctx, Textures(ctx), looking)
+    look_around(looking, viewport, 50.0, 2 * VIEWS)
+    assert looking.processor_draws
+    assert not looking.log
+    viewport.release()
+
+
+@pytest.mark.parametrize("error", [moderngl.Error("GL_OUT_OF_MEMORY"), ValueError("too many splats")])
+def test_a_card_that_fails_gives_way_to_the_rasteriser(
+    ctx: moderngl.Context, looking: AppState, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(chosen_viewport, "is_software", lambda _: False)
+    viewport = ChosenViewport(ctx, Textures(ctx), looking)
+    assert not looking.processor_draws
+    assert viewport.show(looking) is not None
+    monkeypatch.setattr(GraphicsViewport, "_upload", fail)
+    actions.seek(looking, 3)
+    assert viewport.show(looking) is None  # Until the rasteriser has drawn the first picture.
+    assert looking.processor_draws
+    assert [str(error) in line for line in looking.log] == [True]
+    look_around(looking, viewport, 10.0, 1)
+    assert viewport.show(looking) is not None
+    assert len(looking.log) == 1
+    viewport.release()
+
+
+def test_a_lost_context_is_noticed_and_the_errors_of_others_are_not_taken_for_one(
+    ctx: moderngl.Context, looking: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chosen_viewport, "is_software", lambda _: False)
+    viewport = ChosenViewport(ctx, Textures(ctx), looking)
+    ctx.enable_direct(0xFFFF)  # An invalid name: GL_INVALID_ENUM waits.
+    assert viewport.show(looking) is not None
+    assert not looking.processor_draws
+    monkeypatch.setattr(
+        GraphicsViewport, "_upload", lambda self, *_: (self._ctx.enable_direct(0xFFFF), self._splats)[1]
+    )
+    actions.seek(looking, 3)
+    viewport.show(looking)
+    assert looking.processor_draws
+    assert "GL_INVALID_ENUM" in looking.drawn_by
+    viewport.release()
