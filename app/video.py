@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib import import_module
@@ -50,9 +50,23 @@ class Writer(Protocol):
 def write_video(
     path: Path, frames: Iterator[ArrayImage], frames_per_second: float, *, like: Path | None = None
 ) -> Written:
+    """`write_frames` in one go. Raises UserError as that does."""
+    writing = write_frames(path, frames, frames_per_second, like=like)
+    while True:
+        try:
+            next(writing)
+        except StopIteration as end:
+            written: Written = end.value
+            return written
+
+
+def write_frames(
+    path: Path, frames: Iterator[ArrayImage], frames_per_second: float, *, like: Path | None = None
+) -> Generator[int, None, Written]:
     """Write at least one uint8 frame, (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA, whose alpha is lost.
 
-    The file appears whole or not at all. Frame rate and size stay, but for the last column or row of an odd
+    Yields the number of frames written so far. The file appears whole or not at all, also when the generator
+    is closed before its end. Frame rate and size stay, but for the last column or row of an odd
     size, which the codecs cannot hold. Sound is not written, and the rate is constant.
 
     Args:
@@ -75,13 +89,14 @@ def write_video(
         size = (first.shape[1] // 2 * 2, first.shape[0] // 2 * 2)
         writer = _writer(path, temporary, size, frames_per_second, like)
         try:
-            for frame in chain((first,), stored):
+            for done, frame in enumerate(chain((first,), stored), start=1):
                 if frame.shape != first.shape:
                     given, come = first.shape[1::-1], frame.shape[1::-1]
                     raise UserError(
                         f"expected frames of {given[0]}x{given[1]}, got {come[0]}x{come[1]}: {path}"
                     )
                 writer.write(np.ascontiguousarray(frame[: size[1], : size[0]]))
+                yield done
             writer.finish()
         finally:
             writer.close()

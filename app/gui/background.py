@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -83,6 +83,51 @@ class Channel(Generic[Request, Answer]):
     def _put(self, request: Request, answer: Answer | Failure) -> None:
         with self._lock:
             self._answers.append((request, answer))
+
+
+class SteppedChannel(Channel[Request, Answer]):
+    """Long work, a step at a time, so that other channels are served between two answers."""
+
+    def __init__(self, work: Callable[[Request], Iterator[Answer]], depth: int = 1) -> None:
+        super().__init__(work, depth)
+        self._under_way: tuple[Request, Iterator[Answer]] | None = None
+        self._cancelled = threading.Event()
+
+    def cancel(self) -> None:
+        """Give up what is under way or waits; it is cleared away with the next step."""
+        with self._lock:
+            self._waiting.clear()
+            self._cancelled.set()
+        self._wake()
+
+    def run_waiting(self, on_answer: Callable[[], None] = lambda: None) -> bool:
+        """Do one step of what is under way or waits. False when there is nothing."""
+        with self._lock:
+            if self._cancelled.is_set():
+                self._end()
+            if self._under_way is None and self._waiting:
+                request = self._waiting.popleft()
+                self._under_way = request, iter(self._work(request))
+        if self._under_way is None:
+            return False
+        request, steps = self._under_way
+        try:
+            self._put(request, next(steps))
+        except StopIteration:
+            self._under_way = None
+        except Exception as error:
+            log.debug("request failed", exc_info=True)
+            self._under_way = None
+            self._put(request, Failure(error))
+        on_answer()
+        return True
+
+    def _end(self) -> None:
+        """Close the steps, which removes what they had begun to write."""
+        self._cancelled.clear()
+        if self._under_way is not None and isinstance(self._under_way[1], Generator):
+            self._under_way[1].close()
+        self._under_way = None
 
 
 class Worker:

@@ -83,7 +83,7 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
         view = _drawn(request.view)
         image = with_bar(Composed(view.image, view.scale))
         panels.append(view_panel(view.request.shown.name, image, view.request.kind))
-        facts["view"] = _view_facts(view.request)
+        facts["view"] = view_facts(view.request)
     return panels, provenance(**facts)
 
 
@@ -102,7 +102,7 @@ def view_panel(name: str, image: ByteImage, kind: ViewKind) -> Panel:
     return Panel(f"Reconstruction   {name}{shows}", image)
 
 
-def _view_facts(request: ViewRequest) -> dict[str, Any]:
+def view_facts(request: ViewRequest) -> dict[str, Any]:
     """Its own run and clip, which need not be those of the pictures beside it."""
     shown = request.shown
     origin = shown.origin.facts if shown.origin else {"run": {"name": shown.name}}

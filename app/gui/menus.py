@@ -8,7 +8,16 @@ from pathlib import Path
 
 from imgui_bundle import hello_imgui, imgui, imgui_ctx
 
-from app.gui import actions, camera_actions, comparing, edit_actions, path_actions, theme, tuning_actions
+from app.gui import (
+    actions,
+    camera_actions,
+    comparing,
+    edit_actions,
+    export_actions,
+    path_actions,
+    theme,
+    tuning_actions,
+)
 from app.gui.comparison import MODES, SLOTS
 from app.gui.keys import TOOL_KEYS, Commands, fit_pictures, one_to_one, save_edits, toggle_help
 from app.gui.legible import legible
@@ -61,6 +70,7 @@ def _draw_file(state: AppState, openers: Openers, commands: Commands) -> None:
     imgui.separator()
     something = state.pictures is not None or state.model is not None
     _item("Save picture", "S", commands.screenshot, enabled=something)
+    _item("Export…", "Ctrl+E", lambda: export_actions.toggle_export(state), enabled=something)
     _item("Save session", "Ctrl+S", commands.session, enabled=state.opened_path is not None)
     explain("What is open, its settings, views and notes; opened again like a clip.")
     imgui.separator()

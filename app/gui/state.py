@@ -20,6 +20,7 @@ from app.gui.photos import Photo, PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.reported import Reported
 from app.gui.settings import Places, Settings
+from app.gui.shots import Exporting
 from app.gui.tuning import Tuning
 from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel, View, ViewRequest
@@ -188,6 +189,9 @@ class AppState:
     """In [0, 1]; used when not linked."""
 
     tuning: Tuning = field(default_factory=Tuning)
+    export_open: bool = False
+    export_scale: int = 1
+    exporting: Exporting | None = None
 
     report: Reported | None = None
     report_place: int = 0
@@ -263,6 +267,7 @@ class AppState:
             or self._pictures_wait
             or self.tuning.request is not None
             or self.editing.wish is not None
+            or self.exporting is not None
         )
 
     @property

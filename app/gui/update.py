@@ -7,8 +7,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.gui import actions, camera_actions, edit_actions, path_actions, session_actions, tuning_actions
-from app.gui.background import Channel, Failure
+from app.gui import (
+    actions,
+    camera_actions,
+    edit_actions,
+    export_actions,
+    path_actions,
+    session_actions,
+    tuning_actions,
+)
+from app.gui.background import Channel, Failure, SteppedChannel
 from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.compare_work import CompareWork
 from app.gui.editing import Selected, Selector, SelectRequest
@@ -19,6 +27,7 @@ from app.gui.opening import Opened, OpenRequest, open_path
 from app.gui.photos import Photo, PhotoRequest, read_photo
 from app.gui.picking import Picked, PickRequest, pick
 from app.gui.session_actions import WriteRequest, write
+from app.gui.shots import ExportRequest, Step, export
 from app.gui.state import AppState
 from app.gui.tuning import CellMaker, CellRequest, GridCell
 from app.gui.viewing import View, ViewRequest, draw_view
@@ -50,6 +59,7 @@ class Channels:
     compare: CompareWork = field(default_factory=CompareWork)
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
     measure: MeasureWork = field(default_factory=MeasureWork)
+    exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
@@ -61,7 +71,8 @@ class Channels:
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
         first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
-        return (*first, *self.compare.all, self.view, self.bakes, self.saving, self.cells, self.sessions)
+        last = (self.saving, self.cells, self.sessions, self.exports)
+        return (*first, *self.compare.all, self.view, self.bakes, *last)
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -82,6 +93,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_saved(state, channels)
     _take_cell(state, channels)
     _take_written(state, channels)
+    _take_step(state, channels)
     _follow_job(state)
     _play(state, elapsed)
     path_actions.advance_path(state, elapsed)
@@ -198,6 +210,11 @@ def _take_cell(state: AppState, channels: Channels) -> None:
 def _take_written(state: AppState, channels: Channels) -> None:
     while (taken := channels.sessions.take()) is not None:
         session_actions.take_written(state, *taken)
+
+
+def _take_step(state: AppState, channels: Channels) -> None:
+    while (taken := channels.exports.take()) is not None:
+        export_actions.take_step(state, *taken)
 
 
 def _follow_job(state: AppState) -> None:

@@ -13,7 +13,7 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.errors import UserError
-from app.gui import actions, menus, path_actions, preset_actions, session_actions, theme
+from app.gui import actions, export_actions, menus, path_actions, preset_actions, session_actions, theme
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
 from app.gui.chosen_viewport import ChosenViewport
@@ -26,6 +26,7 @@ from app.gui.panels.compare import draw_compare
 from app.gui.panels.edit_view import draw_edit_tools
 from app.gui.panels.editing import PANEL, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
+from app.gui.panels.export import draw_export
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
 from app.gui.panels.session import draw_notes, draw_recovery
@@ -271,6 +272,7 @@ class Window:
         self._ask_before_quitting(hello_imgui.get_runner_params())
         draw_question(self.state)
         overlays.draw_notice(self.state)
+        draw_export(self.state, self.export, self.cancel_export)
         draw_recovery(self.state)
         self._dialogs.draw()
         self._keyboard.handle(self.state)
@@ -290,6 +292,16 @@ class Window:
         """Ask for a session file of what is open and how it is set, written in the background."""
         if (request := session_actions.save_request(self.state)) is not None:
             self._channels.sessions.ask(request)
+
+    def export(self, what: export_actions.What, scale: int) -> None:
+        """Ask for an export, made in the background a step at a time."""
+        if (request := export_actions.export_request(self.state, what, scale)) is not None:
+            self._channels.exports.ask(request)
+
+    def cancel_export(self) -> None:
+        """Nothing of it is left behind."""
+        self._channels.exports.cancel()
+        export_actions.cancelled(self.state)
 
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""

@@ -1,0 +1,225 @@
+"""Exports of the window: the pixels are the panes' own, each is made again, and none stands in the way."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.gui import actions, comparing, export_actions
+from app.gui.export_actions import OFFERS, What
+from app.gui.panels.export import draw_export
+from app.gui.panes import pane
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from app.gui.update import Channels, update
+from app.pictures import read_image
+from app.provenance import read_provenance, write_png
+from app.replay import replay
+from app.tuning import METRICS
+from assets import phantom_path
+from enhance import EnhanceParams
+from enhance.metrics import dvbv_otsu
+from tests.app.gui.conftest import SIZE
+from tests.app.gui.test_panels import Ui
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+class Exporter:
+    """The window without its drawing."""
+
+    def __init__(self, places: Places, path: Path) -> None:
+        self.state, self.channels = AppState(places, Settings(acknowledged=True)), Channels()
+        actions.open_path(self.state, path)
+        self.turn(8)
+        # A view so small that it is drawn in no time.
+        self.state.view_size = (48, 36)
+
+    def turn(self, frames: int = 4) -> None:
+        for _ in range(frames):
+            update(self.state, self.channels, self.state.now + 0.01)
+            for channel in self.channels.all:
+                channel.run_waiting()
+
+    def begin(self, what: What, scale: int = 1) -> None:
+        request = export_actions.export_request(self.state, what, scale)
+        assert request is not None
+        self.channels.exports.ask(request)
+
+    def made(self, what: What, scale: int = 1) -> Path:
+        """The file, once it is written."""
+        before = set(self.state.places.pictures.glob("*"))
+        self.begin(what, scale)
+        for _ in range(100):
+            self.turn(1)
+            if self.state.exporting is None:
+                break
+        assert self.state.banner is None
+        new = set(self.state.places.pictures.glob("*")) - before
+        return next(path for path in new if path.suffix in (".png", ".mp4", ".csv"))
+
+
+@pytest.fixture
+def run(places: Places, runs: dict[str, Path]) -> Exporter:
+    """A run and its clip are open."""
+    return Exporter(places, runs["original"])
+
+
+def same(path: Path, *sources: Path) -> bool:
+    return replay(path, sources, path.with_name(f"again{path.suffix}")).difference.is_none
+
+
+def test_a_pane_is_what_it_shows_at_the_size_asked_for(run: Exporter, clip_path: Path) -> None:
+    state = run.state
+    comparing.store(state, "A")
+    actions.set_params(state, EnhanceParams(d_factor=0.2))
+    state.scope, state.tissue_only = "clip", True
+    for source in ("original", "enhanced", "A", "clahe", "render"):
+        comparing.choose_source(state, "left", source)
+        run.turn(6)
+        assert state.pictures is not None
+        shown = pane(state, state.pictures, "left").image
+        path = run.made("left pane", scale=3)
+        page = read_image(path)
+        height, width = shown.shape[:2]
+        top = (page.shape[0] - 3 * height) // 2
+        inside = page[top : top + 3 * height, : 3 * width]
+        np.testing.assert_array_equal(inside, shown.repeat(3, axis=0).repeat(3, axis=1))
+        assert same(path, clip_path, Path(str(state.reconstruction.run_path)))
+        facts = read_provenance(path)
+        assert str(clip_path) not in json.dumps(facts)
+
+
+def test_the_pair_and_its_video_come_again(run: Exporter, clip_path: Path) -> None:
+    state, run_path = run.state, run.state.reconstruction.run_path
+    assert run_path is not None
+    comparing.choose_source(state, "left", "enhanced")
+    comparing.choose_source(state, "right", "render")
+    actions.seek(state, 4)
+    assert same(run.made("both panes"), clip_path, run_path)
+    video = run.made("video of both panes")
+    capture = cv2.VideoCapture(str(video))
+    assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 10
+    capture.release()
+    assert same(video, clip_path, run_path)
+    view = run.made("video of the 3D view", scale=2)
+    capture = cv2.VideoCapture(str(view))
+    assert capture.get(cv2.CAP_PROP_FRAME_WIDTH) == 96
+    capture.release()
+    assert same(view, run_path)
+
+
+def test_a_changed_pane_is_found_out(run: Exporter, clip_path: Path) -> None:
+    path = run.made("right pane")
+    facts = read_provenance(path)
+    facts["panes"][0]["params"]["d_factor"] = 2.0
+    write_png(path, read_image(path), facts)
+    assert not same(path, clip_path)
+
+
+def test_measures_are_of_every_pane_and_frame(run: Exporter) -> None:
+    path = run.made("measures of both panes")
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert [(row["frame"], row["pane"]) for row in rows[:3]] == [
+        ("0", "Original"),
+        ("0", "Enhanced"),
+        ("1", "Original"),
+    ]
+    assert len(rows) == 20
+    assert run.state.clip is not None
+    assert float(rows[2]["dv_bv"]) == dvbv_otsu(run.state.clip.read_image(1)).ratio
+    assert {row["noise_gain"] for row in rows if row["pane"] == "Original"} == {"1.0"}
+    facts = json.loads(path.with_suffix(".json").read_text())
+    assert [row["dv"] for row in facts["frames"]] == [float(row["dv"]) for row in rows]
+    assert set(METRICS) - {"milliseconds"} <= facts["frames"][0].keys()
+    assert facts["panes"][1]["params"]["d_factor"] == 1.0
+
+
+def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run: Exporter) -> None:
+    run.begin("video of both panes")
+    run.turn(3)
+    exporting = run.state.exporting
+    assert exporting is not None
+    assert 0 < exporting.done < 10
+    assert export_actions.why_not_export(run.state, "left pane")
+    actions.set_params(run.state, EnhanceParams(z=0.4))
+    run.turn(3)
+    assert run.state.pictures is not None
+    assert run.state.pictures.request == run.state.picture_request
+    assert run.state.exporting is exporting
+    run.channels.exports.cancel()
+    export_actions.cancelled(run.state)
+    path = run.made("left pane")  # Asked for before the worker has heard of the end.
+    assert sorted(run.state.places.pictures.iterdir()) == [path]
+
+
+def test_a_full_disk_is_a_sentence_and_leaves_nothing(run: Exporter, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("app.atomic.os.fsync", full)
+        for what in ("both panes", "video of both panes", "measures of both panes"):
+            run.begin(what)
+            run.turn(30)
+            assert run.state.banner is not None
+            assert run.state.banner.message == "the export was not written: No space left on device"
+            run.state.banner = None
+    assert run.state.exporting is None
+    assert list(run.state.places.pictures.iterdir()) == []
+
+
+def test_what_is_lacking_is_said(places: Places) -> None:
+    state = AppState(places)
+    assert {export_actions.why_not_export(state, what) for what in OFFERS} == {
+        "Open a clip first.", "There is no 3D view yet.",
+    }  # fmt: skip
+    assert export_actions.export_request(state, "left pane", 1) is None
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:
+    state.export_open = True
+    for _ in range(2):
+        ui.frame(lambda: draw_export(state, lambda what, scale: None, lambda: None))
+    assert export_actions.export_request(state, "both panes", 2) is not None
+    ui.frame(lambda: draw_export(state, lambda what, scale: None, lambda: None))
+    assert state.export_open
+    assert SIZE == (48, 40)
+
+
+@pytest.mark.display
+def test_from_the_key_to_the_file(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.e)
+        ctx.yield_(2)
+        ctx.item_click("//Export/###both panes")
+        wait(ctx, lambda: state.exporting is None and state.toast is not None, "the picture")
+        ctx.item_click("//Export/###video of both panes")
+        wait(ctx, lambda: state.exporting is not None and state.exporting.done > 1, "some frames")
+        ctx.item_click("//Export/Cancel")
+        ctx.yield_(3)
+
+    driver.run(drive)
+    assert state.exporting is None
+    (path,) = places.pictures.glob("*.png")
+    assert same(path)
