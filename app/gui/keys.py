@@ -119,7 +119,12 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(ctrl | key.t, "Ctrl+T", "tuning grid: a range of settings", tuning_actions.toggle_tuning),
         *edit_shortcuts(),
         Shortcut(key.s, "S", "save a picture of what is shown", lambda s: commands.screenshot()),
-        Shortcut(ctrl | key.e, "Ctrl+E", "export panes, videos and measures", export_actions.toggle_export),
+        Shortcut(
+            ctrl | shift | key.e,
+            "Ctrl+Shift+E",
+            "export panes, videos and measures",
+            export_actions.toggle_export,
+        ),
         Shortcut(ctrl | key.s, "Ctrl+S", "save the session", lambda s: commands.session()),
         Shortcut(ctrl | key.o, "Ctrl+O", "open a folder", lambda s: commands.open_folder()),
         Shortcut(ctrl | key.i, "Ctrl+I", "open an image or a video", lambda s: commands.open_file()),

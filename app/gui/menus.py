@@ -70,7 +70,7 @@ def _draw_file(state: AppState, openers: Openers, commands: Commands) -> None:
     imgui.separator()
     something = state.pictures is not None or state.model is not None
     _item("Save picture", "S", commands.screenshot, enabled=something)
-    _item("Export…", "Ctrl+E", lambda: export_actions.toggle_export(state), enabled=something)
+    _item("Export…", "Ctrl+Shift+E", lambda: export_actions.toggle_export(state), enabled=something)
     _item("Save session", "Ctrl+S", commands.session, enabled=state.opened_path is not None)
     explain("What is open, its settings, views and notes; opened again like a clip.")
     imgui.separator()

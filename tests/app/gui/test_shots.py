@@ -210,7 +210,7 @@ def test_from_the_key_to_the_file(places: Places) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.e)
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.e)
         ctx.yield_(2)
         ctx.item_click("//Export/###both panes")
         wait(ctx, lambda: state.exporting is None and state.toast is not None, "the picture")
