@@ -11,6 +11,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 from app.gui import actions, theme
 from app.gui.actions import MakeJob
 from app.gui.legible import legible
+from app.gui.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state import AppState, InputKind, Reconstruction
 from app.gui.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from enhance import EnhanceParams
@@ -62,7 +63,7 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
         row("Colour d", "Of the frames to reconstruct; the paper takes 0.5 there. " + about.text)
         imgui.set_next_item_width(-em(0.1))
         _, run.d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
-    iterations = _steps(config)
+    iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (METHODS.index(config.method), config.iterations):
         run.config = replace(config, method=METHODS[method], iterations=iterations)
     row("Name", "Folder of the run; empty: the clip's name and the time.")
@@ -76,6 +77,20 @@ def _choose(label: str, name: str, index: int, values: list[str], text: str) -> 
     _, index = imgui.combo(f"##{name}", index, values)
     explain(text)
     return index
+
+
+def _quality(run: Reconstruction) -> int:
+    """The iterations that are chosen by a word, and what they will take where that is known."""
+    now, names = quality_of(run.config.iterations), [*QUALITIES]
+    choices = names if now in names else [*names, now]
+    steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
+    text = f"Iterations by a word: {steps}. More are slower and better."
+    took = expected_seconds(run)
+    if took is not None:
+        text += f" About {seconds(took)} at the pace of the run shown."
+    shown = [f"{name}, about {seconds(took)}" if took and name == now else name for name in choices]
+    index = _choose("Quality", "quality", choices.index(now), shown, text)
+    return QUALITIES.get(choices[index], run.config.iterations)
 
 
 def _steps(config: TrainConfig) -> int:
