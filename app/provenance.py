@@ -69,6 +69,12 @@ def provenance(**facts: object) -> dict[str, Any]:
     return head | {"libraries": dict(libraries())} | facts
 
 
+def repeatable(**facts: object) -> dict[str, Any]:
+    """As `provenance`, without the hour: what is drawn of a model at exact moments and poses is the same file
+    every time."""
+    return {name: value for name, value in provenance(**facts).items() if name != "utc"}
+
+
 @cache
 def libraries() -> tuple[tuple[str, str], ...]:
     """Names and versions of what pixels pass through, and the kind of processor."""

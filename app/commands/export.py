@@ -15,7 +15,7 @@ from app.errors import UserError
 from app.moments import Moment
 from app.pictures import ArrayImage
 from app.progress import progress
-from app.provenance import provenance, strict_json, write_sidecar
+from app.provenance import repeatable, strict_json, write_sidecar
 from app.scene import Scene
 from app.video import write_video
 from renderer.camera_files import NamedCamera, splatting_json
@@ -53,7 +53,7 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment]) -> None:
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             raw = scene.model.motion.moved(scene.model.raw, moment.time)
-            facts = provenance(kind="splats", **scene.facts, frame=moment.frame, time=moment.time)
+            facts = repeatable(kind="splats", **scene.facts, frame=moment.frame, time=moment.time)
             comment = f"vesselsplat {json.dumps(json.loads(strict_json(facts)))}"
             (staging / f"{moment.name}.ply").write_bytes(ply_bytes(raw, scene.mode, [comment]))
             report(done, moment.name)
@@ -74,5 +74,5 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
     written = write_video(flags.video, pictures(), flags.frames_per_second)
     facts = scene.facts | {"renderer": name, "background": (0.0, 0.0, 0.0), "video": written}
     facts |= {"frames_per_second": flags.frames_per_second, "moments": views}
-    write_sidecar(flags.video, provenance(kind="render video", **facts))
+    write_sidecar(flags.video, repeatable(kind="render video", **facts))
     sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {name}\n")

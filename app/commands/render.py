@@ -17,7 +17,7 @@ from app.evaluate import open_evaluation
 from app.moments import Moment
 from app.pictures import write_image
 from app.progress import progress
-from app.provenance import provenance, write_png
+from app.provenance import repeatable, write_png
 from app.scene import is_splat_file
 from app.views import EXPLAINED, SHAPES, composed, has_scale, splats_for
 from renderer.clip import Clip
@@ -59,7 +59,7 @@ def run(flags: argparse.Namespace) -> None:
             picture = with_bar(composed(flags.view, drawn, scene.unit, photo))
             shown = drawn.straight if flags.transparent else picture
             own_facts = facts | moment.facts | {"near": near}
-            write_png(staging / f"{moment.name}.png", shown, provenance(kind="render", **own_facts))
+            write_png(staging / f"{moment.name}.png", shown, repeatable(kind="render", **own_facts))
             if flags.depth:
                 _write_depth(staging, moment, drawn, own_facts)
             report(done, moment.name)
@@ -76,6 +76,6 @@ def _photos(flags: argparse.Namespace) -> Clip:
 def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:
     picture, (nearest, farthest) = colored_depth(drawn.depth)
     shown = {"shows": "expected depth", "nearest": nearest, "farthest": farthest}
-    depth_facts = provenance(kind="depth", **facts, holds="expected depth in scene units, 0 where nothing is")
+    depth_facts = repeatable(kind="depth", **facts, holds="expected depth in scene units, 0 where nothing is")
     write_image(folder / f"{moment.name}-depth.npy", drawn.depth, depth_facts)
-    write_png(folder / f"{moment.name}-depth.png", picture, provenance(kind="depth", **facts, **shown))
+    write_png(folder / f"{moment.name}-depth.png", picture, repeatable(kind="depth", **facts, **shown))
