@@ -359,3 +359,35 @@ def test_depth_is_shown_from_white_to_black_over_the_background(ctx: moderngl.Co
         view.draw_depth(camera, framebuffer, depth_range=(2.0, 2.0))
     view.release()
     framebuffer.release()
+
+
+def test_half_a_million_splats_are_drawn_as_the_processor_draws_them(ctx: moderngl.Context) -> None:
+    """Half of them behind the camera, which both leave out."""
+    camera = turned_camera(48, 36)
+    splats = random_splats(500_000, camera, 21, sigma=(0.2, 0.8))
+    behind = camera.world_from_camera[:3, 2] * 500.0
+    means = splats.means.copy()
+    means[::2] -= behind.astype(np.float32)
+    splats = replace(splats, means=means, opacities=splats.opacities * np.float32(0.1))
+    image = render_offscreen(ctx, splats, camera, BACKGROUND)
+    assert psnr(image, render(splats, camera, BACKGROUND).image) >= 60
+    assert image.std() > 0.02
+
+
+def test_more_splats_than_a_texture_holds_are_refused_in_a_line(
+    ctx: moderngl.Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And what was drawn before still is."""
+    view, framebuffer = SplatView(ctx), ctx.simple_framebuffer((96, 72))
+    view.upload(random_splats(40, CAMERA, 2))
+    view.draw(CAMERA, framebuffer)
+    before = framebuffer.read()
+    monkeypatch.setitem(ctx.info, "GL_MAX_TEXTURE_SIZE", 1)
+    with pytest.raises(ValueError, match="at most 1024 splats here, got 1025"):
+        view.upload(random_splats(1025, CAMERA, 1))
+    with pytest.raises(ValueError, match="at most 256 splats here, got 330"):
+        view.upload(glossy(1))
+    view.draw(CAMERA, framebuffer)
+    assert framebuffer.read() == before
+    view.release()
+    framebuffer.release()

@@ -109,6 +109,9 @@ def test_every_drawing_restores_unusual_state(ctx: moderngl.Context, view: Splat
     assert driver.state() == before
     view.read_depth(CAMERA)
     assert driver.state() == before
+    view.seek(0.5)
+    view.read_color(CAMERA, "ellipsoid")
+    assert driver.state() == before
     assert ctx.fbo is bound
     framebuffer.clear()  # moderngl binds again what it believes to be bound
     assert driver.state()["draw framebuffer"] == before["draw framebuffer"]
