@@ -15,6 +15,7 @@ from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.origin import origin_of
 from app.gui.picture_view import PictureView
+from app.gui.second import Second
 from app.gui.settings import save_settings
 from app.gui.state import AppState, Banner, CurvePoint, Job, Reconstruction, Toast
 from app.gui.viewer import Viewer
@@ -118,6 +119,7 @@ def _show_run(state: AppState, opened: Opened) -> None:
     draft = state.reconstruction
     state.reconstruction = Reconstruction(config=draft.config, input=draft.input, d_factor=draft.d_factor)
     state.model, state.view, state.viewer = opened.splats, None, Viewer()
+    state.second = Second()
     if opened.run is None:
         return
     record, run = opened.run.record, opened.run

@@ -11,7 +11,7 @@ from app.gui.measurement import Measurement
 from app.gui.picking import Picked, PickRequest, Purpose
 from app.gui.state import AppState, Toast
 from app.gui.viewer import MAX_SPEED, MIN_SPEED
-from app.gui.viewing import ShownModel
+from app.gui.viewing import ShownModel, ViewRequest
 
 TOAST_SECONDS = 4.0
 LONGEST_STEP = 0.1
@@ -86,22 +86,22 @@ def toggle_measuring(state: AppState) -> None:
         viewer.measuring, viewer.measurement = not viewer.measuring, Measurement()
 
 
-def ask_point(state: AppState, pixel: tuple[int, int], purpose: Purpose) -> None:
-    """Wish for the surface point behind a pixel (column, row) of the view."""
-    request = state.plain_view_request
-    if request is not None:
-        state.viewer.pick = PickRequest(request, pixel, purpose)
+def ask_point(state: AppState, request: ViewRequest, pixel: tuple[int, int], purpose: Purpose) -> None:
+    """Wish for the surface point behind a pixel (column, row) of one of the views."""
+    state.viewer.pick = PickRequest(request, pixel, purpose)
 
 
 def take_point(state: AppState, request: PickRequest, picked: Picked) -> None:
     """The answer to a wish; of a view that is no longer shown, it is dropped."""
-    if state.model is None or request.view.shown.cameras != state.model.cameras:
+    models = [model for model in (state.model, state.second.shown) if model is not None]
+    if all(request.view.shown.cameras != model.cameras for model in models):
         return
     if picked.point is None:
         state.toast = Toast("No surface is there", state.now + TOAST_SECONDS)
     elif request.purpose == "measure":
         viewer = state.viewer
-        viewer.measurement = viewer.measurement.with_point(picked.point, request.view.time)
+        view = request.view
+        viewer.measurement = viewer.measurement.with_point(picked.point, view.time, view.shown.name)
     else:
         state.viewer.pivot, state.viewer.flying = picked.point, False
 

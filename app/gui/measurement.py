@@ -15,12 +15,14 @@ class Measurement:
 
     points: tuple[Vector, ...] = ()
     time: float = 0.0
+    of: str = ""
+    """Name of the reconstruction whose surface it is."""
 
-    def with_point(self, point: Vector, time: float) -> Measurement:
-        """The second point, or the first of a new distance: after two, or at another time."""
-        if len(self.points) == 1 and self.time == time:
-            return Measurement((*self.points, point), time)
-        return Measurement((point,), time)
+    def with_point(self, point: Vector, time: float, of: str = "") -> Measurement:
+        """The second point, or the first of a new distance: after two, at another time, elsewhere."""
+        if len(self.points) == 1 and (self.time, self.of) == (time, of):
+            return Measurement((*self.points, point), time, of)
+        return Measurement((point,), time, of)
 
     @property
     def distance(self) -> float | None:

@@ -22,6 +22,7 @@ from app.gui.comparison import MODES, SLOTS
 from app.gui.keys import TOOL_KEYS, Commands, fit_pictures, one_to_one, save_edits, toggle_help
 from app.gui.legible import legible
 from app.gui.panels.overlays import LONG_NOTICE
+from app.gui.panels.view3d import Asks, draw_second_items
 from app.gui.panels.welcome import Openers
 from app.gui.state import AppState
 from app.gui.widgets import em, explain
@@ -29,7 +30,9 @@ from app.gui.widgets import em, explain
 Act = Callable[[], None]
 
 
-def draw_menus(state: AppState, openers: Openers, commands: Commands, import_views: Act) -> None:
+def draw_menus(
+    state: AppState, openers: Openers, commands: Commands, import_views: Act, ask_second: Asks
+) -> None:
     """Everything that has a key, for those who look rather than remember."""
     with imgui_ctx.begin_menu("File") as menu:
         if menu:
@@ -39,7 +42,7 @@ def draw_menus(state: AppState, openers: Openers, commands: Commands, import_vie
             _draw_picture(state)
     with imgui_ctx.begin_menu("Camera") as menu:
         if menu:
-            _draw_camera(state, import_views)
+            _draw_camera(state, import_views, ask_second)
     with imgui_ctx.begin_menu("Edit") as menu:
         if menu:
             _draw_edit(state)
@@ -113,7 +116,7 @@ def _draw_compare(state: AppState, clip: bool) -> None:
         _item(f"Use setting {slot}", "", partial(comparing.recall, state, slot), enabled=slot in state.stored)
 
 
-def _draw_camera(state: AppState, import_views: Act) -> None:
+def _draw_camera(state: AppState, import_views: Act, ask_second: Asks) -> None:
     model, views = state.model is not None, state.cameras.views
     keys = len(views.path.keyframes)
     _item("Clip camera", "Home", lambda: camera_actions.reset_view(state), enabled=model)
@@ -136,6 +139,10 @@ def _draw_camera(state: AppState, import_views: Act) -> None:
     _item("Export the clip's cameras", "", lambda: path_actions.export_clip_cameras(state), enabled=model)
     export = partial(path_actions.export_path_cameras, state)
     _item("Export the path's cameras", "", export, enabled=keys > 0)
+    imgui.separator()
+    with imgui_ctx.begin_menu("Second view", model) as menu:
+        if menu:
+            draw_second_items(state, ask_second)
 
 
 def _draw_edit(state: AppState) -> None:

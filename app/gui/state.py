@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, Protocol
 
@@ -19,6 +19,7 @@ from app.gui.others import Difference, Other
 from app.gui.photos import Photo, PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.reported import Reported
+from app.gui.second import Second
 from app.gui.settings import Places, Settings
 from app.gui.shots import Exporting
 from app.gui.tuning import Tuning
@@ -183,6 +184,7 @@ class AppState:
     view_dragged: bool = False
     viewer: Viewer = field(default_factory=Viewer)
     cameras: CameraList = field(default_factory=CameraList)
+    second: Second = field(default_factory=Second)
     linked: bool = True
     """The 3D view follows the clip's frame."""
     view_time: float = 0.0
@@ -286,6 +288,12 @@ class AppState:
         if self.viewer.snapped:
             return model.snapped(self.time).of_kind(self.view_kind, self.photo)
         return model.view(self.time, self.viewer.free, self.view_size).of_kind(self.view_kind)
+
+    @property
+    def second_request(self) -> ViewRequest | None:
+        """What the second 3D view should show now: the first one's moment through its camera."""
+        first, shown = self.plain_view_request, self.second.shown
+        return None if first is None or shown is None else replace(first, shown=shown)
 
     @property
     def has_photos(self) -> bool:

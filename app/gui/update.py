@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from app.gui import (
     edit_actions,
     export_actions,
     path_actions,
+    second_actions,
     session_actions,
     tuning_actions,
 )
@@ -53,6 +54,8 @@ class Channels:
     selecting: Channel[SelectRequest, Selected] = field(default_factory=lambda: Channel(Selector().select))
     photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    second: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    second_opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
     saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
@@ -71,8 +74,9 @@ class Channels:
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
         first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
+        views = (self.view, self.second, self.second_opening, self.bakes)
         last = (self.saving, self.cells, self.sessions, self.exports)
-        return (*first, *self.compare.all, self.view, self.bakes, *last)
+        return (*first, *self.compare.all, *views, *last)
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -89,6 +93,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     edit_actions.follow(state)
     _take_selected(state, channels)
     _take_view(state, channels)
+    _take_second(state, channels)
     _take_baked(state, channels)
     _take_saved(state, channels)
     _take_cell(state, channels)
@@ -179,6 +184,22 @@ def _take_view(state: AppState, channels: Channels) -> None:
         actions.fail(state, f"the 3D view cannot be drawn: {taken[1].message}")
     else:
         state.view = taken[1]
+
+
+def _take_second(state: AppState, channels: Channels) -> None:
+    opened, drawn = channels.second_opening.take(), channels.second.take()
+    if opened is not None:
+        request, answer = opened
+        if isinstance(answer, Failure):
+            second_actions.refuse_second(state, request, answer.message)
+        else:
+            second_actions.take_second(state, request, answer)
+    if drawn is None or drawn[0].shown is not state.second.shown:
+        return
+    if isinstance(drawn[1], Failure):
+        actions.fail(state, f"the second 3D view cannot be drawn: {drawn[1].message}")
+    else:
+        state.second.view = drawn[1]
 
 
 def _take_baked(state: AppState, channels: Channels) -> None:
@@ -277,17 +298,15 @@ def view_request(state: AppState) -> ViewRequest | None:
     """What the 3D view should show, smaller while it moves when a whole one takes long."""
     request = state.view_request
     moving = state.view_dragged or state.viewer.moving or state.playing or state.cameras.playing
-    if request is None or not moving or not is_slow(state.view):
+    if request is None or not moving or not is_slow(state.view, state.second.view):
         return request
     return request.scaled(REDUCED)
 
 
-def is_slow(view: View | None) -> bool:
-    """Whether the last picture would have taken long at full size."""
-    if view is None:
-        return False
-    reduced = view.request.reduced
-    return view.milliseconds * (1 / REDUCED**2 if reduced else 1) > SLOW_VIEW
+def is_slow(*views: View | None) -> bool:
+    """Whether the last pictures together would have taken long at full size."""
+    shares = [(view.milliseconds, view.request.reduced) for view in views if view is not None]
+    return sum(spent / REDUCED**2 if reduced else spent for spent, reduced in shares) > SLOW_VIEW
 
 
 def _ask(state: AppState, channels: Channels) -> None:
@@ -317,6 +336,19 @@ def _ask(state: AppState, channels: Channels) -> None:
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)
+    _ask_second(state, channels, view)
+
+
+def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) -> None:
+    """The second 3D view is of the first one's moment, camera and size."""
+    second = state.second
+    if second.opening is not None and channels.second_opening.asked is not second.opening:
+        channels.second_opening.ask(second.opening)
+    if first is None or second.shown is None or not state.processor_draws:
+        return
+    wanted = replace(first, shown=second.shown)
+    if channels.second.asked != wanted:
+        channels.second.ask(wanted)
 
 
 def _ask_for_keyframes(state: AppState, channels: Channels) -> None:

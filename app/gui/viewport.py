@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Protocol
@@ -12,7 +13,7 @@ from imgui_bundle import imgui
 from app.drawing import Drawn
 from app.gui.state import AppState
 from app.gui.textures import Textures
-from app.gui.viewing import BACKGROUND, ViewRequest
+from app.gui.viewing import BACKGROUND, View, ViewRequest
 from app.views import RECOLORED, SHAPES, Composed, Scale, splats_for
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
@@ -32,22 +33,46 @@ class OnScreen:
     """What its colours mean, where they are values."""
 
 
+@dataclass(frozen=True)
+class Watch:
+    """Which of the two 3D views a viewport shows: its texture, what is wanted of it, what is there for it."""
+
+    slot: str
+    request: Callable[[AppState], ViewRequest | None]
+    view: Callable[[AppState], View | None]
+    """What the processor drew."""
+    keyframes: Callable[[AppState], Keyframes | None]
+
+
+def keyframes_of(state: AppState) -> Keyframes | None:
+    """Of the model that is shown, once they are there."""
+    baked = state.baked
+    return baked.keyframes if baked is not None and baked.request.shown is state.model else None
+
+
+FIRST = Watch("view", lambda state: state.view_request, lambda state: state.view, keyframes_of)
+SECOND = Watch(
+    "second view", lambda state: state.second_request, lambda state: state.second.view, lambda state: None
+)
+
+
 class Viewport(Protocol):
     def show(self, state: AppState) -> OnScreen | None: ...
     def release(self) -> None: ...
 
 
 class ProcessorViewport:
-    """Shows what background work has drawn: the newest `state.view`."""
+    """Shows the newest picture that background work has drawn."""
 
-    def __init__(self, textures: Textures) -> None:
-        self._textures = textures
+    def __init__(self, textures: Textures, watch: Watch = FIRST) -> None:
+        self._textures, self._watch = textures, watch
 
     def show(self, state: AppState) -> OnScreen | None:
-        view = state.view
+        view = self._watch.view(state)
         if view is None or state.model is None:
             return None
-        return OnScreen(self._textures.whole("view", view.image), (0, 0), (1, 1), view.request, view.scale)
+        texture = self._textures.whole(self._watch.slot, view.image)
+        return OnScreen(texture, (0, 0), (1, 1), view.request, view.scale)
 
     def release(self) -> None:
         """The textures are released by their owner."""
@@ -56,8 +81,8 @@ class ProcessorViewport:
 class GraphicsViewport:
     """Draws when the request differs from the one on screen; views other than colour by way of arrays."""
 
-    def __init__(self, ctx: moderngl.Context, textures: Textures) -> None:
-        self._ctx, self._textures = ctx, textures
+    def __init__(self, ctx: moderngl.Context, textures: Textures, watch: Watch = FIRST) -> None:
+        self._ctx, self._textures, self._watch = ctx, textures, watch
         self._composed: Composed | None = None
         self._splats: SplatView | None = None
         self._near = 0.0
@@ -68,13 +93,13 @@ class GraphicsViewport:
         self._drawn: ViewRequest | None = None
 
     def show(self, state: AppState) -> OnScreen | None:
-        request = state.view_request
+        request = self._watch.request(state)
         if request is None:
             return None
         if request != self._drawn:
-            self._draw(request, keyframes_of(state))
+            self._draw(request, self._watch.keyframes(state))
         if self._composed is not None:
-            texture = self._textures.whole("view", self._composed.image)
+            texture = self._textures.whole(self._watch.slot, self._composed.image)
             return OnScreen(texture, (0, 0), (1, 1), request, self._composed.scale)
         assert self._texture is not None
         # OpenGL stores the bottom row first.
@@ -155,9 +180,3 @@ def _forget_errors(ctx: moderngl.Context) -> None:
     for _ in range(8):
         if ctx.error == "GL_NO_ERROR":
             return
-
-
-def keyframes_of(state: AppState) -> Keyframes | None:
-    """Of the model that is shown, once they are there."""
-    baked = state.baked
-    return baked.keyframes if baked is not None and baked.request.shown is state.model else None

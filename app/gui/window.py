@@ -13,7 +13,16 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.errors import UserError
-from app.gui import actions, export_actions, menus, path_actions, preset_actions, session_actions, theme
+from app.gui import (
+    actions,
+    export_actions,
+    menus,
+    path_actions,
+    preset_actions,
+    second_actions,
+    session_actions,
+    theme,
+)
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
 from app.gui.chosen_viewport import ChosenViewport
@@ -34,6 +43,7 @@ from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.second_viewport import SecondViewport
 from app.gui.settings import Places, load_settings
 from app.gui.state import AppState
 from app.gui.textures import Textures
@@ -93,6 +103,11 @@ class Window:
         self._dropped: list[str] = []
         self._textures: Textures | None = None
         self._viewport: Viewport | None = None
+        self._second_viewport: Viewport | None = None
+        self._ask_second = {
+            "Run folder beside…": lambda: self._dialogs.ask("folder", self._open_second),
+            "Splat file beside…": lambda: self._dialogs.ask("file", self._open_second),
+        }
         self._began = time.monotonic()
 
     def run(self) -> None:
@@ -142,7 +157,7 @@ class Window:
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
         calls.show_menus = lambda: menus.draw_menus(
-            self.state, self._openers, self._commands, self._import_views
+            self.state, self._openers, self._commands, self._import_views, self._ask_second
         )
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
@@ -205,6 +220,7 @@ class Window:
         ctx = _attach()
         self._textures = Textures(ctx)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
+        self._second_viewport = SecondViewport(ctx, self._textures)
         glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self.drop)  # type: ignore[arg-type]
 
     def _advance(self) -> None:
@@ -253,7 +269,8 @@ class Window:
 
     def _draw_view(self) -> None:
         assert self._viewport is not None
-        draw_view3d(self.state, self._viewport, self._photo_texture)
+        assert self._second_viewport is not None
+        draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture, self._ask_second)
         if self.state.model is not None:
             draw_edit_tools(self.state)
 
@@ -309,7 +326,7 @@ class Window:
             self.state.reconstruction.job.close()
         self._end_work()
         session_actions.end(self.state)
-        for item in (self._viewport, self._textures):
+        for item in (self._viewport, self._second_viewport, self._textures):
             if item is not None:
                 item.release()
 
@@ -322,6 +339,9 @@ class Window:
             path_actions.load_views(self.state, path)
         else:
             actions.open_path(self.state, path)
+
+    def _open_second(self, path: Path) -> None:
+        second_actions.open_second(self.state, path)
 
     def _import_views(self) -> None:
         self._dialogs.ask("file", lambda path: path_actions.load_views(self.state, path))

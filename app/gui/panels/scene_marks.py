@@ -52,7 +52,9 @@ def draw_marks(viewer: Viewer, request: ViewRequest, corner: ImVec2, size: ImVec
         at = on_screen(request.camera, viewer.pivot, corner, size)
         if at is not None:
             _draw_ring(at)
-    ends = [on_screen(request.camera, point, corner, size) for point in viewer.measurement.points]
+    measured = viewer.measurement
+    points = measured.points if measured.of == request.shown.name else ()
+    ends = [on_screen(request.camera, point, corner, size) for point in points]
     shown = [end for end in ends if end is not None]
     draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.WARNING)
     if len(shown) == 2:
@@ -62,7 +64,7 @@ def draw_marks(viewer: Viewer, request: ViewRequest, corner: ImVec2, size: ImVec
     for end in shown:
         draw.add_circle_filled(end, em(0.22), ink)
     if len(shown) == 2:
-        text = viewer.measurement.text(request.shown.unit, request.time)
+        text = measured.text(request.shown.unit, request.time)
         beside = ImVec2((shown[0].x + shown[1].x) / 2 + em(0.5), (shown[0].y + shown[1].y) / 2)
         tag(text, beside, theme.TAG_CAUTION)
 

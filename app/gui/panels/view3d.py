@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, camera_actions, theme, view_actions
+from app.gui import actions, camera_actions, second_actions, theme, view_actions
 from app.gui.legible import legible
 from app.gui.panels.color_bar import draw_color_bar
 from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.photos import Photo
 from app.gui.state import AppState
+from app.gui.viewing import ShownModel, ViewRequest
 from app.gui.viewport import OnScreen, Viewport
 from app.gui.widgets import button, centered, em, explain, stack_tags
 from app.views import EXPLAINED
@@ -27,27 +29,53 @@ CLICK = 4.0
 """Pixels that a hand may slip in a click."""
 PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
 """What shows a whole photo."""
+Asks = dict[str, Callable[[], None]]
+"""Ways to choose a second reconstruction, by their names in a menu."""
 Tag = tuple[str, ImVec4]
 
 
-def draw_view3d(state: AppState, viewport: Viewport, photo_texture: PhotoTexture) -> None:
-    """The view with its controls."""
+def draw_view3d(
+    state: AppState, viewport: Viewport, second: Viewport, photo_texture: PhotoTexture, ask_second: Asks
+) -> None:
+    """The view with its controls, beside it the second reconstruction when there is one.
+
+    The first is the last item that is drawn, for those who draw over it.
+    """
     if state.model is None:
         state.view_size = (0, 0)
         _draw_empty(state)
         return
-    _draw_toolbar(state)
-    space = imgui.get_content_region_avail()
-    size = ImVec2(max(space.x, em(4)), max(space.y, em(4)))
+    _draw_toolbar(state, ask_second)
+    space, gap = imgui.get_content_region_avail(), em(0.3)
+    corner, count = imgui.get_cursor_screen_pos(), 1 if state.second.shown is None else 2
+    size = ImVec2(max((space.x + gap) / count - gap, em(4)), max(space.y, em(4)))
+    scale = imgui.get_io().display_framebuffer_scale
+    state.view_size = (int(size.x * scale.x), int(size.y * scale.y))
+    state.view_dragged = False
+    if state.second.shown is not None:
+        imgui.set_cursor_screen_pos(ImVec2(corner.x + size.x + gap, corner.y))
+        _draw_pane(state, "second view", second, state.second_request, photo_texture, size)
+    imgui.set_cursor_screen_pos(corner)
+    _draw_pane(state, "view", viewport, state.plain_view_request, photo_texture, size)
+
+
+def _draw_pane(
+    state: AppState,
+    name: str,
+    viewport: Viewport,
+    request: ViewRequest | None,
+    photo_texture: PhotoTexture,
+    size: ImVec2,
+) -> None:
+    """One of the views; the hand on either moves both."""
     corner = imgui.get_cursor_screen_pos()
     buttons = imgui.ButtonFlags_
     imgui.invisible_button(
-        "view", size, buttons.mouse_button_left | buttons.mouse_button_right | buttons.mouse_button_middle
+        name, size, buttons.mouse_button_left | buttons.mouse_button_right | buttons.mouse_button_middle
     )
     _move(state, size)
-    _pick(state, corner, size)
-    scale = imgui.get_io().display_framebuffer_scale
-    state.view_size = (int(size.x * scale.x), int(size.y * scale.y))
+    if request is not None:
+        _pick(state, request, corner, size)
     _draw_picture(state, viewport.show(state), photo_texture, corner, size)
 
 
@@ -56,7 +84,7 @@ def _draw_empty(state: AppState) -> None:
     centered("The first preview of the reconstruction is on its way…")
 
 
-def _draw_toolbar(state: AppState) -> None:
+def _draw_toolbar(state: AppState, ask_second: Asks) -> None:
     button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
     explain("Home: the view of the clip's own camera.")
     imgui.same_line()
@@ -71,6 +99,7 @@ def _draw_toolbar(state: AppState) -> None:
         button(label, lambda: camera_actions.toggle_measuring(state))
     explain("M: click two points of the surface. It is the model's own, where its expected depth is.")
     imgui.same_line()
+    _draw_second(state, ask_second)
     _draw_snap(state)
     _draw_kind(state)
     if state.clip is None:
@@ -83,6 +112,34 @@ def _draw_toolbar(state: AppState) -> None:
     if not state.linked:
         imgui.same_line()
         _draw_time(state)
+
+
+def _draw_second(state: AppState, ask_second: Asks) -> None:
+    shown = state.second.shown is not None
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if shown else theme.grey(0.25)):
+        button(f"{icons.ICON_FA_COLUMNS}###second", _open_second_menu)
+    explain("A second reconstruction beside this one, with one camera and one time: also in the Camera menu.")
+    imgui.same_line()
+    with imgui_ctx.begin_popup("second") as popup:
+        if popup:
+            draw_second_items(state, ask_second)
+
+
+def _open_second_menu() -> None:
+    imgui.open_popup("second")
+
+
+def draw_second_items(state: AppState, ask_second: Asks) -> None:
+    """Menu entries: what to see beside the first."""
+    for label, ask in ask_second.items():
+        if imgui.menu_item_simple(label, enabled=state.model is not None):
+            ask()
+    for place, text in enumerate(state.settings.recent):
+        if imgui.menu_item_simple(f"{legible(Path(text).name)}##{place}", enabled=state.model is not None):
+            second_actions.open_second(state, Path(text))
+        explain(text)
+    if imgui.menu_item_simple("Close the second view", enabled=state.second.shown is not None):
+        second_actions.close_second(state)
 
 
 def _draw_snap(state: AppState) -> None:
@@ -128,7 +185,7 @@ def _move(state: AppState, size: ImVec2) -> None:
     held = imgui.is_item_active() and not imgui.is_mouse_double_clicked(imgui.MouseButton_.left)
     selects = state.editing.takes_drags and not io.key_alt and imgui.is_mouse_down(imgui.MouseButton_.left)
     held = held and not selects
-    state.view_dragged = held and any(imgui.is_mouse_down(index) for index in range(3))
+    state.view_dragged |= held and any(imgui.is_mouse_down(index) for index in range(3))
     if held and (io.mouse_delta.x or io.mouse_delta.y):
         if imgui.is_mouse_down(imgui.MouseButton_.left):
             camera_actions.turn(state, -TURN * io.mouse_delta.x / size.x, TURN * io.mouse_delta.y / size.x)
@@ -142,19 +199,19 @@ def _move(state: AppState, size: ImVec2) -> None:
             camera_actions.zoom(state, step**io.mouse_wheel)
 
 
-def _pick(state: AppState, corner: ImVec2, size: ImVec2) -> None:
+def _pick(state: AppState, request: ViewRequest, corner: ImVec2, size: ImVec2) -> None:
     """A double click, or O, turns the view around what is under the pointer; a click may measure."""
-    request, io = state.view_request, imgui.get_io()
-    if request is None or not imgui.is_item_hovered() or state.editing.takes_drags:
+    io = imgui.get_io()
+    if not imgui.is_item_hovered() or state.editing.takes_drags:
         return
     pixel = pixel_at(request.camera, corner, size)
     left, measuring = imgui.MouseButton_.left, state.viewer.measuring
     wants_centre = imgui.is_key_pressed(imgui.Key.o, False) and not io.want_text_input
     if wants_centre or (imgui.is_mouse_double_clicked(left) and not measuring):
-        camera_actions.ask_point(state, pixel, "orbit")
+        camera_actions.ask_point(state, request, pixel, "orbit")
     moved = imgui.get_mouse_drag_delta(left, 0.0)
     if measuring and imgui.is_mouse_released(left) and math.hypot(moved.x, moved.y) < CLICK:
-        camera_actions.ask_point(state, pixel, "measure")
+        camera_actions.ask_point(state, request, pixel, "measure")
 
 
 def _draw_picture(
@@ -182,18 +239,46 @@ def photo_over(state: AppState) -> Photo | None:
     return None if state.view_kind == "difference" else state.photo
 
 
+def made_by(model: ShownModel, other: ShownModel | None) -> str:
+    """What tells a reconstruction from another: its method and frames, its name where these are the same."""
+
+    def told(one: ShownModel) -> str:
+        facts = one.origin.facts if one.origin is not None else {}
+        frames, config = facts.get("input"), facts.get("config")
+        return f"{config.method} · {frames} frames" if frames and config is not None else legible(one.name)
+
+    same = other is not None and told(other) == told(model)
+    return legible(model.name) if same else told(model)
+
+
 def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
-    """What the view says of itself: what it is of, how new, how fine."""
+    """What the view says of itself: what it is of, how new, how fine; of two, the first speaks for both."""
     if shown is None:
         return [("DRAWING…", theme.TAG_CAUTION)]
-    model = shown.request.shown
+    model, second = shown.request.shown, state.second.shown
     tags: list[Tag] = []
     if model.live:
         count = f"{model.iteration} / {model.iterations}"
         tags.append((f"LIVE PREVIEW · iteration {count}", theme.TAG_CAUTION))
-    is_file = model.iterations == 0
-    said = f"SPLATS · {legible(model.name)}" if is_file else f"RECONSTRUCTION · time {shown.request.time:.3f}"
-    tags.append((said, theme.TAG_ORIGINAL))
+    if second is not None:
+        other = state.model if model is second else second
+        tags.append((f"{made_by(model, other)} · time {shown.request.time:.3f}", theme.TAG_ENHANCED))
+    elif model.iterations == 0:
+        tags.append((f"SPLATS · {legible(model.name)}", theme.TAG_ORIGINAL))
+    else:
+        tags.append((f"RECONSTRUCTION · time {shown.request.time:.3f}", theme.TAG_ORIGINAL))
+    if model is not second:
+        tags += _hand_tags(state, shown)
+    if shown.request.kind not in ("color", "difference"):
+        tags.append((f"{shown.request.kind.upper()} · not how it looks", theme.TAG_ENHANCED))
+    if shown.request.reduced:
+        tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
+    return tags
+
+
+def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
+    """What the hand does, and from where it is seen."""
+    tags: list[Tag] = []
     if state.viewer.flying:
         tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G ends", theme.TAG_CAUTION))
     if state.viewer.measuring:
@@ -208,10 +293,6 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
         tags.append((share, theme.TAG_ENHANCED))
     elif state.view_kind == "difference":
         tags.append(("DIFFERENCE only through the clip's camera: C", theme.TAG_CAUTION))
-    if shown.request.kind not in ("color", "difference"):
-        tags.append((f"{shown.request.kind.upper()} · not how it looks", theme.TAG_ENHANCED))
     if state.viewer.free is not None:
         tags.append(("FREE VIEW · not the endoscope's", theme.TAG_ORIGINAL))
-    if shown.request.reduced:
-        tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
     return tags

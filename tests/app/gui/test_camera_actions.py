@@ -49,7 +49,7 @@ def test_home_is_the_clip_s_camera_again(seen: AppState, move: Act) -> None:
 
 
 def test_a_picked_point_becomes_the_centre_and_stays_on_its_pixel(seen: AppState) -> None:
-    camera_actions.ask_point(seen, (24, 20), "orbit")
+    camera_actions.ask_point(seen, request(seen), (24, 20), "orbit")
     wish = seen.viewer.pick
     assert wish is not None
     (answer,) = pick(wish)
@@ -64,7 +64,7 @@ def test_a_picked_point_becomes_the_centre_and_stays_on_its_pixel(seen: AppState
 
 
 def test_nothing_is_picked_beside_the_tissue_or_of_a_view_that_is_gone(seen: AppState) -> None:
-    camera_actions.ask_point(seen, (-3, 2), "orbit")
+    camera_actions.ask_point(seen, request(seen), (-3, 2), "orbit")
     wish = seen.viewer.pick
     assert wish is not None
     (answer,) = pick(wish)
@@ -117,7 +117,6 @@ def test_the_free_view_stays_while_the_clip_s_time_goes_on(seen: AppState) -> No
 
 
 def test_wishes_are_by_value_and_need_a_view(state: AppState) -> None:
-    camera_actions.ask_point(state, (1, 1), "orbit")
     for move in MOVES.values():
         move(state)
     camera_actions.toggle_flight(state)

@@ -27,3 +27,7 @@ def test_points_of_two_moments_are_no_distance() -> None:
 
 def test_a_third_point_begins_anew() -> None:
     assert Measurement((A, B), 0.1).with_point(A, 0.1) == Measurement((A,), 0.1)
+
+
+def test_points_of_two_surfaces_are_no_distance() -> None:
+    assert Measurement().with_point(A, 0.1, "run").with_point(B, 0.1, "other").distance is None

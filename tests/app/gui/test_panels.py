@@ -20,7 +20,7 @@ from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.scene_marks import bounds
 from app.gui.panels.timeline import draw_timeline
-from app.gui.panels.view3d import draw_view3d, photo_over, view_tags
+from app.gui.panels.view3d import PhotoTexture, draw_view3d, photo_over, view_tags
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.panes import Pane, pane
 from app.gui.photos import read_photo
@@ -116,6 +116,18 @@ class StillViewport:
 
 def no_texture(image: ByteImage) -> imgui.ImTextureRef:
     return imgui.ImTextureRef(1)
+
+
+class StillSecond(StillViewport):
+    """The same of the second view."""
+
+    def show(self, state: AppState) -> OnScreen | None:
+        request = state.second_request
+        return None if request is None else OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request)
+
+
+def view3d(state: AppState, photo_texture: PhotoTexture = no_texture) -> None:
+    draw_view3d(state, StillViewport(), StillSecond(), photo_texture, {})
 
 
 @pytest.fixture
@@ -261,7 +273,7 @@ def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
     ui.frame(lambda: draw_enhancement(state))
     ui.frame(lambda: draw_reconstruction(state, FakeJob))
     ui.frame(lambda: draw_timeline(state, lambda: None))
-    ui.frame(lambda: draw_view3d(state, StillViewport(), no_texture))
+    ui.frame(lambda: view3d(state))
     ui.frame(compare(state, Shown()))
 
 
@@ -272,7 +284,7 @@ def start_live(state: AppState, model: DynamicGaussians) -> None:
 
 def test_the_3d_view_turns_moves_and_zooms(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    draw: Draw = lambda: draw_view3d(opened, StillViewport(), no_texture)  # noqa: E731
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
     ui.frame(draw)
     middle = np.array([[0.0, 0.0, 50.0]])
 
@@ -297,7 +309,7 @@ def test_a_double_click_asks_for_the_point_under_the_pointer(
     ui: Ui, opened: AppState, model: DynamicGaussians
 ) -> None:
     start_live(opened, model)
-    draw: Draw = lambda: draw_view3d(opened, StillViewport(), no_texture)  # noqa: E731
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
     ui.frame(draw)
     for _ in range(2):
         ui.drag(draw, (400, 300), (400, 300))
@@ -321,7 +333,7 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
     laid: list[ByteImage] = []
 
     def draw() -> None:
-        draw_view3d(opened, StillViewport(), lambda image: laid.append(image) or imgui.ImTextureRef(1))
+        view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1))
 
     ui.frame(draw)
     request = opened.view_request
@@ -341,7 +353,7 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
 
 def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    draw: Draw = lambda: draw_view3d(opened, StillViewport(), no_texture)  # noqa: E731
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
     ui.frame(draw)
     ui.drag(draw, (400, 300), (400, 300))
     assert opened.viewer.pick is None
@@ -365,6 +377,44 @@ def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: Dy
     assert "mm" in opened.viewer.measurement.text("mm", opened.time)
     camera_actions.toggle_measuring(opened)
     assert opened.viewer.measurement.points == ()
+
+
+def test_two_reconstructions_share_camera_time_and_hand(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    assert opened.model is not None
+    opened.second.shown = replace(opened.model, name="another run", live=False)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.frame(draw)
+    ui.frame(draw)
+    width = opened.view_size[0]
+    assert width == pytest.approx((900 - 20) / 2, abs=5)
+    for x in (200, 700):  # On either of them.
+        before = opened.view_request
+        ui.drag(draw, (x, 300), (x + 40, 320))
+        first, second = opened.view_request, opened.second_request
+        assert first is not None
+        assert second is not None
+        assert first != before
+        assert second == replace(first, shown=opened.second.shown)
+        assert not opened.view_dragged
+    actions.seek(opened, 4)
+    assert opened.second_request is not None
+    assert opened.second_request.time == opened.time
+    shown = [StillViewport().show(opened), StillSecond().show(opened)]
+    said = [texts(view_tags(opened, one)) for one in shown]
+    assert "another run" not in said[0]
+    assert "another run" in said[1]
+    assert "FREE VIEW" in said[0]
+    camera_actions.toggle_snap(opened)
+    assert opened.second_request.camera == opened.model.cameras[4]
+    wish = opened.photo_request
+    assert wish is not None
+    (opened.viewer.photo,) = read_photo(wish)
+    laid: list[ByteImage] = []
+    ui.frame(lambda: view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1)))
+    assert len(laid) == 2
 
 
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:

@@ -1,0 +1,105 @@
+"""A second reconstruction beside the first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.gui import actions, camera_actions, second_actions
+from app.gui.state import AppState
+from app.gui.update import SLOW_VIEW, Channels, update, view_request
+from app.gui.viewing import View
+from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import SIZE, FakeJob
+from tests.app.gui.test_opening import make_run
+
+
+@pytest.fixture
+def seen(state: AppState, model: DynamicGaussians) -> AppState:
+    actions.start_reconstruction(state, FakeJob)
+    actions.show_live_model(state, model)
+    state.view_size = SIZE
+    return state
+
+
+def settle(state: AppState, channels: Channels) -> None:
+    for _ in range(6):
+        update(state, channels, 0.0)
+        for channel in channels.all:
+            while channel.run_waiting():
+                pass
+
+
+def test_a_run_is_opened_and_drawn_beside_the_first(
+    seen: AppState, model: DynamicGaussians, tmp_path: Path
+) -> None:
+    channels = Channels()
+    run = make_run(tmp_path / "run-2", phantom_path(), model)
+    second_actions.open_second(seen, run.path)
+    settle(seen, channels)
+    second = seen.second
+    assert second.shown is not None
+    assert second.shown.name == "run-2"
+    assert seen.view is not None
+    assert second.view is not None
+    assert second.view.request == replace(seen.view.request, shown=second.shown)
+    np.testing.assert_array_equal(second.view.image, seen.view.image)  # The same model: the same picture.
+    camera_actions.turn(seen, 0.3, 0.0)
+    settle(seen, channels)
+    assert second.view.request.camera == seen.view.request.camera
+    second_actions.close_second(seen)
+    assert seen.second.shown is None
+    assert seen.second_request is None
+
+
+def test_what_is_no_reconstruction_is_one_line_and_leaves_what_is_there(
+    seen: AppState, model: DynamicGaussians, tmp_path: Path
+) -> None:
+    channels = Channels()
+    second_actions.open_second(seen, make_run(tmp_path / "whole", phantom_path(), model).path)
+    settle(seen, channels)
+    shown = seen.second.shown
+    unfinished = make_run(tmp_path / "unfinished", phantom_path(), None).path
+    for path in (tmp_path / "nothing", phantom_path(), unfinished):
+        second_actions.open_second(seen, path)
+        settle(seen, channels)
+        assert seen.banner is not None
+        assert str(path) in seen.banner.message
+        assert "\n" not in seen.banner.message
+        assert seen.second.shown is shown
+        assert seen.second.opening is None
+
+
+def test_without_a_first_there_is_no_second(state: AppState, tmp_path: Path) -> None:
+    second_actions.open_second(state, tmp_path)
+    assert state.second.opening is None
+
+
+def test_two_views_are_reduced_when_they_are_slow_together(seen: AppState) -> None:
+    request = seen.view_request
+    assert request is not None
+    assert seen.model is not None
+    view = View(request, np.zeros((*SIZE[::-1], 3), np.uint8), 0.7 * SLOW_VIEW)
+    seen.view, seen.view_dragged = view, True
+    wanted = view_request(seen)
+    assert wanted is not None
+    assert not wanted.reduced
+    seen.second.shown, seen.second.view = replace(seen.model), view
+    wanted = view_request(seen)
+    assert wanted is not None
+    assert wanted.reduced
+
+
+def test_a_new_session_has_no_second_view(seen: AppState, model: DynamicGaussians, tmp_path: Path) -> None:
+    seen.reconstruction = type(seen.reconstruction)()
+    assert seen.model is not None
+    seen.second.shown = seen.model
+    run = make_run(tmp_path / "run", phantom_path(), model)
+    actions.open_path(seen, run.path)
+    settle(seen, Channels())
+    assert seen.model.name == "run"
+    assert seen.second.shown is None
