@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from app.errors import UserError
 from app.gui.camera_list import CameraList
+from app.gui.clip_settings import ClipSettings
 from app.gui.legible import legible
 from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.origin import origin_of
@@ -104,6 +105,9 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.tuning = state.tuning.renewed()
     state.linked, state.view_time, state.frame_index = True, 0.0, 0
     state.comparison, state.others, state.difference = state.comparison.renewed(), {}, None
+    state.strip, state.left_out, state.mask_tool = None, None, ""
+    said = state.known_clips.get(str(opened.clip.path)) if opened.clip is not None else None
+    state.clip_settings = said or ClipSettings()
     if not state.reconstruction.is_alive:
         _show_run(state, opened)
     for notice in opened.notices:

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from app.methods import Look, LookEnhancer
+from app.picture_mask import NO_MASK, PictureMask
 from enhance import EnhanceParams, Statistics, measure
 from enhance.result import Omission
 from enhance.surround import inside
@@ -35,6 +36,10 @@ class PictureRequest:
     """Statistics of this frame, or pooled over the clip so that playing does not flicker."""
     tissue_only: bool = False
     """Tools and the black surround do not count in the statistics; the paper counts every pixel."""
+    mask: PictureMask = NO_MASK
+    """What does not count either."""
+    span: tuple[int, int] | None = None
+    """First and last frame that are pooled; None: the whole clip."""
 
     def with_params(self, params: Look) -> PictureRequest:
         """The same frame, enhanced by these."""
@@ -102,8 +107,8 @@ class PictureMaker:
 
 def _measured(request: PictureRequest, windows: EnhanceParams) -> Statistics:
     """Pooled over frames that are evenly spread over the clip."""
-    count = min(len(request.clip), POOLED_FRAMES)
-    indices = np.linspace(0, len(request.clip) - 1, count).round().astype(int)
+    first, last = request.span or (0, len(request.clip) - 1)
+    indices = np.linspace(first, last, min(last + 1 - first, POOLED_FRAMES)).round().astype(int)
     # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
     frames, again = tee(_read(request, int(index)) for index in indices)
     return measure((photo for photo, _ in frames), windows, (mask for _, mask in again))
@@ -111,8 +116,13 @@ def _measured(request: PictureRequest, windows: EnhanceParams) -> Statistics:
 
 def _read(request: PictureRequest, index: int) -> tuple[ByteImage, BoolImage | None]:
     """The photo and the pixels that count, None = all: so too where nothing but black would be left."""
-    if not request.tissue_only:
+    if request.tissue_only:
+        frame = request.clip.read_frame(index)
+        image, mask = frame.image, frame.tissue_mask & inside([frame.image])
+    elif request.mask == NO_MASK:
         return request.clip.read_image(index), None
-    frame = request.clip.read_frame(index)
-    mask = frame.tissue_mask & inside([frame.image])
-    return frame.image, mask if mask.any() else None
+    else:
+        image = request.clip.read_image(index)
+        mask = np.ones(image.shape[:2], dtype=bool)
+    mask &= request.mask.kept(mask.shape)
+    return image, mask if mask.any() else None

@@ -79,6 +79,7 @@ def _panels(request: SaveRequest) -> tuple[list[Panel], dict[str, Any]]:
             facts["method"] = VESSEL if isinstance(wanted.params, VesselParams) else PAPER
             facts |= {"params": wanted.params, "statistics": pictures.statistics}
             facts |= {"scope": wanted.scope, "tissue_only": wanted.tissue_only}
+            facts |= {"mask": wanted.mask, "span": wanted.span}
     if request.view is not None:
         view = _drawn(request.view)
         image = with_bar(Composed(view.image, view.scale))

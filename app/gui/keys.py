@@ -11,6 +11,7 @@ from imgui_bundle import imgui
 from app.gui import (
     actions,
     camera_actions,
+    clip_actions,
     comparing,
     edit_actions,
     export_actions,
@@ -95,6 +96,13 @@ def shortcuts(commands: Commands) -> tuple[Shortcut, ...]:
         Shortcut(key.f, "F", "freeze the pictures", actions.toggle_freeze),
         Shortcut(key.p, "P", "play and pause", actions.toggle_play),
         Shortcut(key.k, "K", "play and pause", actions.toggle_play),
+        Shortcut(
+            shift | key.i, "Shift+I", "the clip begins here", lambda s: clip_actions.trim_here(s, start=True)
+        ),
+        Shortcut(
+            shift | key.o, "Shift+O", "the clip ends here", lambda s: clip_actions.trim_here(s, start=False)
+        ),
+        Shortcut(shift | key.m, "Shift+M", "tint tools and what is masked", clip_actions.toggle_overlay),
         Shortcut(key.comma, "comma", "one frame back", lambda s: actions.step(s, -1), repeats=True),
         Shortcut(key.period, "full stop", "one frame on", lambda s: actions.step(s, 1), repeats=True),
         Shortcut(key.home, "Home", "3D view back to the clip's camera", camera_actions.reset_view),

@@ -17,7 +17,7 @@ from app.gui.viewing import ShownModel
 from app.methods import PAPER, VESSEL, Look
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.clip import ByteImage
+from renderer.clip import BoolImage, ByteImage
 
 Tone = Literal["plain", "enhanced", "caution"]
 STALE_SECONDS = 0.15
@@ -148,9 +148,19 @@ def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
     tags = []
     if state.frozen_index is not None:
         tags.append(Tag(f"FROZEN · frame {state.frozen_index + 1}", "caution"))
+    if tinted(state) is not None:
+        tags.append(Tag("TINTED · tools and mask", "caution"))
     if stale and not state.playing and state.now - state.asked_at > STALE_SECONDS:
         tags.append(Tag("UPDATING…", "caution"))
     return tuple(tags)
+
+
+def tinted(state: AppState) -> BoolImage | None:
+    """(H, W), True where the pictures on screen are to be tinted as left out."""
+    masked = state.left_out
+    if not state.overlay or masked is None or masked.request.clip is not state.clip:
+        return None
+    return masked.pixels if masked.request.frame_index == state.shown_index else None
 
 
 def difference_request(state: AppState) -> DifferenceRequest | None:

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from app.gui.picture_view import Placement
-from renderer.clip import ByteImage
+from renderer.clip import BoolImage, ByteImage
 
 SHARP_ZOOM = 3.0
 """From here on pixels are shown as squares."""
@@ -23,6 +23,10 @@ STRIPE = 8
 """Screen pixels from one stripe of the zebra to the next."""
 OVER, UNDER = (255, 0, 255), (0, 190, 255)
 """Stripes on clipped highlights and shadows: colours that tissue does not have."""
+
+
+TINT, TINT_SHARE = (40, 200, 170), 0.45
+"""Over tools and what is masked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +51,16 @@ def visible(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Pa
         return Patch(np.ascontiguousarray(part), x, y)
     sampled = cv2.resize(part, (width, height), interpolation=_filter(place.zoom))
     return Patch(np.asarray(sampled, dtype=np.uint8), x, y)
+
+
+def tinted(patch: Patch, left_out: BoolImage, place: Placement, pane: tuple[float, float]) -> Patch:
+    """A patch of a picture with the True pixels of a mask (H, W) tinted."""
+    share = visible(np.dstack((left_out.astype(np.uint8) * 255,) * 3), place, pane)
+    if share is None or share.pixels.shape != patch.pixels.shape:
+        return patch
+    weight = share.pixels[..., :1].astype(np.float32) * (TINT_SHARE / 255)
+    mixed = patch.pixels + weight * (np.array(TINT, np.float32) - patch.pixels)
+    return Patch(np.asarray(mixed, dtype=np.uint8), patch.x, patch.y)
 
 
 def striped(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Patch | None:

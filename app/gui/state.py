@@ -10,6 +10,7 @@ from typing import Literal, Protocol
 
 from app.gui.baking import Baked
 from app.gui.camera_list import CameraList
+from app.gui.clip_settings import ClipSettings
 from app.gui.comparison import Comparison, Side
 from app.gui.editing import Editing
 from app.gui.enhancing import PictureRequest, Pictures, Scope
@@ -22,6 +23,7 @@ from app.gui.reported import Reported
 from app.gui.second import Second
 from app.gui.settings import Places, Settings
 from app.gui.shots import Exporting
+from app.gui.strip import LeftOut, Strip
 from app.gui.tuning import Tuning
 from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel, View, ViewRequest
@@ -133,6 +135,20 @@ class AppState:
     frame_index: int = 0
     frozen_index: int | None = None
     """The frame that the pictures hold while the clip's time goes on."""
+    clip_settings: ClipSettings = field(default_factory=ClipSettings)
+    """Trim and mask of the open clip."""
+    known_clips: dict[str, ClipSettings] = field(default_factory=dict)
+    """Those of all clips, by path."""
+    strip: Strip | None = None
+    strip_count: int = 0
+    """Small pictures that fit into the frame strip, as last laid out."""
+    overlay: bool = False
+    """Tools and what is masked are tinted in the pictures."""
+    left_out: LeftOut | None = None
+    mask_tool: str = ""
+    """What the next drag over a picture draws: "text", "view" or nothing."""
+    mask_start: tuple[float, float] | None = None
+    """Where in the picture that drag began."""
     playing: bool = False
     playhead: float = 0.0
     """Position in frames while playing; frame_index is its whole part."""
@@ -228,6 +244,11 @@ class AppState:
         return self.frame_index if self.frozen_index is None else self.frozen_index
 
     @property
+    def span(self) -> tuple[int, int]:
+        """First and last frame that count."""
+        return self.clip_settings.span(1 if self.clip is None else len(self.clip))
+
+    @property
     def time(self) -> float:
         """Time of the 3D view in [0, 1]."""
         if self.linked and self.clip is not None:
@@ -240,7 +261,9 @@ class AppState:
         if self.clip is None:
             return None
         params = self.params if self.enhancing else None
-        return PictureRequest(self.clip, self.shown_index, params, self.scope, self.tissue_only)
+        mask = self.clip_settings.mask
+        span = self.span if self.clip_settings.trim else None
+        return PictureRequest(self.clip, self.shown_index, params, self.scope, self.tissue_only, mask, span)
 
     @property
     def pictures_are_stale(self) -> bool:

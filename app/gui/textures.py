@@ -10,8 +10,8 @@ import numpy as np
 from imgui_bundle import imgui
 
 from app.gui.picture_view import Placement
-from app.gui.resample import striped, visible
-from renderer.clip import ByteImage
+from app.gui.resample import striped, tinted, visible
+from renderer.clip import BoolImage, ByteImage
 
 Size = tuple[float, float]
 
@@ -27,11 +27,32 @@ class OnPane:
     height: int
 
 
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """What is painted over a picture."""
+
+    zebra: bool = False
+    """Stripes on clipped pixels."""
+    left_out: BoolImage | None = None
+    """(H, W), True = tinted."""
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Marks):
+            return NotImplemented
+        return self.zebra == other.zebra and self.left_out is other.left_out
+
+    def __hash__(self) -> int:
+        return hash((self.zebra, id(self.left_out)))
+
+
+PLAIN = Marks()
+
+
 class ShowsPictures(Protocol):
     """What panels need of textures; tests of panels put something without OpenGL in its place."""
 
     def part(
-        self, slot: str, image: ByteImage, place: Placement, pane: Size, *, zebra: bool = False
+        self, slot: str, image: ByteImage, place: Placement, pane: Size, marks: Marks = PLAIN
     ) -> OnPane | None: ...
 
 
@@ -42,7 +63,7 @@ class Textures:
         self._ctx = ctx
         self._textures: dict[str, moderngl.Texture] = {}
         self._images: dict[str, ByteImage] = {}
-        self._parts: dict[str, tuple[Placement, Size, bool, OnPane | None]] = {}
+        self._parts: dict[str, tuple[Placement, Size, Marks, OnPane | None]] = {}
 
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         """The texture of an (H, W, 3) image, first row first."""
@@ -52,20 +73,22 @@ class Textures:
         return imgui.ImTextureRef(self._textures[slot].glo)
 
     def part(
-        self, slot: str, image: ByteImage, place: Placement, pane: Size, *, zebra: bool = False
+        self, slot: str, image: ByteImage, place: Placement, pane: Size, marks: Marks = PLAIN
     ) -> OnPane | None:
         """What a pane of (width, height) screen pixels shows of the image; None when it shows nothing.
 
-        `zebra` stripes clipped pixels.
+        `marks`: what is painted over the picture.
         """
         last = self._parts.get(slot)
-        if self._images.get(slot) is image and last is not None and last[:3] == (place, pane, zebra):
+        if self._images.get(slot) is image and last is not None and last[:3] == (place, pane, marks):
             return last[3]
-        patch, shown = (striped if zebra else visible)(image, place, pane), None
+        patch, shown = (striped if marks.zebra else visible)(image, place, pane), None
+        if patch is not None and marks.left_out is not None:
+            patch = tinted(patch, marks.left_out, place, pane)
         if patch is not None:
             texture = self._write(slot, patch.pixels)
             shown = OnPane(imgui.ImTextureRef(texture.glo), patch.x, patch.y, *texture.size)
-        self._images[slot], self._parts[slot] = image, (place, pane, zebra, shown)
+        self._images[slot], self._parts[slot] = image, (place, pane, marks, shown)
         return shown
 
     def _write(self, slot: str, pixels: ByteImage) -> moderngl.Texture:

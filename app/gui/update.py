@@ -30,6 +30,7 @@ from app.gui.picking import Picked, PickRequest, pick
 from app.gui.session_actions import WriteRequest, write
 from app.gui.shots import ExportRequest, Step, export
 from app.gui.state import AppState
+from app.gui.strip_work import StripWork
 from app.gui.tuning import CellMaker, CellRequest, GridCell
 from app.gui.viewing import View, ViewRequest, draw_view
 from app.job import Cancelled, Failed, Paused, Resumed
@@ -63,13 +64,14 @@ class Channels:
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
     measure: MeasureWork = field(default_factory=MeasureWork)
     exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
+    strip: StripWork = field(default_factory=StripWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
-        return self.measure.all
+        return (*self.measure.all, *self.strip.all)
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
@@ -90,6 +92,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_photo(state, channels)
     channels.compare.take(state)
     channels.measure.take(state)
+    channels.strip.take(state)
     edit_actions.follow(state)
     _take_selected(state, channels)
     _take_view(state, channels)
@@ -286,7 +289,10 @@ def _play(state: AppState, elapsed: float) -> None:
     if not state.playing or state.clip is None or _waits(state):
         return
     rate = state.clip.frames_per_second or FRAMES_PER_SECOND
-    state.playhead = (state.playhead + min(elapsed, 0.25) * rate) % len(state.clip)
+    first, last = state.span
+    onward = state.playhead + min(elapsed, 0.25) * rate
+    within = first <= state.playhead < last + 1
+    state.playhead = first + (onward - first) % (last + 1 - first) if within else float(first)
     state.frame_index = int(state.playhead)
 
 
@@ -333,6 +339,7 @@ def _ask(state: AppState, channels: Channels) -> None:
         channels.sessions.ask(session)
     channels.compare.ask(state)
     channels.measure.ask(state)
+    channels.strip.ask(state)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

@@ -26,6 +26,7 @@ from app.gui import (
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
 from app.gui.chosen_viewport import ChosenViewport
+from app.gui.clip_settings import load_clips
 from app.gui.dialogs import Dialogs
 from app.gui.export import SaveRequest
 from app.gui.keys import Commands, Keyboard, shortcuts
@@ -88,6 +89,7 @@ class Window:
     def __init__(self, state: AppState, make_job: MakeJob = TrainingJob) -> None:
         self.state = state
         preset_actions.load(state)
+        state.known_clips = load_clips(state.places.config)
         self._make_job = make_job
         self._channels = Channels()
         self._worker = Worker(self._channels.all, self._refresh)
@@ -163,10 +165,12 @@ class Window:
         calls.post_render_dockable_windows = self._draw_over
         calls.before_exit = self.close
         row = hello_imgui.EdgeToolbarOptions(
-            size_em=2.9, window_padding_em=(0.6, 0.5), window_bg=theme.grey(0.11)
+            size_em=5.7, window_padding_em=(0.6, 0.5), window_bg=theme.grey(0.11)
         )
         calls.add_edge_toolbar(
-            hello_imgui.EdgeToolbarType.bottom, lambda: draw_timeline(self.state, self.save_picture), row
+            hello_imgui.EdgeToolbarType.bottom,
+            lambda: draw_timeline(self.state, self.save_picture, self._strip_texture),
+            row,
         )
 
     def _layout(self) -> hello_imgui.DockingParams:
@@ -273,6 +277,10 @@ class Window:
         draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture, self._ask_second)
         if self.state.model is not None:
             draw_edit_tools(self.state)
+
+    def _strip_texture(self, image: ByteImage) -> imgui.ImTextureRef:
+        assert self._textures is not None
+        return self._textures.whole("strip", image)
 
     def _photo_texture(self, image: ByteImage) -> imgui.ImTextureRef:
         assert self._textures is not None

@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 from app.errors import UserError
 from app.gui.enhancing import PictureMaker, PictureRequest, Scope
 from app.gui.export import Panel, picture_panels, sheet, view_panel
+from app.picture_mask import NO_MASK, PictureMask
 from app.provenance import write_png
 from app.replay.drawn import RENDER, drawer_of, scene_of, view_of
 from app.replay.recorded import Facts, again
@@ -35,6 +36,8 @@ class PairFacts:
     params: RecordedLook | None = None
     scope: Scope = "image"
     tissue_only: bool = False
+    mask: PictureMask = NO_MASK
+    span: tuple[int, int] | None = None
     clip_options: ClipOptions = DEFAULTS
 
 
@@ -62,5 +65,7 @@ def _pair(facts: PairFacts, sources: Sources) -> list[Panel]:
     clip = open_clip(sources.find(facts.source), facts.clip_options)
     if not 0 <= facts.frame.index < len(clip):
         raise UserError(f"expected one of {len(clip)} frames, got {facts.frame.index}: {clip.path}")
-    request = PictureRequest(clip, facts.frame.index, facts.params, facts.scope, facts.tissue_only)
+    request = PictureRequest(
+        clip, facts.frame.index, facts.params, facts.scope, facts.tissue_only, facts.mask, facts.span
+    )
     return picture_panels(list(PictureMaker().make(request))[-1])

@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 
 from imgui_bundle import ImVec2, imgui
 
-from app.gui import theme
+from app.gui import clip_actions, theme
 from app.gui.comparison import Side
 from app.gui.enhancing import Pictures
 from app.gui.keys import fit_pictures
 from app.gui.others import heat_colors
-from app.gui.panes import Pane, Tag, pixel
+from app.gui.panes import Pane, Tag, pixel, tinted
 from app.gui.picture_view import Placement
 from app.gui.state import AppState
-from app.gui.textures import ShowsPictures
+from app.gui.textures import Marks, ShowsPictures
 from app.gui.widgets import em, stack_tags, tag
 from renderer.clip import ByteImage
 
@@ -158,9 +158,26 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
             fit_pictures(state)
             return
     dragged = io.mouse_delta.x != 0 or io.mouse_delta.y != 0
-    if imgui.is_item_active() and dragged:
+    if state.mask_tool:
+        _draw_mask(state, image, area)
+    elif imgui.is_item_active() and dragged:
         state.picture_view = state.picture_view.panned((io.mouse_delta.x, io.mouse_delta.y), picture, pane)
     state.zoom = io.display_framebuffer_scale.x * state.picture_view.place(picture, pane).zoom
+
+
+def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
+    """A drag draws the box or the circle that was asked for."""
+    mouse = imgui.get_io().mouse_pos
+    at = _placement(state, image, area).picture_at(mouse.x - area.corner.x, mouse.y - area.corner.y)
+    if imgui.is_item_hovered():
+        imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
+    if imgui.is_item_activated():
+        state.mask_start = at
+    if imgui.is_item_active() and state.mask_start is not None and at != state.mask_start:
+        mask = state.clip_settings.mask.drawn(state.mask_tool, state.mask_start, at)
+        clip_actions.set_mask(state, mask)
+    if imgui.is_item_deactivated():
+        clip_actions.finish_mask(state)
 
 
 def _begin(area: Area) -> None:
@@ -174,7 +191,7 @@ def _draw_image(state: AppState, textures: ShowsPictures, slot: str, image: Byte
     scale = imgui.get_io().display_framebuffer_scale.x
     pane = (area.size.x * scale, area.size.y * scale)
     place = state.picture_view.scaled(scale).place((image.shape[1], image.shape[0]), pane)
-    shown = textures.part(slot, image, place, pane, zebra=state.comparison.zebra)
+    shown = textures.part(slot, image, place, pane, Marks(state.comparison.zebra, tinted(state)))
     if shown is not None:
         x, y = round(area.corner.x) + shown.x / scale, round(area.corner.y) + shown.y / scale
         end = ImVec2(x + shown.width / scale, y + shown.height / scale)

@@ -1,21 +1,50 @@
-"""The clip's time, below everything: play, step, scrub."""
+"""The clip's time, below everything: its frames in small, play, step, scrub, trim and mask."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+from imgui_bundle import ImVec2, imgui
 from imgui_bundle import icons_fontawesome_4 as icons
-from imgui_bundle import imgui
 
-from app.gui import actions
+from app.gui import actions, clip_actions, theme
 from app.gui.state import AppState
+from app.gui.strip import count_for
 from app.gui.widgets import button, em, explain
+from app.picture_mask import NO_MASK
+from renderer.clip import ByteImage
+
+STRIP_HEIGHT = 2.5
+TOOL_LABELS = {"text": "Box over text", "view": "Circle of the view"}
 
 
-def draw_timeline(state: AppState, screenshot: Callable[[], None]) -> None:
-    """One row; greyed out without a clip."""
+def draw_timeline(
+    state: AppState, screenshot: Callable[[], None], texture: Callable[[ByteImage], imgui.ImTextureRef]
+) -> None:
+    """Two rows; greyed out without a clip."""
     count = 1 if state.clip is None else len(state.clip)
+    _draw_strip(state, count, texture)
     imgui.begin_disabled(count < 2)
+    _draw_transport(state)
+    imgui.same_line()
+    imgui.set_next_item_width(-em(24.5))
+    label = f"frame %d / {count}"
+    flags = imgui.SliderFlags_.always_clamp
+    changed, frame = imgui.slider_int("##frame", state.frame_index + 1, 1, max(count, 2), label, flags)
+    if changed:
+        actions.seek(state, frame - 1)
+    imgui.same_line()
+    _draw_trim(state)
+    imgui.end_disabled()
+    imgui.same_line()
+    _draw_mask(state)
+    imgui.same_line()
+    something = state.pictures is not None or state.model is not None
+    button(f"{icons.ICON_FA_CAMERA}  Save picture", screenshot, enabled=something, width=-1.0)
+    explain("S: original, enhanced and 3D view side by side, with everything needed to make them again")
+
+
+def _draw_transport(state: AppState) -> None:
     play = icons.ICON_FA_PAUSE if state.playing else icons.ICON_FA_PLAY
     button(f"{icons.ICON_FA_STEP_BACKWARD}##back", lambda: actions.step(state, -1), width=2.2)
     explain("comma: one frame back")
@@ -25,15 +54,80 @@ def draw_timeline(state: AppState, screenshot: Callable[[], None]) -> None:
     imgui.same_line(0, em(0.2))
     button(f"{icons.ICON_FA_STEP_FORWARD}##on", lambda: actions.step(state, 1), width=2.2)
     explain("full stop: one frame on")
-    imgui.same_line()
-    imgui.set_next_item_width(-em(9.2))
-    label = f"frame %d / {count}"
-    flags = imgui.SliderFlags_.always_clamp
-    changed, frame = imgui.slider_int("##frame", state.frame_index + 1, 1, max(count, 2), label, flags)
-    if changed:
-        actions.seek(state, frame - 1)
+
+
+def _draw_trim(state: AppState) -> None:
+    button("In", lambda: clip_actions.trim_here(state, start=True), width=2.2)
+    explain("Shift+I: the clip begins with this frame. Playing and pooled statistics keep to what is left.")
+    imgui.same_line(0, em(0.2))
+    button("Out", lambda: clip_actions.trim_here(state, start=False), width=2.6)
+    explain("Shift+O: the clip ends with this frame.")
+    imgui.same_line(0, em(0.2))
+    trimmed = state.clip_settings.trim is not None
+    button("All", lambda: clip_actions.untrim(state), enabled=trimmed, width=2.4)
+    explain("Take the trim back.")
+
+
+def _draw_mask(state: AppState) -> None:
+    clip = state.clip is not None
+    imgui.begin_disabled(not clip)
+    said = TOOL_LABELS.get(state.mask_tool, "Mask")
+    color = theme.TAG_CAUTION if state.mask_tool else theme.grey(0.25)
+    imgui.push_style_color(imgui.Col_.button, color)
+    if imgui.button(f"{'Drag now' if state.mask_tool else said}###mask", ImVec2(em(5), 0)):
+        imgui.open_popup("mask")
+    imgui.pop_style_color()
+    explain("Leave burned-in text and the black surround out of the statistics; kept with the clip.")
     imgui.end_disabled()
-    imgui.same_line()
-    something = state.pictures is not None or state.model is not None
-    button(f"{icons.ICON_FA_CAMERA}  Save picture", screenshot, enabled=something, width=-1.0)
-    explain("S: original, enhanced and 3D view side by side, with everything needed to make them again")
+    if not imgui.begin_popup("mask"):
+        return
+    mask = state.clip_settings.mask
+    for shape, label in TOOL_LABELS.items():
+        drawn = getattr(mask, shape) is not None
+        if imgui.menu_item_simple(f"{label}: draw", "", drawn, True):
+            clip_actions.draw_mask(state, shape)
+        explain("Then drag over a picture: from corner to corner, or from the middle to the rim.")
+    if imgui.menu_item_simple("Circle of the view: find it", "", False, state.pictures is not None):
+        clip_actions.round_view(state)
+    if imgui.menu_item_simple("Clear", "", False, mask != NO_MASK):
+        clip_actions.clear_mask(state)
+    imgui.separator()
+    if imgui.menu_item_simple("Tint tools and what is masked", "Shift+M", state.overlay, True):
+        clip_actions.toggle_overlay(state)
+    imgui.end_popup()
+
+
+def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgui.ImTextureRef]) -> None:
+    """The clip in small; a click or drag goes to that frame."""
+    corner = imgui.get_cursor_screen_pos()
+    size = ImVec2(max(imgui.get_content_region_avail().x, em(4)), em(STRIP_HEIGHT))
+    state.strip_count = 0 if state.clip is None else count_for(state.clip, size.x, size.y)
+    imgui.invisible_button("strip", size)
+    if imgui.is_item_active() and state.clip is not None:
+        actions.seek(state, int((imgui.get_io().mouse_pos.x - corner.x) / size.x * count))
+    explain("The clip in small: click or drag to go there.")
+    draw, end = imgui.get_window_draw_list(), ImVec2(corner.x + size.x, corner.y + size.y)
+    draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
+    if state.strip is not None and state.strip.request.clip is state.clip:
+        draw.add_image(texture(state.strip.image), corner, end)
+    if state.clip is not None:
+        _draw_marks(state, count, corner, size)
+
+
+def _draw_marks(state: AppState, count: int, corner: ImVec2, size: ImVec2) -> None:
+    """The present frame, and what the trim leaves out in the dark."""
+    draw, bottom = imgui.get_window_draw_list(), corner.y + size.y
+    first, last = state.span
+    edges = [corner.x + size.x * edge / count for edge in (0, first, last + 1, count)]
+    for left, right in (edges[:2], edges[2:]):
+        draw.add_rect_filled(
+            ImVec2(left, corner.y), ImVec2(right, bottom), imgui.get_color_u32(theme.grey(0.05, 0.75))
+        )
+    if state.clip_settings.trim is not None:
+        for x in edges[1:3]:
+            ink = imgui.get_color_u32(theme.WARNING)
+            draw.add_line(ImVec2(x, corner.y), ImVec2(x, bottom), ink, em(0.15))
+    left = corner.x + size.x * state.frame_index / count
+    right = max(corner.x + size.x * (state.frame_index + 1) / count, left + em(0.2))
+    ink = imgui.get_color_u32(theme.TEXT)
+    draw.add_rect(ImVec2(left, corner.y), ImVec2(right, bottom), ink, 0, em(0.12))

@@ -27,7 +27,7 @@ from app.gui.photos import read_photo
 from app.gui.picking import pick
 from app.gui.picture_view import Placement
 from app.gui.state import AppState
-from app.gui.textures import OnPane
+from app.gui.textures import PLAIN, Marks, OnPane
 from app.gui.viewing import draw_view
 from app.gui.viewport import OnScreen
 from app.gui.widgets import seconds
@@ -98,7 +98,7 @@ class Shown:
         self.images: dict[str, ByteImage] = {}
 
     def part(
-        self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float], *, zebra: bool = False
+        self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float], marks: Marks = PLAIN
     ) -> OnPane | None:
         self.images[slot] = image
         return OnPane(imgui.ImTextureRef(1), 0, 0, 10, 10)
@@ -272,7 +272,7 @@ def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
     state.clip = None
     ui.frame(lambda: draw_enhancement(state))
     ui.frame(lambda: draw_reconstruction(state, FakeJob))
-    ui.frame(lambda: draw_timeline(state, lambda: None))
+    ui.frame(lambda: draw_timeline(state, lambda: None, lambda image: imgui.ImTextureRef(1)))
     ui.frame(lambda: view3d(state))
     ui.frame(compare(state, Shown()))
 

@@ -17,6 +17,7 @@ from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
 from app.gui import actions
+from app.gui.clip_settings import load_clips
 from app.gui.presets import load_presets, presets_file
 from app.gui.settings import Places, Settings, load_settings
 from app.gui.state import AppState
@@ -201,6 +202,38 @@ def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> Non
 
 
 @pytest.mark.display
+def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, key = driver.state, imgui.Key
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        wait(ctx, lambda: state.strip is not None, "the frame strip")
+        ctx.item_click("//**/strip")
+        wait(ctx, lambda: state.frame_index > 2 and is_settled(state), "the frame in the middle")
+        ctx.item_click("//**/Out")
+        assert state.span == (0, state.frame_index)
+        before = state.pictures.statistics if state.pictures else None
+        ctx.item_click("//**/###mask")
+        ctx.item_click("//**/Box over text: draw")
+        wait(ctx, lambda: state.mask_tool == "text", "the tool")
+        ctx.item_drag_with_delta("//Pictures/left", ImVec2(90, 60))
+        wait(ctx, lambda: state.clip_settings.mask.text is not None and not state.mask_tool, "the box")
+        wait(ctx, lambda: is_settled(state), "the new statistics")
+        assert state.pictures is not None
+        assert state.pictures.statistics != before
+        assert state.picture_view.zoom is None  # Drawn, not panned.
+        wait(ctx, lambda: state.left_out is not None, "the tint")
+        ctx.key_press(key.mod_shift | key.m)
+        wait(ctx, lambda: not state.overlay, "the tint's end")
+
+    driver.run(drive)
+    (kept,) = load_clips(places.config).values()
+    assert kept == state.clip_settings
+
+
+@pytest.mark.display
 def test_a_mistake_is_a_banner_that_can_be_dismissed(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     actions.open_path(driver.state, places.config / "nothing.mp4")
@@ -294,7 +327,7 @@ def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
 
     driver.run(drive)
     assert driver.state.frozen_index == 0
-    assert heights[0] > 400
+    assert heights[0] > 370
 
 
 @pytest.mark.display

@@ -1,0 +1,74 @@
+"""Small pictures of a clip for its frame strip, and what of a frame is left out: off the window's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from app.picture_mask import PictureMask
+from renderer.clip import BoolImage, ByteImage, Clip
+
+HEIGHT = 72
+"""Rows of the strip's picture, which the window scales."""
+MOST = 40
+"""Small pictures in it, whatever the clip's length."""
+GROUND = 28
+
+
+@dataclass(frozen=True)
+class StripRequest:
+    """So many small pictures, evenly spread over the clip, side by side."""
+
+    clip: Clip
+    count: int
+
+
+@dataclass(frozen=True, eq=False)
+class Strip:
+    request: StripRequest
+    image: ByteImage
+    """(HEIGHT, W, 3)."""
+
+
+def count_for(clip: Clip, width: float, height: float) -> int:
+    """How many small pictures fill a strip of that size on the screen."""
+    columns, rows = clip.size
+    return int(min(max(width / max(height * columns / rows, 1), 1), len(clip), MOST))
+
+
+def make_strip(request: StripRequest) -> Iterator[Strip]:
+    """Better with every frame that is read. Raises ClipError."""
+    clip, count = request.clip, request.count
+    width = max(1, round(HEIGHT * clip.size[0] / clip.size[1]))
+    image = np.full((HEIGHT, width * count, 3), GROUND, np.uint8)
+    for place in range(count):
+        frame = int((place + 0.5) * len(clip) / count)
+        small = cv2.resize(clip.read_image(frame), (width, HEIGHT), interpolation=cv2.INTER_AREA)
+        image[:, place * width : (place + 1) * width] = small
+        yield Strip(request, image.copy())
+
+
+@dataclass(frozen=True)
+class LeftOutRequest:
+    """Of one frame."""
+
+    clip: Clip
+    frame_index: int
+    mask: PictureMask
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """(H, W), True = tool, burned-in text, surround, or masked by hand."""
+
+    request: LeftOutRequest
+    pixels: BoolImage
+
+
+def left_out(request: LeftOutRequest) -> Iterator[LeftOut]:
+    """Raises ClipError."""
+    tissue = request.clip.read_frame(request.frame_index).tissue_mask
+    yield LeftOut(request, ~(tissue & request.mask.kept(tissue.shape)))

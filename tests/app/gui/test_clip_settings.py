@@ -1,0 +1,183 @@
+"""Trim and mask of a clip: what they leave out, and that they are there the next time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.gui import actions, clip_actions
+from app.gui.clip_settings import FILE, MOST_CLIPS, ClipSettings, load_clips, save_clips
+from app.gui.enhancing import PictureMaker
+from app.gui.opening import Opened
+from app.gui.panes import pane, tinted
+from app.gui.picture_view import Placement
+from app.gui.resample import TINT, Patch
+from app.gui.resample import tinted as tint
+from app.gui.settings import Places
+from app.gui.state import AppState
+from app.gui.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
+from app.gui.update import Channels, update
+from app.picture_mask import NO_MASK, PictureMask, enclosing
+from renderer.clip import Clip
+from tests.app.gui.conftest import make_clip, photo
+
+
+def settle(state: AppState, channels: Channels, now: float) -> None:
+    for _ in range(6):
+        update(state, channels, now)
+        for channel in (*channels.all, *channels.beside):
+            while channel.run_waiting():
+                pass
+
+
+def test_a_box_leaves_out_and_a_circle_keeps() -> None:
+    kept = PictureMask(text=(2, 1, 5, 3), view=(4.0, 4.0, 3.5)).kept((8, 8))
+    assert not kept[1:3, 2:5].any()
+    assert not kept[0, 0]
+    assert kept[4, 4]
+    assert NO_MASK.kept((3, 4)).all()
+
+
+def test_drawing_goes_from_any_corner_and_from_the_middle() -> None:
+    mask = NO_MASK.drawn("text", (5, 3), (2, 1)).drawn("view", (4, 4), (7, 8))
+    assert mask == PictureMask(text=(2, 1, 5, 3), view=(4, 4, 5))
+
+
+def test_the_circle_of_a_round_view_is_found() -> None:
+    keep = PictureMask(view=(50.0, 40.0, 30.0)).kept((80, 100))
+    found = enclosing(keep)
+    assert found is not None
+    np.testing.assert_allclose(found, (50, 40, 30), atol=0.6)
+    assert enclosing(np.ones((4, 4), bool)) is None
+    assert enclosing(np.zeros((4, 4), bool)) is None
+
+
+def test_masked_pixels_do_not_count(state: AppState) -> None:
+    """The dark vessel, masked by a box, no longer moves the mean saturation; the picture stays whole."""
+
+    def statistics() -> tuple[float, float]:
+        assert state.picture_request is not None
+        used = list(PictureMaker().make(state.picture_request))[-1].statistics
+        assert used is not None
+        return used.level, used.saturation_mean
+
+    before = statistics()
+    clip_actions.set_mask(state, PictureMask(text=(10, 0, 14, 40)))
+    level, saturation = statistics()
+    tissue = (190 - 100) / 190
+    assert saturation == pytest.approx(tissue, abs=1e-4)
+    assert level == 190
+    assert before != (level, saturation)
+    clip_actions.set_mask(state, PictureMask(text=(-1, -1, 99, 99)))
+    assert statistics() == before  # With nothing left, all count.
+
+
+def test_pooled_statistics_keep_to_the_trim(state: AppState, clip: Clip) -> None:
+    read: list[int] = []
+    state.clip = make_clip(clip.path)
+    object.__setattr__(state.clip, "read_image", lambda index: (read.append(index), photo(index))[1])
+    state.scope = "clip"
+    actions.seek(state, 2)
+    clip_actions.trim_here(state, start=True)
+    actions.seek(state, 4)
+    clip_actions.trim_here(state, start=False)
+    assert state.span == (2, 4)
+    assert state.picture_request is not None
+    list(PictureMaker().make(state.picture_request))
+    assert set(read) == {2, 3, 4}
+
+
+def test_playing_goes_round_within_the_trim(state: AppState) -> None:
+    channels = Channels()
+    state.clip_settings = ClipSettings(trim=(1, 3))
+    settle(state, channels, 0.0)
+    actions.toggle_play(state)
+    seen = []
+    for step in range(1, 9):
+        settle(state, channels, now := 0.1 * step)
+        update(state, channels, now)
+        seen.append(state.frame_index)
+    assert set(seen) == {1, 2, 3}
+
+
+def test_an_end_before_the_start_moves_it_along(state: AppState) -> None:
+    actions.seek(state, 4)
+    clip_actions.trim_here(state, start=True)
+    actions.seek(state, 1)
+    clip_actions.trim_here(state, start=False)
+    assert state.span == (1, 1)
+    clip_actions.untrim(state)
+    assert state.span == (0, 5)
+    assert ClipSettings(trim=(7, 9)).span(6) == (5, 5)
+    assert ClipSettings(trim=(-3, 99)).span(6) == (0, 5)
+
+
+def test_they_are_there_when_the_clip_is_opened_again(state: AppState, places: Places, clip: Clip) -> None:
+    clip_actions.set_mask(state, PictureMask(view=(20, 20, 18)))
+    clip_actions.finish_mask(state)
+    actions.seek(state, 2)
+    clip_actions.trim_here(state, start=True)
+    said = state.clip_settings
+    again = AppState(places, known_clips=load_clips(places.config))
+    actions.show_opened(again, clip.path, Opened(clip))
+    assert again.clip_settings == said
+    other = make_clip(clip.path.with_name("other"))
+    actions.show_opened(again, other.path, Opened(other))
+    assert again.clip_settings == ClipSettings()
+
+
+def test_a_damaged_file_is_no_obstacle_and_the_file_stays_small(places: Places) -> None:
+    places.config.mkdir(parents=True)
+    (places.config / FILE).write_text("{ no")
+    assert load_clips(places.config) == {}
+    many = {f"clip {index}": ClipSettings(trim=(0, index)) for index in range(MOST_CLIPS + 5)}
+    save_clips(places.config, {"untouched": ClipSettings(), **many})
+    kept = load_clips(places.config)
+    assert len(kept) == MOST_CLIPS
+    assert f"clip {MOST_CLIPS + 4}" in kept
+    assert "untouched" not in kept
+
+
+def test_nothing_is_written_where_paths_are_not_remembered(state: AppState, places: Places) -> None:
+    actions.remember_recent(state, False)
+    clip_actions.trim_here(state, start=True)
+    actions.seek(state, 3)
+    clip_actions.trim_here(state, start=True)
+    assert not (places.config / FILE).exists()
+
+
+def test_the_strip_shows_frames_in_order_and_has_a_bound(clip: Clip) -> None:
+    assert count_for(clip, 1e6, 10) == len(clip)
+    assert count_for(make_clip(Path("long"), 1000), 1e6, 10) == MOST
+    assert count_for(clip, 1, 10) == 1
+    *_, strip = make_strip(StripRequest(clip, 3))
+    assert strip.image.shape[0] == HEIGHT
+    width = strip.image.shape[1] // 3
+    vessels = [int(strip.image[30, place * width : (place + 1) * width, 1].argmin()) for place in range(3)]
+    assert vessels == sorted(vessels)
+    assert vessels[0] < vessels[2]
+
+
+def test_the_tint_is_where_pixels_are_left_out_and_only_while_it_is_asked_for(state: AppState) -> None:
+    channels = Channels()
+    clip_actions.set_mask(state, PictureMask(text=(0, 0, 10, 40)))
+    settle(state, channels, 0.0)
+    assert tinted(state) is None
+    clip_actions.toggle_overlay(state)
+    settle(state, channels, 0.1)
+    left_out = tinted(state)
+    assert left_out is not None
+    assert left_out[:, :10].all()
+    assert not left_out[:, 10:].any()
+    assert state.pictures is not None
+    assert any("TINTED" in tag.text for tag in pane(state, state.pictures, "right").tags)
+    patch = Patch(photo(0), 0, 0)
+    painted = tint(patch, left_out, Placement(1.0, 0.0, 0.0), (48.0, 40.0)).pixels
+    np.testing.assert_array_equal(painted[:, 10:], photo(0)[:, 10:])
+    moved = np.abs(painted[:, :10].astype(int) - TINT) < np.abs(photo(0)[:, :10].astype(int) - TINT)
+    assert moved.all()
+    actions.seek(state, 2)
+    update(state, channels, 0.2)
+    assert tinted(state) is None  # Of another frame.
