@@ -107,7 +107,8 @@ class GraphicsViewport:
 
     def milliseconds(self, request: ViewRequest) -> float:
         """Of drawing it as after a move of the camera, its splats being there already."""
-        self._draw(request, None)
+        # Shaders are compiled and splats uploaded with a small picture, so that the window waits less.
+        self._draw(request.scaled(0.1), None)
         assert self._splats is not None
         self._splats.forget_order()
         self._ctx.finish()
