@@ -14,6 +14,7 @@ from app.gui.clip_settings import ClipSettings
 from app.gui.comparison import Comparison, Side
 from app.gui.editing import Editing
 from app.gui.enhancing import PictureRequest, Pictures, Scope
+from app.gui.left_out import LeftOut, LeftOutRequest
 from app.gui.measuring import Measured
 from app.gui.opening import OpenRequest
 from app.gui.others import Difference, Other
@@ -189,6 +190,10 @@ class AppState:
     """Screen pixels per picture pixel, as last laid out."""
 
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
+    asks_what_is_left_out: bool = False
+    """The list of what the next reconstruction leaves out is unfolded."""
+    left_out: LeftOut | None = None
+    """The newest such list."""
     model: ShownModel | None = None
     view: View | None = None
     editing: Editing = field(default_factory=Editing)
@@ -299,6 +304,14 @@ class AppState:
     def view_request(self) -> ViewRequest | None:
         """What the 3D view should show now; None without a model or while it is hidden."""
         return self._view_of(self.editing.tinted or self.model)
+
+    @property
+    def left_out_request(self) -> LeftOutRequest | None:
+        """What the unfolded list should be of."""
+        if not self.asks_what_is_left_out or self.clip is None or self.reconstruction.is_alive:
+            return None
+        config = replace(self.reconstruction.config, iterations=TrainConfig().iterations)
+        return LeftOutRequest(self.clip, config)
 
     @property
     def plain_view_request(self) -> ViewRequest | None:

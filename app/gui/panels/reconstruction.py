@@ -45,6 +45,8 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
         _draw_choices(state, run)
         imgui.spacing()
     _draw_buttons(state, make_job)
+    if not run.is_alive and state.clip is not None:
+        _draw_left_out(state)
     if run.status != "none":
         _draw_status(run)
     if run.curve:
@@ -188,6 +190,26 @@ def _draw_curves(run: Reconstruction) -> None:
         spec = implot.Spec(line_color=color, line_weight=em(0.1))
         implot.plot_line(name, np.ascontiguousarray(curve[0]), np.ascontiguousarray(values), spec)
     implot.end_plot()
+
+
+def _draw_left_out(state: AppState) -> None:
+    """Looked up when it is unfolded: what, and why, before anything is started."""
+    state.asks_what_is_left_out = imgui.tree_node("What will be left out")
+    explain("Training does without what this clip does not need. Looked up from the photos as they are.")
+    if not state.asks_what_is_left_out:
+        return
+    found, request = state.left_out, state.left_out_request
+    if found is None or request is None or found.request != request:
+        imgui.text_colored(theme.MUTED, "Looking at the clip…")
+    elif not found.omitted:
+        imgui.text_colored(theme.MUTED, "Nothing: the clip needs all of it.")
+    with imgui_ctx.push_text_wrap_pos(0):
+        for omission in found.omitted if found is not None and found.request == request else ():
+            imgui.text_unformatted(omission.what)
+            imgui.same_line()
+            imgui.text_colored(theme.MUTED, omission.why)
+            explain(f"Saves {omission.saves}.")
+    imgui.tree_pop()
 
 
 def _draw_messages(run: Reconstruction) -> None:
