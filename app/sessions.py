@@ -21,6 +21,7 @@ from app.atomic import write_bytes
 from app.errors import UserError
 from app.provenance import strict_json, version
 from app.run_folder import RecordedLook
+from app.views import ViewKind
 from enhance import EnhanceParams
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
@@ -114,6 +115,12 @@ class Session:
     linked: bool = True
     view_time: float = 0.0
     free: FreeCamera | None = None
+    views: dict[str, Any] | None = None
+    """Named views and the camera path, as their own files hold them."""
+    view_kind: ViewKind = "color"
+    snapped: bool = False
+    blend: float = 0.5
+    """Share of the photo over a snapped view."""
     config: TrainConfig = TrainConfig()
     input: Literal["original", "enhanced"] = "original"
     d_factor: float = 0.5

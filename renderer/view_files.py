@@ -61,7 +61,7 @@ def read_views(path: Path) -> Views:
     except (ValueError, RecursionError) as error:
         raise CameraFileError(f"expected a file of views in JSON, got {error}: {path}") from error
     try:
-        return _views(content)
+        return views_of(content)
     except ValueError as error:
         raise CameraFileError(f"{error}: {path}") from error
 
@@ -80,7 +80,8 @@ def import_views(path: Path) -> Views:
     return read_views(path) if ours else Views(read_cameras(path))
 
 
-def _views(content: Any) -> Views:
+def views_of(content: Any) -> Views:
+    """From what the JSON of `views_json` holds. Raises ValueError: something else."""
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise ValueError(f'expected "format": "{FORMAT}" at the top')
     if content.get("version") != VERSION:

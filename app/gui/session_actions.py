@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
@@ -31,6 +32,7 @@ from app.sessions import (
 )
 from app.tuning import METRICS
 from renderer.camera import Camera
+from renderer.view_files import views_json, views_of
 
 AUTOSAVE_SECONDS = 1.0
 """At least so long between two sessions that are saved in passing."""
@@ -82,6 +84,10 @@ def snapshot(state: AppState, folder: Path) -> Session:
         linked=state.linked,
         view_time=state.view_time,
         free=FreeCamera(free.camera.to_json(), free.down) if free else None,
+        views=json.loads(views_json(state.cameras.views)),
+        view_kind=state.view_kind,
+        snapped=state.viewer.snapped,
+        blend=state.viewer.blend,
         config=draft.config,
         input=draft.input,
         d_factor=draft.d_factor,
@@ -106,9 +112,7 @@ def restore(state: AppState, session: Session) -> None:
         state.comparison = Comparison(**asdict(compared)).wiped(compared.wipe)
     state.picture_view = PictureView(session.zoom, session.center)
     state.linked, state.view_time = session.linked, min(max(session.view_time, 0.0), 1.0)
-    if session.free is not None:
-        with suppress(KeyError, TypeError, ValueError):
-            state.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
+    _restore_views(state, session)
     draft = state.reconstruction
     draft.name, draft.d_factor = session.run_name, session.d_factor
     if draft.request is None:
@@ -119,6 +123,20 @@ def restore(state: AppState, session: Session) -> None:
     state.tuning.shown = session.tuning_shown
     state.tuning.sort = session.sort if session.sort in METRICS else ""
     state.notes = session.notes
+
+
+def _restore_views(state: AppState, session: Session) -> None:
+    """Cameras that make no sense are left out, with a line in the log."""
+    state.view_kind = session.view_kind
+    state.viewer.snapped = session.snapped and state.has_photos
+    state.viewer.blend = min(max(session.blend, 0.0), 1.0)
+    try:
+        if session.free is not None:
+            state.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
+        if session.views is not None:
+            state.cameras.views = views_of(session.views)
+    except (KeyError, TypeError, ValueError) as error:
+        actions.say(state, f"a camera of the session was left out: {error}")
 
 
 def save_request(state: AppState) -> WriteRequest | None:

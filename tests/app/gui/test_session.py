@@ -28,11 +28,14 @@ from app.gui.settings import Places, Settings
 from app.gui.state import AppState
 from app.gui.tuning import Choice
 from app.gui.update import Channels, update
-from app.sessions import Session, autosave_path, read_session, recoverable, write_session
+from app.sessions import FreeCamera, Session, autosave_path, read_session, recoverable, write_session
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.camera_files import NamedCamera
+from renderer.camera_path import CameraPath, Keyframe
 from renderer.gaussians import DynamicGaussians
+from renderer.view_files import Views
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.test_opening import make_run
 from tests.app.gui.test_panels import Ui
@@ -74,6 +77,10 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
     state.picture_view = PictureView(2.5, (0.25, 0.75))
     actions.toggle_link(state)
     state.viewer.free = FreeView.of(state.clip.cameras[0]).looked(0.2, 0.1)
+    camera = state.clip.cameras[0]
+    path = CameraPath((Keyframe(0.0, 0.1, camera), Keyframe(1.5, 0.9, camera)))
+    state.cameras.views = Views((NamedCamera("from the left", camera),), path, loop=True, unit="mm")
+    state.view_kind, state.viewer.blend = "depth", 0.25
     state.reconstruction.name, state.reconstruction.input = "second try", "enhanced"
     state.reconstruction.config = replace(state.reconstruction.config, iterations=500)
     state.tuning.choices = (Choice("lift", 0.1, 0.9, 3), Choice())
@@ -228,6 +235,14 @@ def test_numbers_that_are_none_are_refused(tmp_path: Path) -> None:
     (tmp_path / "d.vesselsplat").write_text(text)
     with pytest.raises(UserError, match="frame"):
         read_session(tmp_path / "d.vesselsplat")
+
+
+def test_a_camera_that_makes_no_sense_is_left_out(places: Places, clip_path: Path) -> None:
+    state, _ = opened_state(places, clip_path)
+    for session in (Session(views={"format": "?"}), Session(free=FreeCamera({"fx": -1}, (0, 1, 0)))):
+        session_actions.restore(state, session)
+        assert "left out" in state.log[-1]
+    assert state.viewer.free is None
 
 
 def test_a_frame_beyond_the_clip_is_its_last(places: Places, clip_path: Path) -> None:
