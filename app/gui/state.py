@@ -14,8 +14,8 @@ from app.gui.clip_settings import ClipSettings
 from app.gui.comparison import Comparison, Side
 from app.gui.editing import Editing
 from app.gui.enhancing import PictureRequest, Pictures, Scope
-from app.gui.left_out import LeftOut, LeftOutRequest
 from app.gui.measuring import Measured
+from app.gui.omissions import Omissions, OmissionsRequest
 from app.gui.opening import OpenRequest
 from app.gui.others import Difference, Other
 from app.gui.photos import Photo, PhotoRequest
@@ -190,9 +190,9 @@ class AppState:
     """Screen pixels per picture pixel, as last laid out."""
 
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
-    asks_what_is_left_out: bool = False
+    asks_for_omissions: bool = False
     """The list of what the next reconstruction leaves out is unfolded."""
-    left_out: LeftOut | None = None
+    omissions: Omissions | None = None
     """The newest such list."""
     model: ShownModel | None = None
     view: View | None = None
@@ -306,12 +306,12 @@ class AppState:
         return self._view_of(self.editing.tinted or self.model)
 
     @property
-    def left_out_request(self) -> LeftOutRequest | None:
+    def omissions_request(self) -> OmissionsRequest | None:
         """What the unfolded list should be of."""
-        if not self.asks_what_is_left_out or self.clip is None or self.reconstruction.is_alive:
+        if not self.asks_for_omissions or self.clip is None or self.reconstruction.is_alive:
             return None
         config = replace(self.reconstruction.config, iterations=TrainConfig().iterations)
-        return LeftOutRequest(self.clip, config)
+        return OmissionsRequest(self.clip, config)
 
     @property
     def plain_view_request(self) -> ViewRequest | None:

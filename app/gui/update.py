@@ -23,8 +23,8 @@ from app.gui.compare_work import CompareWork
 from app.gui.editing import Selected, Selector, SelectRequest
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
-from app.gui.left_out import LeftOut, LeftOutRequest, look
 from app.gui.measure_work import MeasureWork
+from app.gui.omissions import Omissions, OmissionsRequest, look
 from app.gui.opening import Opened, OpenRequest, open_path
 from app.gui.photos import Photo, PhotoRequest, read_photo
 from app.gui.picking import Picked, PickRequest, pick
@@ -63,7 +63,7 @@ class Channels:
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
     compare: CompareWork = field(default_factory=CompareWork)
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
-    left_out: Channel[LeftOutRequest, LeftOut] = field(default_factory=lambda: Channel(look))
+    omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
     measure: MeasureWork = field(default_factory=MeasureWork)
     exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
     strip: StripWork = field(default_factory=StripWork)
@@ -73,7 +73,7 @@ class Channels:
     @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
-        return (*self.measure.all, *self.strip.all, self.left_out)
+        return (*self.measure.all, *self.strip.all, self.omissions)
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
@@ -95,7 +95,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     channels.compare.take(state)
     channels.measure.take(state)
     channels.strip.take(state)
-    _take_left_out(state, channels)
+    _take_omissions(state, channels)
     edit_actions.follow(state)
     _take_selected(state, channels)
     _take_view(state, channels)
@@ -160,14 +160,14 @@ def _take_pick(state: AppState, channels: Channels) -> None:
         camera_actions.take_point(state, request, answer)
 
 
-def _take_left_out(state: AppState, channels: Channels) -> None:
-    taken = channels.left_out.take()
+def _take_omissions(state: AppState, channels: Channels) -> None:
+    taken = channels.omissions.take()
     if taken is None:
         return
     if isinstance(taken[1], Failure):
         actions.fail(state, f"what is left out cannot be told: {taken[1].message}")
     else:
-        state.left_out = taken[1]
+        state.omissions = taken[1]
 
 
 def _take_selected(state: AppState, channels: Channels) -> None:
@@ -353,9 +353,9 @@ def _ask(state: AppState, channels: Channels) -> None:
     channels.compare.ask(state)
     channels.measure.ask(state)
     channels.strip.ask(state)
-    wanted = state.left_out_request
-    if wanted is not None and channels.left_out.asked != wanted:
-        channels.left_out.ask(wanted)
+    wanted = state.omissions_request
+    if wanted is not None and channels.omissions.asked != wanted:
+        channels.omissions.ask(wanted)
     view = view_request(state)
     if view is not None and state.processor_draws and channels.view.asked != view:
         channels.view.ask(view)

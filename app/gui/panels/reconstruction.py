@@ -46,7 +46,7 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
         imgui.spacing()
     _draw_buttons(state, make_job)
     if not run.is_alive and state.clip is not None:
-        _draw_left_out(state)
+        _draw_omissions(state)
     if run.status != "none":
         _draw_status(run)
     if run.curve:
@@ -192,13 +192,13 @@ def _draw_curves(run: Reconstruction) -> None:
     implot.end_plot()
 
 
-def _draw_left_out(state: AppState) -> None:
+def _draw_omissions(state: AppState) -> None:
     """Looked up when it is unfolded: what, and why, before anything is started."""
-    state.asks_what_is_left_out = imgui.tree_node("What will be left out")
+    state.asks_for_omissions = imgui.tree_node("What will be left out")
     explain("Training does without what this clip does not need. Looked up from the photos as they are.")
-    if not state.asks_what_is_left_out:
+    if not state.asks_for_omissions:
         return
-    found, request = state.left_out, state.left_out_request
+    found, request = state.omissions, state.omissions_request
     if found is None or request is None or found.request != request:
         imgui.text_colored(theme.MUTED, "Looking at the clip…")
     elif not found.omitted:

@@ -11,7 +11,7 @@ from renderer.train.events import Omission
 
 
 @dataclass(frozen=True)
-class LeftOutRequest:
+class OmissionsRequest:
     """What it depends on: the photos as they are, and the settings but for the number of iterations."""
 
     clip: Clip
@@ -19,14 +19,14 @@ class LeftOutRequest:
 
 
 @dataclass(frozen=True, eq=False)
-class LeftOut:
+class Omissions:
     """The answer; of a clip or settings that are no longer chosen, it is not shown."""
 
-    request: LeftOutRequest
+    request: OmissionsRequest
     omitted: tuple[Omission, ...]
 
 
-def look(request: LeftOutRequest) -> Iterator[LeftOut]:
+def look(request: OmissionsRequest) -> Iterator[Omissions]:
     """Decides as training does, from the same frames. Raises ClipError: frames cannot be read."""
     # Training's modules take a while to import; the window must not wait for them.
     from renderer.train.needs import decide
@@ -34,4 +34,4 @@ def look(request: LeftOutRequest) -> Iterator[LeftOut]:
 
     fit, _ = split(request.clip, request.config)
     frames = [request.clip.read_frame(index) for index in fit]
-    yield LeftOut(request, decide(request.clip, frames, request.config).omitted)
+    yield Omissions(request, decide(request.clip, frames, request.config).omitted)
