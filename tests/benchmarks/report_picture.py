@@ -1,0 +1,19 @@
+"""The picture of README.md from a report: python -m tests.benchmarks.report_picture JSON PNG"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from app.report.plots import write_diagrams
+from app.report.saved import read_report
+
+
+def main(report: Path, picture: Path) -> None:
+    saved = read_report(report)
+    plate = saved.sections["training"].plates[0]
+    write_diagrams(picture, plate.diagrams[:3], f"{plate.title}, {saved.clip}: held-out frames")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

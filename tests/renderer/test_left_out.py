@@ -1,0 +1,35 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from renderer.left_out import KEPT_BY, compared
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+from renderer.train.needs import decide
+from renderer.train.trainer import split
+
+CONFIG = TrainConfig(iterations=40, n_gaussians=500, hold_out=True)
+
+
+def test_a_part_that_is_kept_in_weighs_more_and_is_not_left_out(tmp_path: Path) -> None:
+    write_phantom(tmp_path / "clip", PhantomParams(n_frames=12, width=96, height=72))
+    clip = open_clip(tmp_path / "clip")
+    frames = [clip.read_frame(index) for index in split(clip, CONFIG)[0]]
+    left_out = [omission.what for omission in decide(clip, frames, CONFIG).omitted]
+    assert "harmonics" in left_out
+    assert set(left_out) <= set(KEPT_BY)
+    without, kept = compared(clip, CONFIG, replace(CONFIG, keep=("harmonics",)), timed_steps=12)
+    assert [each.what for each in without.omitted if each in kept.omitted] != left_out
+    assert kept.megabytes > without.megabytes
+    assert min(without.milliseconds, kept.milliseconds, without.spread, kept.spread) > 0
+    assert 5 < without.psnr < 50
+
+
+def test_pairs_of_one_seed_repeat(tmp_path: Path) -> None:
+    write_phantom(tmp_path / "clip", PhantomParams(n_frames=10, width=96, height=72, tissue="static"))
+    clip = open_clip(tmp_path / "clip")
+    config = replace(CONFIG, iterations=10)
+    first, second = compared(clip, config, config, timed_steps=4)
+    assert (first.psnr, first.megabytes) == (second.psnr, second.megabytes)
