@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -98,7 +98,7 @@ def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
                     seconds=mean(group, "seconds"),
                     spread=half_range(group, "seconds"),
                     error=mean(group, measure),
-                    is_default=group[0].config.method == default.method and _label(group[0], usual) == "",
+                    is_default=replace(group[0].config, seed=default.seed) == default,
                 )
                 for group in grouped(runs)
                 if math.isfinite(mean(group, measure))
@@ -110,7 +110,8 @@ def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
 
 
 def _label(run: Run, usual: Sequence[str]) -> str:
-    return ", ".join(part for part in run.setting.split(", ")[1:] if part not in usual)
+    changed = [part for part in run.setting.split(", ")[1:] if part not in usual]
+    return ", ".join(changed) or f"{run.config.iterations} steps"
 
 
 def table(runs: Sequence[Run], title: str, note: str = "") -> Table:

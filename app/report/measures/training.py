@@ -69,11 +69,10 @@ def measure(bench: Bench, clock: Clock) -> Section:
 
 
 def _wanted(clip: Clip, default: TrainConfig) -> Iterator[tuple[TrainConfig, Input]]:
-    """What other parts need, too, comes first."""
+    """The long ones come first: other parts need them, too."""
     for photos in INPUTS:
         for method in STEPS:
             yield schedule(clip, method), photos
-    for photos in INPUTS:
         for method, counts in STEPS.items():
             for count in counts[1:]:
                 yield replace(schedule(clip, method), iterations=count), photos
