@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 from app.report.plots import write_diagrams
@@ -12,13 +11,8 @@ from app.report.saved import read_report
 
 def main(report: Path, picture: Path) -> None:
     saved = read_report(report)
-    (enhancement,) = saved.sections["enhancement"].plates[0].diagrams
-    psnr, _, depth, *_ = saved.sections["training"].plates[0].diagrams
-    named = [
-        replace(enhancement, measure=f"enhancement: {enhancement.measure}"),
-        *(replace(one, measure=f"reconstruction: {one.measure}") for one in (psnr, depth)),
-    ]
-    write_diagrams(picture, named, f"Error against run time, {saved.clip}: Pareto fronts and defaults")
+    plate = saved.sections["training"].plates[0]
+    write_diagrams(picture, plate.diagrams[:3], f"{plate.title}, {saved.clip}: held-out frames")
 
 
 if __name__ == "__main__":
