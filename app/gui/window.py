@@ -55,7 +55,8 @@ from assets import phantom_path
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
-IDLE_FPS = 9.0
+IDLE_FPS = 1.0
+"""Events and finished work wake the window at once; a software driver pays some 30 ms for each frame."""
 BUSY_FPS = 25.0
 """While something runs in the background that the window should follow."""
 SIZE = (1280, 720)

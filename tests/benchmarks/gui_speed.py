@@ -1,0 +1,120 @@
+"""How quick the window is: first frame, idle share, memory; frames and slider to picture, also under a job.
+
+xvfb-run -a python -m tests.benchmarks.gui_speed CLIP [--train]
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+from imgui_bundle import hello_imgui, imgui, immapp
+from imgui_bundle.immapp import testing
+
+from app.gui import actions
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from app.gui.window import Window
+from app.job import TrainingJob
+from enhance import EnhanceParams
+
+MOVES = 60
+IDLE = (8.0, 16.0)
+"""Seconds after the start between which the idle share is taken."""
+MEGABYTE = 1 << 20
+Context = imgui.test_engine.TestContext
+
+
+def main(clip: Path, *, train: bool) -> None:
+    print(f"{clip.name}, load {os.getloadavg()[0]:.1f} at the start")
+    subprocess.run([sys.executable, "-m", "tests.benchmarks.gui_speed", str(clip), "--alone"], check=True)
+    with tempfile.TemporaryDirectory() as folder:
+        drag(make_window(clip, Path(folder)), train=train)
+
+
+def make_window(clip: Path, folder: Path) -> Window:
+    places = Places(folder / "config", folder / "runs", folder / "pictures")
+    window = Window(AppState(places, Settings(acknowledged=True)))
+    actions.open_path(window.state, clip)
+    return window
+
+
+def alone(clip: Path) -> None:
+    """A process of its own, left alone: first frame, idle share of one core, memory."""
+    process, began = psutil.Process(), time.monotonic()
+    seen: dict[str, float] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        params = make_window(clip, Path(folder)).runner_params()
+
+        def look() -> None:
+            now = time.monotonic() - began
+            seen.setdefault("first", time.time() - process.create_time())
+            if now > IDLE[0]:
+                seen.setdefault("from", now)
+                seen["frames"] = seen.get("frames", 0) + 1
+                seen.setdefault("used", sum(process.cpu_times()[:2]))
+            if now > IDLE[1]:
+                share = (sum(process.cpu_times()[:2]) - seen["used"]) / (now - seen["from"])
+                memory = process.memory_info().rss / MEGABYTE
+                rate = seen["frames"] / (now - seen["from"])
+                print(f"first frame {seen['first']:.2f} s, memory {memory:.0f} MB")
+                print(f"idle: {100 * share:.1f} % of a core at {rate:.1f} frames/s")
+                hello_imgui.get_runner_params().app_shall_exit = True
+
+        params.callbacks.before_swap = look
+        immapp.run(params, Window.add_ons())
+
+
+def drag(window: Window, *, train: bool) -> None:
+    """Moves z as a hand on a slider does, each time after the picture before is on screen."""
+    state, swaps, waits = window.state, [], []
+    params = window.runner_params()
+    params.ini_disable = True
+    params.callbacks.before_swap = lambda: swaps.append(time.perf_counter())
+
+    def drive(ctx: Context) -> None:
+        wait(ctx, lambda: state.pictures is not None and state.pictures.enhanced is not None)
+        if train:
+            actions.start_reconstruction(state, TrainingJob)
+            wait(ctx, lambda: state.reconstruction.progress is not None)
+        for warm in (0.21, 0.22, 0.23):
+            move(ctx, warm)
+        swaps.clear()
+        waits.extend(move(ctx, 0.3 + 0.005 * step) for step in range(MOVES))
+        actions.cancel(state)
+        wait(ctx, lambda: not state.reconstruction.is_alive)
+
+    def move(ctx: Context, z: float) -> float:
+        began = time.perf_counter()
+        actions.set_params(state, EnhanceParams(z=z))
+        wait(ctx, lambda: state.pictures is not None and state.pictures.request.params == EnhanceParams(z=z))
+        ctx.yield_()
+        return time.perf_counter() - began
+
+    testing.run(test_function=drive, runner_params=params, add_ons_params=window.add_ons())
+    under = "under a job" if train else "without a job"
+    for name, values in (("frame", np.diff(swaps)), ("slider to picture", np.array(waits))):
+        middle, most = (1000 * np.percentile(values, share) for share in (50, 95))
+        print(f"{name} {under}: median {middle:.1f} ms, p95 {most:.1f} ms of {len(values)}")
+
+
+def wait(ctx: Context, until: object) -> None:
+    end = time.monotonic() + 120
+    while not until():  # type: ignore[operator]
+        if time.monotonic() > end:
+            raise TimeoutError("the window did not answer within two minutes")
+        ctx.yield_()
+
+
+if __name__ == "__main__":
+    given = Path(sys.argv[1])
+    if "--alone" in sys.argv:
+        alone(given)
+    else:
+        main(given, train="--train" in sys.argv)
