@@ -180,6 +180,7 @@ def test_a_path_is_filmed_from_its_very_poses_and_times_and_again_the_same(
         call = vesselsplat("export", runs["original"], "--video", video, "--path", file, *SLOWLY)
         assert call.code == 0, call.error
     assert first.read_bytes() == second.read_bytes()
+    assert vesselsplat("replay", first, "--source", runs["original"].parent).code == 0
     moments = json.loads((tmp_path / "a.mp4.json").read_text())["moments"]
     wanted = read_views(file).path.moments(8.0)
     assert [moment["time"] for moment in moments] == [key.time for key in wanted]
