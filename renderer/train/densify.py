@@ -106,7 +106,9 @@ class Densifier:
 def _offsets(raw: RawGaussians, index: NDArray[np.int64], rng: np.random.Generator) -> Float32Array:
     """Points drawn from the chosen Gaussians, relative to their centres."""
     local = rng.standard_normal((len(index), 3)) * np.exp(raw.log_scales[index])
-    w, *axis = (raw.quats[index] / np.linalg.norm(raw.quats[index], axis=1, keepdims=True)).T
+    lengths = np.linalg.norm(raw.quats[index], axis=1, keepdims=True)
+    # The zero quaternion turns nothing, as in the projection.
+    w, *axis = np.where(lengths > 0, raw.quats[index] / np.where(lengths > 0, lengths, 1), (1, 0, 0, 0)).T
     along = np.stack(axis, axis=1)
     across = 2 * np.cross(along, local)
     turned: Float32Array = (local + w[:, None] * across + np.cross(along, across)).astype(np.float32)

@@ -33,13 +33,13 @@ class Trouble:
     def notices(self) -> Iterable[str]:
         """A sentence for each kind."""
         if self.not_finite:
-            yield f"{self.not_finite} gradients were no numbers and were left out"
+            yield f"{self.not_finite} gradients were no numbers, or too large to square, and were left out"
         if self.held:
             yield f"{self.held} times a Gaussian ran away in size and was held"
 
 
 def leave_out_broken(by: RawGaussians, seen: NDArray[np.bool_]) -> int:
-    """Unmark the Gaussians with a gradient that is not finite; how many there were."""
+    """Unmark the Gaussians with a gradient that is not finite, nor its square; how many there were."""
     lost = np.zeros(len(seen), bool)
     _find_broken(by.means, by.quats, by.log_scales, by.opacity_logits, by.colors, seen, lost)
     return int(np.count_nonzero(lost))
@@ -67,12 +67,13 @@ def _find_broken(
     for n in prange(len(seen)):
         if not seen[n]:
             continue
-        total = by_logits[n]
+        total = by_logits[n] * by_logits[n]
         for c in range(3):
-            total += by_means[n, c] + by_log_scales[n, c] + by_colors[n, c]
+            total += by_means[n, c] * by_means[n, c] + by_log_scales[n, c] * by_log_scales[n, c]
+            total += by_colors[n, c] * by_colors[n, c]
         for c in range(4):
-            total += by_quats[n, c]
-        # A sum with an infinity or a NaN in it is neither a number again, whatever else is added.
+            total += by_quats[n, c] * by_quats[n, c]
+        # Not finite with a NaN or an infinity in it, or where Adam's second moment would overflow.
         if not np.isfinite(total):
             seen[n] = False
             lost[n] = True

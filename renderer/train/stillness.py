@@ -89,6 +89,8 @@ def _compared(first: Frame, second: Frame) -> tuple[float, float] | None:
         return None
     change = there.astype(np.float32) - first.image
     means = [block.mean(axis=0) for block in _blocks(change, seen, WINDOW**2)]
+    if not means:
+        return None
     return float(medians[-2]), float(np.sqrt(np.mean(np.square(means))))
 
 

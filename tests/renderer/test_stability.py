@@ -16,7 +16,6 @@ ROWS = list(stability())
 KNOWN = {
     ("gradients of (13)-(16)", "scales of 1e-8 and 1e8"),
     ("Adam", "gradients of 1e+20"),
-    ("density control", "q = 0"),
 }
 """Whose failure the report states, with what is done then."""
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from renderer.clip import Frame
+from renderer.phantom import Phantom, PhantomParams
 from renderer.train.stillness import Stillness, stillness
 from tests.renderer.plane import N_FRAMES, plane_clip
 
@@ -71,3 +72,8 @@ def test_one_frame_is_still_and_two_are_compared() -> None:
     clip = plane_clip(slide=1.0)
     assert stillness([clip.read_frame(0)]) == Stillness(0.0, 0.0)
     assert stillness([clip.read_frame(0), clip.read_frame(2)]).displacement > 0.5
+
+
+def test_pictures_too_small_for_a_block_of_colours_tell_nothing() -> None:
+    phantom = Phantom(PhantomParams(n_frames=10, width=64, height=48, tissue="static"))
+    assert stillness([phantom.view(index).frame for index in range(10)]) == Stillness(np.inf, np.inf)
