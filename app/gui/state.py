@@ -18,6 +18,7 @@ from app.gui.measuring import Measured
 from app.gui.omissions import Omissions, OmissionsRequest
 from app.gui.opening import OpenRequest
 from app.gui.others import Difference, Other
+from app.gui.palette import Palette
 from app.gui.photos import Photo, PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.reported import Reported
@@ -238,6 +239,7 @@ class AppState:
     toast: Toast | None = None
     log: deque[str] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     help_open: bool = False
+    palette: Palette = field(default_factory=Palette)
     processor_draws: bool = True
     """The numba rasteriser draws the 3D view, since there is no graphics card, or OpenGL is slower."""
     drawn_by: str = ""

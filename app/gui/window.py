@@ -15,6 +15,7 @@ from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 from app.errors import UserError
 from app.gui import (
     actions,
+    dockings,
     export_actions,
     menus,
     path_actions,
@@ -25,11 +26,15 @@ from app.gui import (
 )
 from app.gui.actions import MakeJob
 from app.gui.background import Worker
+from app.gui.camera_commands import second_commands
 from app.gui.chosen_viewport import ChosenViewport
 from app.gui.clip_settings import load_clips
+from app.gui.command import Outside
+from app.gui.commands import sections
 from app.gui.dialogs import Dialogs
+from app.gui.dockings import REPORT, SPLATS, TUNING
 from app.gui.export import SaveRequest
-from app.gui.keys import Commands, Keyboard, shortcuts
+from app.gui.keys import Keyboard
 from app.gui.panels import overlays
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
@@ -37,6 +42,7 @@ from app.gui.panels.edit_view import draw_edit_tools
 from app.gui.panels.editing import PANEL, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
+from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
 from app.gui.panels.session import draw_notes, draw_recovery
@@ -60,9 +66,6 @@ IDLE_FPS = 1.0
 BUSY_FPS = 25.0
 """While something runs in the background that the window should follow."""
 SIZE = (1280, 720)
-SPLATS = "Splats"
-"""The 3D view of a model without pictures, in their place."""
-TUNING, REPORT = "Tuning", "Report"
 
 
 def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> None:
@@ -99,19 +102,30 @@ class Window:
         self._openers = Openers(
             lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
         )
-        self._commands = Commands(
-            self._openers.folder, self._openers.file, self.save_picture, self.save_session
-        )
-        self._keyboard = Keyboard(shortcuts(self._commands))
+        self._outside = self._reach()
+        self._keyboard = Keyboard()
         self._dropped: list[str] = []
         self._textures: Textures | None = None
         self._viewport: Viewport | None = None
         self._second_viewport: Viewport | None = None
-        self._ask_second = {
-            "Run folder beside…": lambda: self._dialogs.ask("folder", self._open_second),
-            "Splat file beside…": lambda: self._dialogs.ask("file", self._open_second),
-        }
         self._began = time.monotonic()
+
+    def _reach(self) -> Outside:
+        ask = self._dialogs.ask
+        return Outside(
+            folder=self._openers.folder,
+            file=self._openers.file,
+            phantom=self._openers.phantom,
+            screenshot=self.save_picture,
+            session=self.save_session,
+            import_views=self._import_views,
+            second_run=lambda: ask("folder", self._open_second),
+            second_splats=lambda: ask("file", self._open_second),
+            layout=dockings.restore,
+            quit=dockings.quit_app,
+            toggle_panel=dockings.toggle,
+            panel_shown=dockings.is_shown,
+        )
 
     def run(self) -> None:
         """Return when the window is closed. Raises UserError when it cannot be opened."""
@@ -159,9 +173,7 @@ class Window:
         calls.setup_imgui_config = _configure
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
-        calls.show_menus = lambda: menus.draw_menus(
-            self.state, self._openers, self._commands, self._import_views, self._ask_second
-        )
+        calls.show_menus = lambda: menus.draw_menus(self.state, sections(self.state, self._outside))
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
         calls.before_exit = self.close
@@ -234,13 +246,7 @@ class Window:
             self._open(Path(self._dropped.pop()))
         update(self.state, self._channels, time.monotonic() - self._began)
         params = hello_imgui.get_runner_params()
-        # What has nothing to show leaves its space to the other.
-        alone, panel = self.state.is_model_alone, params.docking_params.dockable_window_of_name
-        panel("3D view").is_visible = self.state.has_view and not alone
-        panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
-        self._show_tuning(params.docking_params.dockable_window_of_name(TUNING))
-        self._show_report(params.docking_params.dockable_window_of_name(REPORT))
-        _show_edit(params.docking_params.dockable_window_of_name(PANEL), self.state)
+        dockings.follow(self.state)
         idling = params.fps_idling
         moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing
         idling.enable_idling = not moves
@@ -250,23 +256,12 @@ class Window:
         assert self._textures is not None
         draw_compare(self.state, self._textures, lambda: draw_welcome(self.state, self._openers))
 
-    def _show_tuning(self, window: hello_imgui.DockableWindow) -> None:
-        """In front when it is asked for."""
-        window.focus_window_at_next_frame |= self.state.tuning.shown and not window.is_visible
-        window.is_visible = self.state.tuning.shown
-
-    def _show_report(self, window: hello_imgui.DockableWindow) -> None:
-        """In front, when one was just opened; then as the View menu says."""
-        if self.state.report_asked:
-            window.is_visible = window.focus_window_at_next_frame = True
-            self.state.report_asked = False
-
     def _ask_before_quitting(self, params: hello_imgui.RunnerParams) -> None:
         """Unsaved edits keep the window open until they are saved or given up."""
         if params.app_shall_exit and self.state.editing.is_unsaved:
             params.app_shall_exit = False
             glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
-            actions.leave(self.state, menus.quit_app)
+            actions.leave(self.state, dockings.quit_app)
 
     def _draw_tuning(self) -> None:
         assert self._textures is not None
@@ -275,7 +270,8 @@ class Window:
     def _draw_view(self) -> None:
         assert self._viewport is not None
         assert self._second_viewport is not None
-        draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture, self._ask_second)
+        beside = second_commands(self.state, self._outside)
+        draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture, beside)
         if self.state.model is not None:
             draw_edit_tools(self.state)
 
@@ -293,7 +289,8 @@ class Window:
     def _draw_over(self) -> None:
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
-        overlays.draw_help(self.state, self._keyboard.table)
+        all_commands = sections(self.state, self._outside)
+        overlays.draw_help(self.state, all_commands)
         # The runner looks at the wish to quit between two frames: here is the last place to hold it back.
         self._ask_before_quitting(hello_imgui.get_runner_params())
         draw_question(self.state)
@@ -301,7 +298,8 @@ class Window:
         draw_export(self.state, self.export, self.cancel_export)
         draw_recovery(self.state)
         self._dialogs.draw()
-        self._keyboard.handle(self.state)
+        draw_palette(self.state, all_commands)
+        self._keyboard.handle(self.state, all_commands)
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
 
@@ -365,12 +363,6 @@ class Window:
     def _refresh(self) -> None:
         """Called from the worker's thread: an idle window draws at once."""
         hello_imgui.request_refresh()
-
-
-def _show_edit(window: hello_imgui.DockableWindow, state: AppState) -> None:
-    """In front while the mouse edits, gone otherwise."""
-    window.focus_window_at_next_frame |= state.editing.active and not window.is_visible
-    window.is_visible = state.editing.active
 
 
 def _can_hold_files(folder: Path) -> bool:

@@ -9,9 +9,9 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, comparing, theme
+from app.gui.commands import fit_pictures, one_to_one
 from app.gui.comparison import MODES, SIDES, SLOTS, SOURCES, Side, label_of
 from app.gui.enhancing import Pictures
-from app.gui.keys import fit_pictures, one_to_one
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
 from app.gui.panes import difference_pane, pane, shown_mode, why_not
 from app.gui.state import AppState

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import groupby
 
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 
 from app.gui import actions, theme
-from app.gui.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT, Shortcut
+from app.gui.command import Section
+from app.gui.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
 from app.gui.state import AppState
 from app.gui.widgets import button, em
 from app.provenance import NOTICE
@@ -90,35 +92,40 @@ def draw_toast(state: AppState) -> None:
         imgui.text_unformatted(state.toast.message)
 
 
-def draw_help(state: AppState, table: tuple[Shortcut, ...]) -> None:
+def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
     """Every key and gesture; nothing is hidden elsewhere."""
     if not state.help_open:
         return
     viewport = imgui.get_main_viewport()
     imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
-    imgui.set_next_window_size(ImVec2(em(34), 0), imgui.Cond_.appearing)
+    height = min(em(48), 0.86 * viewport.work_size.y)
+    imgui.set_next_window_size(ImVec2(em(36), height), imgui.Cond_.appearing)
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
     with imgui_ctx.begin("Keys and mouse", True, flags) as window:
         state.help_open = bool(window.opened)
         if not window:
             return
-        rows = [
-            ("Space", PEEK_TEXT),
-            *((entry.keys, entry.text) for entry in table),
-            ("W S A D Q E", FLIGHT_TEXT),
-            *MOUSE,
-        ]
-        with imgui_ctx.begin_table("keys", 2, imgui.TableFlags_.row_bg) as table_shown:
-            if not table_shown:
-                return
-            imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, em(9))
-            for keys, text in rows:
-                imgui.table_next_column()
-                imgui.text_colored(theme.ACCENT, keys)
-                imgui.table_next_column()
-                imgui.text_wrapped(text)
+        for menu, grouped in groupby(sections, lambda section: section.menu):
+            commands = [command for section in grouped for command in section.commands if command.keys]
+            if commands:
+                _draw_keys(menu, [(" or ".join(one.keys), one.about) for one in commands])
+        _draw_keys("Held and moved", [("Space", PEEK_TEXT), ("W S A D Q E", FLIGHT_TEXT), *MOUSE])
         imgui.spacing()
-        imgui.text_colored(theme.MUTED, LONG_NOTICE)
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.MUTED, LONG_NOTICE)
+
+
+def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
+    imgui.separator_text(title)
+    with imgui_ctx.begin_table(title, 2, imgui.TableFlags_.row_bg) as table_shown:
+        if not table_shown:
+            return
+        imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, em(11))
+        for keys, text in rows:
+            imgui.table_next_column()
+            imgui.text_colored(theme.ACCENT, keys)
+            imgui.table_next_column()
+            imgui.text_wrapped(f"{text[:1].upper()}{text[1:]}")
 
 
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from imgui_bundle import ImVec2, imgui
 
 from app.gui import clip_actions, theme
+from app.gui.commands import fit_pictures
 from app.gui.comparison import Side
 from app.gui.enhancing import Pictures
-from app.gui.keys import fit_pictures
 from app.gui.others import heat_colors
 from app.gui.panes import Pane, Tag, pixel, tinted
 from app.gui.picture_view import Placement

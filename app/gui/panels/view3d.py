@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, camera_actions, second_actions, theme, view_actions
+from app.gui import actions, camera_actions, theme, view_actions
+from app.gui.command import Command
 from app.gui.legible import legible
+from app.gui.menus import draw_commands
 from app.gui.panels.color_bar import draw_color_bar
 from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.photos import Photo
@@ -29,23 +30,22 @@ CLICK = 4.0
 """Pixels that a hand may slip in a click."""
 PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
 """What shows a whole photo."""
-Asks = dict[str, Callable[[], None]]
-"""Ways to choose a second reconstruction, by their names in a menu."""
+Commands = tuple[Command, ...]
 Tag = tuple[str, ImVec4]
 
 
 def draw_view3d(
-    state: AppState, viewport: Viewport, second: Viewport, photo_texture: PhotoTexture, ask_second: Asks
+    state: AppState, viewport: Viewport, second: Viewport, photo_texture: PhotoTexture, beside: Commands
 ) -> None:
     """The view with its controls, beside it the second reconstruction when there is one.
 
-    The first is the last item that is drawn, for those who draw over it.
+    `beside` are the ways to choose that. The first view is the last item drawn, for those who draw over it.
     """
     if state.model is None:
         state.view_size = (0, 0)
         _draw_empty(state)
         return
-    _draw_toolbar(state, ask_second)
+    _draw_toolbar(state, beside)
     space, gap = imgui.get_content_region_avail(), em(0.3)
     corner, count = imgui.get_cursor_screen_pos(), 1 if state.second.shown is None else 2
     size = ImVec2(max((space.x + gap) / count - gap, em(4)), max(space.y, em(4)))
@@ -84,7 +84,7 @@ def _draw_empty(state: AppState) -> None:
     centered("The first preview of the reconstruction is on its way…")
 
 
-def _draw_toolbar(state: AppState, ask_second: Asks) -> None:
+def _draw_toolbar(state: AppState, beside: Commands) -> None:
     button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
     explain("Home: the view of the clip's own camera.")
     imgui.same_line()
@@ -99,7 +99,7 @@ def _draw_toolbar(state: AppState, ask_second: Asks) -> None:
         button(label, lambda: camera_actions.toggle_measuring(state))
     explain("M: click two points of the surface. It is the model's own, where its expected depth is.")
     imgui.same_line()
-    _draw_second(state, ask_second)
+    _draw_second(state, beside)
     _draw_snap(state)
     _draw_kind(state)
     if state.clip is None:
@@ -114,7 +114,7 @@ def _draw_toolbar(state: AppState, ask_second: Asks) -> None:
         _draw_time(state)
 
 
-def _draw_second(state: AppState, ask_second: Asks) -> None:
+def _draw_second(state: AppState, beside: Commands) -> None:
     shown = state.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if shown else theme.grey(0.25)):
         button(f"{icons.ICON_FA_COLUMNS}###second", _open_second_menu)
@@ -122,24 +122,11 @@ def _draw_second(state: AppState, ask_second: Asks) -> None:
     imgui.same_line()
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
-            draw_second_items(state, ask_second)
+            draw_commands(state, beside)
 
 
 def _open_second_menu() -> None:
     imgui.open_popup("second")
-
-
-def draw_second_items(state: AppState, ask_second: Asks) -> None:
-    """Menu entries: what to see beside the first."""
-    for label, ask in ask_second.items():
-        if imgui.menu_item_simple(label, enabled=state.model is not None):
-            ask()
-    for place, text in enumerate(state.settings.recent):
-        if imgui.menu_item_simple(f"{legible(Path(text).name)}##{place}", enabled=state.model is not None):
-            second_actions.open_second(state, Path(text))
-        explain(text)
-    if imgui.menu_item_simple("Close the second view", enabled=state.second.shown is not None):
-        second_actions.close_second(state)
 
 
 def _draw_snap(state: AppState) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.gui.command import Outside
 from app.gui.settings import Places, Settings
 from app.gui.state import AppState
 from renderer.camera import Camera
@@ -96,6 +97,12 @@ class FakeJob:
 
     def close(self) -> None:
         self.told.append("close")
+
+
+def outside(**doing: Callable[[], None]) -> Outside:
+    """Nothing is done outside the state but what is named."""
+    nothing = {name: lambda *given: None for name in Outside.__dataclass_fields__}
+    return Outside(**nothing | {"panel_shown": lambda name: False} | doing)  # type: ignore[arg-type]
 
 
 @pytest.fixture(autouse=True)

@@ -13,20 +13,21 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui import actions, menus
+from app.gui import actions, menus, recent_commands
+from app.gui.commands import sections
 from app.gui.dialogs import Dialogs
 from app.gui.enhancing import PictureMaker, PictureRequest
 from app.gui.export import Panel, sheet
-from app.gui.keys import Commands
 from app.gui.legible import legible
 from app.gui.opening import OpenRequest
 from app.gui.panels import overlays
+from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.welcome import draw_welcome
 from app.gui.settings import Settings
 from app.gui.state import AppState
 from renderer.clip import Clip
-from tests.app.gui.conftest import FakeJob
+from tests.app.gui.conftest import FakeJob, outside
 from tests.app.gui.test_panels import NOTHING, Shown, Ui, compare
 
 NAME = os.fsdecode(b"caf\xe9.png")
@@ -49,7 +50,11 @@ def test_what_utf_8_can_say_stays() -> None:
 def test_the_welcome_and_the_menu_show_such_names(ui: Ui, state: AppState) -> None:
     state.clip, state.settings = None, Settings(recent=(f"/clips/{NAME}",))
     ui.frame(lambda: draw_welcome(state, NOTHING))
-    ui.frame(lambda: menus._draw_file(state, NOTHING, Commands(*[lambda: None] * 4)))
+    ui.frame(lambda: menus.draw_commands(state, recent_commands.opening(state)))
+    state.palette.open()
+    state.palette.type("caf")
+    for _ in range(2):
+        ui.frame(lambda: draw_palette(state, sections(state, outside())))
     state.opening = OpenRequest(Path(NAME))
     ui.frame(lambda: draw_welcome(state, NOTHING))
 

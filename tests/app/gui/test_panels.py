@@ -10,9 +10,11 @@ import pytest
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui import actions, camera_actions, path_actions
+from app.gui.command import Outside
+from app.gui.commands import sections
 from app.gui.comparison import SIDES
 from app.gui.enhancing import PictureMaker, Pictures
-from app.gui.keys import Commands, Keyboard, shortcuts
+from app.gui.keys import Keyboard
 from app.gui.panels import overlays
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
@@ -35,7 +37,7 @@ from enhance import EnhanceParams
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Progress, Started
-from tests.app.gui.conftest import FakeJob
+from tests.app.gui.conftest import FakeJob, outside
 
 Draw = Callable[[], None]
 NOTHING = Openers(lambda: None, lambda: None, lambda: None)
@@ -127,7 +129,7 @@ class StillSecond(StillViewport):
 
 
 def view3d(state: AppState, photo_texture: PhotoTexture = no_texture) -> None:
-    draw_view3d(state, StillViewport(), StillSecond(), photo_texture, {})
+    draw_view3d(state, StillViewport(), StillSecond(), photo_texture, ())
 
 
 @pytest.fixture
@@ -148,6 +150,12 @@ def opened(state: AppState) -> AppState:
 def pictures(state: AppState) -> Pictures:
     assert state.pictures is not None
     return state.pictures
+
+
+def keyboard(state: AppState, reach: Outside | None = None) -> Draw:
+    """A frame of nothing but keys."""
+    keys = Keyboard()
+    return lambda: keys.handle(state, sections(state, reach or outside()))
 
 
 def texts(tags: list[tuple[str, object]]) -> str:
@@ -420,10 +428,7 @@ def test_two_reconstructions_share_camera_time_and_hand(
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     saved: list[str] = []
-    keyboard = Keyboard(
-        shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture"), lambda: None))
-    )
-    draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
+    draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
     ui.press(draw, imgui.Key.g)
     assert opened.viewer.flying
     ui.press(draw, imgui.Key.s, imgui.Key.a)
@@ -455,9 +460,7 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
 
 def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     saved: list[str] = []
-    table = shortcuts(Commands(lambda: None, lambda: None, lambda: saved.append("picture"), lambda: None))
-    keyboard = Keyboard(table)
-    draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
+    draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
     key = imgui.Key
     ui.press(draw, key.e)
     assert not opened.enhancing
@@ -482,8 +485,7 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
 
 
 def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
-    keyboard = Keyboard(())
-    draw: Draw = lambda: keyboard.handle(opened)  # noqa: E731
+    draw = keyboard(opened)
     ui.io.add_key_event(imgui.Key.space, True)
     ui.frame(draw)
     assert opened.peeking
@@ -491,11 +493,6 @@ def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
     ui.io.add_key_event(imgui.Key.space, False)
     ui.frame(draw)
     assert not opened.peeking
-
-
-def test_no_two_keys_are_the_same() -> None:
-    chords = [entry.chord for entry in shortcuts(Commands(*[lambda: None] * 4))]
-    assert len(set(chords)) == len(chords)
 
 
 def test_the_notice_stays_until_it_is_acknowledged(ui: Ui, state: AppState) -> None:
@@ -519,7 +516,7 @@ def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
     def draw() -> None:
         overlays.draw_banner(state)
         overlays.draw_toast(state)
-        overlays.draw_help(state, shortcuts(Commands(*[lambda: None] * 4)))
+        overlays.draw_help(state, sections(state, outside()))
         overlays.draw_log(state, lambda text: None)
 
     for _ in range(3):
@@ -551,9 +548,9 @@ def test_the_cameras_panel_draws_every_state(ui: Ui, opened: AppState, model: Dy
 
 def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    keyboard = Keyboard(shortcuts(Commands(*[lambda: None] * 4)))
+    draw = keyboard(opened)
     for key in (imgui.Key.b, imgui.Key.i, imgui.Key.i, imgui.Key.l):
-        ui.press(lambda: keyboard.handle(opened), key)
+        ui.press(draw, key)
     assert len(opened.cameras.views.named) == 1
     assert len(opened.cameras.views.path.keyframes) == 2
     assert opened.cameras.playing

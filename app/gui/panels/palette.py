@@ -1,0 +1,92 @@
+"""The command palette: words are typed, the arrows choose, Enter runs, Escape closes."""
+
+from __future__ import annotations
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+
+from app.gui import theme
+from app.gui.command import Section
+from app.gui.finding import Found, find
+from app.gui.legible import legible
+from app.gui.state import AppState
+from app.gui.widgets import em, explain
+
+NAME = "##palette"
+ROWS = 12.0
+FLAGS = (
+    imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_resize
+    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
+)  # fmt: skip
+
+
+def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
+    """Over the window, until a command is run or it is closed."""
+    palette = state.palette
+    if not palette.shown:
+        return
+    appears = not imgui.is_popup_open(NAME)
+    if appears:
+        imgui.open_popup(NAME)
+    viewport = imgui.get_main_viewport()
+    top = ImVec2(viewport.get_center().x, viewport.work_pos.y + em(2))
+    imgui.set_next_window_pos(top, imgui.Cond_.always, ImVec2(0.5, 0))
+    imgui.set_next_window_size(ImVec2(min(em(38), viewport.work_size.x - em(2)), 0))
+    with imgui_ctx.begin_popup(NAME, FLAGS) as opened:
+        # A click beside it closes the popup.
+        palette.shown = bool(opened) and not imgui.is_key_pressed(imgui.Key.escape)
+        if not opened:
+            return
+        if appears:
+            imgui.set_keyboard_focus_here()
+        imgui.set_next_item_width(-1)
+        _, words = imgui.input_text_with_hint("##words", "Type to find a command", palette.words)
+        palette.type(words)
+        found = find(sections, palette.words, state)
+        moved = _move(state, len(found))
+        chosen = _draw_found(found, palette.marked, moved)
+        if imgui.is_key_pressed(imgui.Key.enter) or imgui.is_key_pressed(imgui.Key.keypad_enter):
+            chosen = found[palette.marked] if found else None
+        runs = chosen is not None and chosen.applies
+        palette.shown = palette.shown and not runs
+        if not palette.shown:
+            imgui.close_current_popup()
+    if chosen is not None and runs:
+        chosen.command.act(state)
+
+
+def _move(state: AppState, count: int) -> bool:
+    """The arrows; whether the mark has moved."""
+    ways = ((imgui.Key.up_arrow, -1), (imgui.Key.down_arrow, 1))
+    by = sum(way for key, way in ways if imgui.is_key_pressed(key))
+    if by:
+        state.palette.move(by, count)
+    return bool(by)
+
+
+def _draw_found(found: list[Found], marked: int, moved: bool) -> Found | None:
+    """The list, and what was clicked in it."""
+    chosen = None
+    height = imgui.get_text_line_height_with_spacing()
+    with imgui_ctx.begin_child("found", ImVec2(0, ROWS * height), 0, imgui.WindowFlags_.no_nav):
+        if not found:
+            imgui.text_colored(theme.MUTED, "No command has these words.")
+        for place, one in enumerate(found):
+            if _draw_row(one, place, place == marked):
+                chosen = one
+            if moved and place == marked:
+                imgui.set_scroll_here_y()
+    return chosen
+
+
+def _draw_row(one: Found, place: int, marked: bool) -> bool:
+    """Name on the left, menu and key on the right; greyed when it does not apply now."""
+    start, flags = imgui.get_cursor_pos_x(), imgui.SelectableFlags_.none
+    if not one.applies:
+        flags = imgui.SelectableFlags_.disabled
+    clicked, _ = imgui.selectable(f"{legible(one.name)}##{place}", marked, flags)
+    explain(one.command.text)
+    keys = one.command.keys[0] if one.command.keys else ""
+    for text, x in ((one.where, em(20)), (keys, em(29))):
+        imgui.same_line(start + x)
+        imgui.text_colored(theme.MUTED, text)
+    return clicked

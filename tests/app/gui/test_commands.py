@@ -1,0 +1,185 @@
+"""One list of commands: menus, keys, help and palette show all of it, and none of them lies."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import groupby
+
+import pytest
+from imgui_bundle import imgui
+
+from app.gui import menus
+from app.gui.command import Command, Section
+from app.gui.commands import sections
+from app.gui.finding import find
+from app.gui.keys import Keyboard, chord
+from app.gui.panels.palette import draw_palette
+from app.gui.settings import Places, Settings
+from app.gui.state import AppState
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import outside
+from tests.app.gui.test_panels import Draw, Ui, start_live
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def empty(places: Places) -> AppState:
+    """Nothing open."""
+    return AppState(places, Settings(acknowledged=True, recent=("/clips/a", "/other/a")))
+
+
+@pytest.fixture
+def editing(state: AppState, model: DynamicGaussians) -> AppState:
+    start_live(state, model)
+    state.editing.base, state.editing.active = state.model, True
+    return state
+
+
+def commands(state: AppState) -> list[Command]:
+    return [command for section in sections(state, outside()) for command in section.commands]
+
+
+def palette(state: AppState) -> Draw:
+    """A frame of the palette and the keyboard behind it."""
+    keys = Keyboard()
+
+    def draw() -> None:
+        every = sections(state, outside())
+        draw_palette(state, every)
+        keys.handle(state, every)
+
+    return draw
+
+
+def test_every_menu_entry_is_in_the_palette(ui: Ui, empty: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With all menus unfolded, what is drawn is what the palette lists."""
+    drawn: list[str] = []
+    monkeypatch.setattr(imgui, "menu_item_simple", lambda label, *rest: drawn.append(label))
+    every = sections(empty, outside())
+    for _, grouped in groupby(every, lambda section: section.menu):
+        for section in grouped:
+            ui.frame(lambda section=section: menus.draw_commands(empty, section.commands))  # type: ignore[misc]
+    assert drawn
+    assert Counter(drawn) == Counter(found.command.label for found in find(every, "", empty))
+
+
+@pytest.mark.parametrize("which", ["empty", "state", "editing"])
+def test_no_key_means_two_things_at_once(which: str, request: pytest.FixtureRequest) -> None:
+    state: AppState = request.getfixturevalue(which)
+    chords = Counter(chord(keys) for one in commands(state) for keys in one.keys if one.applies(state))
+    assert [code for code, count in chords.items() if count > 1] == []
+
+
+def test_a_key_is_shared_only_by_undo_of_two_kinds(empty: AppState) -> None:
+    shared = Counter(keys for one in commands(empty) for keys in one.keys)
+    assert {keys for keys, count in shared.items() if count > 1} == {"Ctrl+Z", "Ctrl+Y"}
+
+
+@pytest.mark.parametrize("which", ["empty", "state"])
+def test_every_command_can_be_run_at_any_time(which: str, request: pytest.FixtureRequest, ui: Ui) -> None:
+    """Also those that do not apply: nothing is raised, and drawing goes on."""
+    state: AppState = request.getfixturevalue(which)
+    draw = palette(state)
+    for command in commands(state):
+        command.act(state)
+        ui.frame(draw)
+
+
+def test_words_find_commands_wherever_they_stand(empty: AppState) -> None:
+    def labels(words: str) -> list[str]:
+        return [found.name for found in find(sections(empty, outside()), words, empty)]
+
+    assert labels("open folder")[0] == "Open folder…"
+    assert labels("FOLDER open") == labels("open folder")
+    assert "Plain white light" in labels("esc")
+    assert "Lasso" in labels("edit tool")
+    assert labels("no such thing at all") == []
+    found = find(sections(empty, outside()), "", empty)
+    applies = [one.applies for one in found]
+    assert applies == sorted(applies, reverse=True)  # What can be done now comes first.
+
+
+def test_the_palette_is_used_by_keyboard_alone(ui: Ui, state: AppState) -> None:
+    draw, key = palette(state), imgui.Key
+    ui.press(draw, key.mod_ctrl, key.mod_shift, key.p)
+    assert state.palette.shown
+    ui.frame(draw)
+    ui.io.add_input_characters_utf8("stripes")
+    ui.frame(draw)
+    assert state.palette.words == "stripes"
+    ui.press(draw, key.enter)
+    assert not state.palette.shown
+    assert state.comparison.zebra
+    ui.frame(draw)
+    assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+
+
+def test_arrows_choose_and_escape_closes_and_does_nothing_else(ui: Ui, state: AppState) -> None:
+    draw, key = palette(state), imgui.Key
+    state.palette.open()
+    ui.frame(draw)
+    ui.frame(draw)
+    ui.press(draw, key.down_arrow)
+    ui.press(draw, key.down_arrow)
+    assert state.palette.marked == 2
+    for _ in range(3):
+        ui.press(draw, key.up_arrow)
+    assert state.palette.marked == len(commands(state)) - 1
+    ui.press(draw, key.e)  # A letter is typed, not a key of the window.
+    ui.press(draw, key.escape)
+    ui.frame(draw)
+    assert not state.palette.shown
+    assert state.enhancing  # Escape alone is plain white light.
+
+
+def test_what_does_not_apply_cannot_be_run(ui: Ui, empty: AppState) -> None:
+    draw = palette(empty)
+    empty.palette.open()
+    ui.frame(draw)
+    ui.frame(draw)
+    ui.io.add_input_characters_utf8("stripes clipped")
+    ui.frame(draw)
+    ui.press(draw, imgui.Key.enter)
+    assert empty.palette.shown
+    assert not empty.comparison.zebra
+
+
+def test_a_key_does_nothing_where_its_command_does_not_apply(ui: Ui, empty: AppState) -> None:
+    ui.press(palette(empty), imgui.Key.z)
+    assert not empty.comparison.zebra
+
+
+def test_undo_is_of_edits_in_edit_mode_and_of_parameters_elsewhere(editing: AppState) -> None:
+    def undoing() -> list[str]:
+        return [one.label for one in commands(editing) if "Ctrl+Z" in one.keys and one.applies(editing)]
+
+    editing.past = [editing.params, editing.params]
+    assert undoing() == []
+    editing.editing.active = False
+    assert undoing() == ["Undo"]
+
+
+def test_every_key_has_a_name_that_can_be_pressed(empty: AppState) -> None:
+    for command in commands(empty):
+        for keys in command.keys:
+            assert chord(keys) > 0
+    with pytest.raises((KeyError, AttributeError)):
+        chord("Hyper+Q")
+
+
+def test_a_section_s_menu_stays_together(empty: AppState) -> None:
+    """A menu is drawn once: its sections follow each other."""
+    names = [name for name, _ in groupby(sections(empty, outside()), lambda one: one.menu)]
+    assert len(set(names)) == len(names)
+
+
+def test_sections_are_never_empty_but_for_what_is_recent(places: Places) -> None:
+    bare: list[Section] = [one for one in sections(AppState(places), outside()) if not one.commands]
+    assert [one.submenu for one in bare] == ["Open recent"]
