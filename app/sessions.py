@@ -122,7 +122,7 @@ class Session:
     blend: float = 0.5
     """Share of the photo over a snapped view."""
     config: TrainConfig = TrainConfig()
-    input: Literal["original", "enhanced"] = "original"
+    input: Literal["original", "enhanced", "both in turn"] = "original"
     d_factor: float = 0.5
     run_name: str = ""
     varied: tuple[Varied, ...] = ()

@@ -18,17 +18,15 @@ from app.gui.origin import origin_of
 from app.gui.picture_view import PictureView
 from app.gui.second import Second
 from app.gui.settings import save_settings
-from app.gui.state import AppState, Banner, CurvePoint, Job, Reconstruction, Toast
+from app.gui.state import AppState, Banner, Job, Reconstruction, Toast, Waiting
 from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel
 from app.methods import Look
-from app.run_folder import RunFolder
+from app.run_folder import Input, RunFolder
 from app.training import TrainRequest
 from enhance import EnhanceParams
-from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance
-from renderer.train.events import Progress
 
 TOAST_SECONDS = 6.0
 MakeJob = Callable[[TrainRequest], Job]
@@ -135,7 +133,7 @@ def _show_run(state: AppState, opened: Opened) -> None:
         request=run.request,
         status="finished" if run.model else "cancelled",
         progress=run.progress[-1] if run.progress else None,
-        curve=[point_of(progress) for progress in run.progress],
+        curve=list(run.progress),
     )
 
 
@@ -240,19 +238,25 @@ def white_light(state: AppState) -> None:
 
 
 def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
-    """Start a new run, as chosen, in another process."""
-    clip, draft = state.clip, state.reconstruction
-    if draft.is_alive or clip is None:
+    """Make what is chosen, in another process: at once, or when its turn comes."""
+    if state.clip is None:
         return
-    request = TrainRequest(
+    chosen = state.reconstruction.input
+    inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
+    _queue(state, make_job, tuple(Waiting(state.clip, _request(state, each)) for each in inputs))
+
+
+def _request(state: AppState, frames: Input) -> TrainRequest:
+    clip, draft = state.clip, state.reconstruction
+    assert clip is not None
+    return TrainRequest(
         clip_path=clip.path,
-        run_path=_run_path(state),
+        run_path=_run_path(state, f"-{frames}" if draft.input == "both in turn" else ""),
         config=draft.config,
         clip_options=state.opened_options,
-        input=draft.input,
+        input=frames,
         enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
     )
-    leave(state, lambda: _start(state, make_job, clip, request, []))
 
 
 def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
@@ -260,35 +264,53 @@ def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
     run = state.reconstruction
     clip, request = run.clip, run.request
     if can_continue(state) and clip is not None and request is not None:
-        leave(state, lambda: _start(state, make_job, clip, replace(request, resume=True), run.curve))
+        _queue(state, make_job, (Waiting(clip, replace(request, resume=True), tuple(run.curve)),))
 
 
-def _start(
-    state: AppState, make_job: MakeJob, clip: Clip, request: TrainRequest, curve: list[CurvePoint]
-) -> None:
-    job = make_job(request)
+def _queue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
+    """Behind those that wait already; where none is under way the first starts."""
+
+    def go() -> None:
+        state.queue, state.reconstruction.name = state.queue + waiting, ""
+        start_first(state, make_job)
+
+    if state.reconstruction.is_alive:
+        go()
+    else:
+        leave(state, go)
+
+
+def start_first(state: AppState, make_job: MakeJob) -> None:
+    """Start what waits first, unless a reconstruction is under way: never two at once."""
+    if state.reconstruction.is_alive or not state.queue:
+        return
+    first, *later = state.queue
+    state.queue, draft = tuple(later), state.reconstruction
+    job = make_job(first.request)
     state.reconstruction = Reconstruction(
-        config=request.config,
-        input=request.input,
-        d_factor=state.reconstruction.d_factor,
+        config=draft.config,
+        input=draft.input,
+        d_factor=draft.d_factor,
+        name=draft.name,
         status="starting",
         job=job,
-        clip=clip,
-        request=request,
-        curve=curve,
+        clip=first.clip,
+        request=first.request,
+        curve=list(first.curve),
     )
     job.start()
-    say(state, f"reconstruction of {clip.name} started: {request.run_path.name}")
+    say(state, f"reconstruction of {first.clip.name} started: {first.request.run_path.name}")
 
 
-def _run_path(state: AppState) -> Path:
-    """The name the user gave, or the clip's with the time; never one that is taken."""
+def _run_path(state: AppState, suffix: str) -> Path:
+    """The name the user gave, or the clip's with the time; never one that is taken or promised."""
     assert state.clip is not None
     stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
-    wanted = state.reconstruction.name.strip() or f"{state.clip.name}-{stamp}"
+    wanted = (state.reconstruction.name.strip() or f"{state.clip.name}-{stamp}") + suffix
     base = re.sub(r"[^\w.-]+", "-", wanted).strip(".-") or "run"
+    promised = {waiting.request.run_path for waiting in state.queue} | {state.reconstruction.run_path}
     path, number = state.places.runs / base, 2
-    while path.exists():
+    while path.exists() or path in promised:
         path, number = state.places.runs / f"{base}-{number}", number + 1
     return path
 
@@ -325,7 +347,7 @@ def show_live_model(state: AppState, model: DynamicGaussians) -> None:
         distance,
         job.run_path.name,
         iteration,
-        job.config.iterations,
+        job.iterations,
         live=True,
         origin=origin_of(RunFolder(job.run_path)),
         unit=job.clip.unit,
@@ -336,12 +358,7 @@ def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
     job = state.reconstruction
     if job.clip is not None and job.run_path is not None:
         folder = RunFolder(job.run_path)
-        state.model = finished_model(folder, model, job.clip.cameras, job.config.iterations, job.clip.unit)
-
-
-def point_of(progress: Progress) -> CurvePoint:
-    """(iteration, loss, PSNR in dB) for the curves."""
-    return float(progress.iteration), progress.loss, progress.psnr
+        state.model = finished_model(folder, model, job.clip.cameras, job.iterations, job.clip.unit)
 
 
 def can_continue(state: AppState) -> bool:

@@ -41,8 +41,9 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Omission, Progress, Started
 
 JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
-InputKind = Literal["original", "enhanced"]
-CurvePoint = tuple[float, float, float]
+InputKind = Literal["original", "enhanced", "both in turn"]
+Closing = Literal["no", "asked", "agreed"]
+"""Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
 
 
@@ -74,6 +75,16 @@ class Toast:
     """On the window's clock, seconds."""
 
 
+@dataclass(frozen=True, eq=False)
+class Waiting:
+    """A reconstruction whose turn has not come yet, by value: what is chosen later does not change it."""
+
+    clip: Clip
+    request: TrainRequest
+    curve: tuple[Progress, ...] = ()
+    """Of a run that goes on: what it has said so far."""
+
+
 @dataclass
 class Reconstruction:
     """What the user chose for the next job, and what the present one has said."""
@@ -92,8 +103,8 @@ class Reconstruction:
     """What the run was begun with."""
     started: Started | None = None
     progress: Progress | None = None
-    curve: list[CurvePoint] = field(default_factory=list)
-    """(iteration, loss, PSNR in dB) of every Progress."""
+    curve: list[Progress] = field(default_factory=list)
+    """All of them, also of the run's earlier processes."""
     evaluated: list[Evaluated] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failure: str = ""
@@ -101,6 +112,11 @@ class Reconstruction:
     @property
     def run_path(self) -> Path | None:
         return self.request.run_path if self.request else None
+
+    @property
+    def iterations(self) -> int:
+        """Of the run that is shown, else of the next one."""
+        return self.request.config.iterations if self.request else self.config.iterations
 
     @property
     def omitted(self) -> tuple[Omission, ...]:
@@ -191,6 +207,9 @@ class AppState:
     """Screen pixels per picture pixel, as last laid out."""
 
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
+    queue: tuple[Waiting, ...] = ()
+    """Reconstructions to be made after the present one, the next one first."""
+    closing: Closing = "no"
     asks_for_omissions: bool = False
     """The list of what the next reconstruction leaves out is unfolded."""
     omissions: Omissions | None = None

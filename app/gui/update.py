@@ -275,7 +275,7 @@ def _hear(state: AppState, event: object) -> None:
             run.started, run.status = event, "running"
         case Progress():
             run.progress = event
-            run.curve.append(actions.point_of(event))
+            run.curve.append(event)
         case Evaluated():
             run.evaluated.append(event)
         case Warned():

@@ -20,6 +20,7 @@ from app.gui import (
     menus,
     path_actions,
     preset_actions,
+    queue_actions,
     second_actions,
     session_actions,
     theme,
@@ -45,11 +46,13 @@ from app.gui.panels.export import draw_export
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
+from app.gui.panels.runs import draw_runs
 from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.quitting import ask_before_quitting
 from app.gui.second_viewport import SecondViewport
 from app.gui.settings import Places, load_settings
 from app.gui.state import AppState
@@ -205,6 +208,7 @@ class Window:
             (SPLATS, "MainDockSpace", self._draw_view),
             ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
             ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state, self._make_job)),
+            ("Runs", "SideBelow", lambda: draw_runs(self.state)),
             ("Cameras", "SideBelow", lambda: draw_cameras(self.state, self._import_views)),
         ]
         layout.dockable_windows = [
@@ -245,6 +249,7 @@ class Window:
         while self._dropped:
             self._open(Path(self._dropped.pop()))
         update(self.state, self._channels, time.monotonic() - self._began)
+        queue_actions.advance(self.state, self._make_job)
         params = hello_imgui.get_runner_params()
         dockings.follow(self.state)
         idling = params.fps_idling
@@ -255,13 +260,6 @@ class Window:
     def _draw_pictures(self) -> None:
         assert self._textures is not None
         draw_compare(self.state, self._textures, lambda: draw_welcome(self.state, self._openers))
-
-    def _ask_before_quitting(self, params: hello_imgui.RunnerParams) -> None:
-        """Unsaved edits keep the window open until they are saved or given up."""
-        if params.app_shall_exit and self.state.editing.is_unsaved:
-            params.app_shall_exit = False
-            glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
-            actions.leave(self.state, dockings.quit_app)
 
     def _draw_tuning(self) -> None:
         assert self._textures is not None
@@ -291,8 +289,6 @@ class Window:
         overlays.draw_toast(self.state)
         all_commands = sections(self.state, self._outside)
         overlays.draw_help(self.state, all_commands)
-        # The runner looks at the wish to quit between two frames: here is the last place to hold it back.
-        self._ask_before_quitting(hello_imgui.get_runner_params())
         draw_question(self.state)
         overlays.draw_notice(self.state)
         draw_export(self.state, self.export, self.cancel_export)
@@ -300,6 +296,7 @@ class Window:
         self._dialogs.draw()
         draw_palette(self.state, all_commands)
         self._keyboard.handle(self.state, all_commands)
+        ask_before_quitting(self.state)
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
 

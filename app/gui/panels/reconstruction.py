@@ -1,16 +1,16 @@
-"""The 3D reconstruction: what to make, how far it is, how good it is so far."""
+"""The 3D reconstruction: what to make next, and how far the present one is."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import get_args
 
-import numpy as np
-from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui import actions, theme
 from app.gui.actions import MakeJob
 from app.gui.legible import legible
+from app.gui.panels.curves import draw_curves
 from app.gui.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state import AppState, InputKind, Reconstruction
 from app.gui.widgets import button, declared, em, explain, row, seconds, slider, wants_default
@@ -19,14 +19,6 @@ from renderer.train.config import Method, TrainConfig
 
 METHODS: tuple[Method, ...] = get_args(Method)
 INPUTS: tuple[InputKind, ...] = get_args(InputKind)
-PLOT_FLAGS = (
-    implot.Flags_.no_title
-    | implot.Flags_.no_menus
-    | implot.Flags_.no_box_select
-    | implot.Flags_.no_mouse_text
-    | implot.Flags_.no_legend
-)
-PSNR_COLOR, LOSS_COLOR = theme.ACCENT, theme.WARNING
 STATUS = {
     "none": "",
     "starting": "Starting…",
@@ -42,25 +34,38 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Choices before, buttons always, progress during and after."""
     run = state.reconstruction
     if not run.is_alive:
-        _draw_choices(state, run)
-        imgui.spacing()
-    _draw_buttons(state, make_job)
-    if not run.is_alive and state.clip is not None:
-        _draw_omissions(state)
+        _draw_next(state, run, make_job)
+    else:
+        _draw_hold(state)
     if run.status != "none":
         _draw_status(run)
-    if run.curve:
-        _draw_curves(run)
+    draw_curves(run)
     _draw_messages(run)
+    if run.is_alive:
+        waiting = f" ({len(state.queue)} waiting, see Runs)" if state.queue else ""
+        if imgui.tree_node(f"Another one after it{waiting}###another"):
+            _draw_next(state, run, make_job)
+            imgui.tree_pop()
+
+
+def _draw_next(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
+    _draw_choices(state, run)
+    imgui.spacing()
+    _draw_start(state, make_job)
+    if not run.is_alive and state.clip is not None:
+        _draw_omissions(state)
 
 
 def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
     text = declared(TrainConfig, "method").text
     method = _choose("Method", "method", METHODS.index(config.method), list(METHODS), text)
-    frames = "Reconstruct the photos as they are, or enhanced by the paper's method as set above."
+    frames = (
+        "Reconstruct the photos as they are, or enhanced by the paper's method as set above; "
+        "both in turn makes two reconstructions to compare."
+    )
     run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), list(INPUTS), frames)]
-    if run.input == "enhanced":
+    if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "Of the frames to reconstruct; the paper takes 0.5 there. " + about.text)
         imgui.set_next_item_width(-em(0.1))
@@ -107,30 +112,35 @@ def _steps(config: TrainConfig) -> int:
     return int(min(max(value, about.lo), about.hi)) if changed else config.iterations
 
 
-def _draw_buttons(state: AppState, make_job: MakeJob) -> None:
+def _draw_start(state: AppState, make_job: MakeJob) -> None:
     run = state.reconstruction
-    if not run.is_alive:
-        again = actions.can_continue(state)
-        half = (imgui.get_content_region_avail().x / em() - 0.5) / 2 if again else -1.0
-        reason = actions.why_not_reconstruct(state)
-        with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM):
-            start = lambda: actions.start_reconstruction(state, make_job)  # noqa: E731
-            button("Reconstruct###start", start, enabled=not reason, width=half)
-        explain(reason or "In the background; the pictures stay usable.")
-        if reason and state.clip is not None:
-            with imgui_ctx.push_text_wrap_pos(0):
-                imgui.text_colored(theme.MUTED, reason)
-        if again:
-            imgui.same_line(0, em(0.5))
-            onward = lambda: actions.continue_reconstruction(state, make_job)  # noqa: E731
-            button("Continue", onward, width=half)
-            explain("From the last checkpoint of the run that was cut short.")
-        return
+    again = actions.can_continue(state)
+    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2 if again else -1.0
+    reason = actions.why_not_reconstruct(state)
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM):
+        start = lambda: actions.start_reconstruction(state, make_job)  # noqa: E731
+        label = "Add to the queue" if run.is_alive else "Reconstruct"
+        button(f"{label}###start", start, enabled=not reason, width=half)
+    soon = "Starts when those before it have ended, as it is set now." if run.is_alive else ""
+    explain(reason or soon or "In the background; the pictures stay usable.")
+    if reason and state.clip is not None:
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.MUTED, reason)
+    if again:
+        imgui.same_line(0, em(0.5))
+        onward = lambda: actions.continue_reconstruction(state, make_job)  # noqa: E731
+        button("Continue", onward, width=half)
+        explain("From the last checkpoint of the run that was cut short.")
+
+
+def _draw_hold(state: AppState) -> None:
+    run = state.reconstruction
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
     if run.status == "paused":
         button("Resume###pause", lambda: actions.resume(state), enabled=run.can_resume, width=half)
     else:
         button("Pause###pause", lambda: actions.pause(state), enabled=run.can_pause, width=half)
+    explain("Training stands still, and starts no other one.")
     imgui.same_line(0, em(0.5))
     button("Cancel", lambda: actions.cancel(state), width=half)
     explain("What is done so far is kept: Continue goes on from the last checkpoint.")
@@ -139,9 +149,8 @@ def _draw_buttons(state: AppState, make_job: MakeJob) -> None:
 def _draw_status(run: Reconstruction) -> None:
     progress = run.progress
     imgui.text_unformatted(STATUS[run.status])
-    imgui.same_line()
-    imgui.text_colored(theme.MUTED, f"{progress.n_gaussians:,} Gaussians" if progress else "")
-    explain(f"{run.config.method}, {run.input} frames: {run.run_path}")
+    if run.request is not None:
+        explain(f"{run.request.config.method}, {run.request.input} frames: {run.run_path}")
     if run.failure:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.DANGER, legible(run.failure))
@@ -153,43 +162,7 @@ def _draw_status(run: Reconstruction) -> None:
         f"{progress.iteration} / {progress.iterations}",
     )
     left = f"{seconds(progress.seconds_left)} left" if run.is_alive else ""
-    facts = (
-        (f"{seconds(progress.seconds)} elapsed", theme.MUTED),
-        (left, theme.MUTED),
-        (f"loss {progress.loss:.4f}", LOSS_COLOR),
-        (f"PSNR {progress.psnr:.1f} dB{_held_out(run)}", PSNR_COLOR),
-    )
-    with imgui_ctx.begin_table("progress", 2) as table:
-        if not table:
-            return
-        for text, color in facts:
-            imgui.table_next_column()
-            imgui.text_colored(color, text)
-
-
-def _held_out(run: Reconstruction) -> str:
-    return f", held out {run.evaluated[-1].psnr:.1f}" if run.evaluated else ""
-
-
-def _draw_curves(run: Reconstruction) -> None:
-    """PSNR on the left axis, loss on the right one, in the colours of the numbers above."""
-    height = min(max(imgui.get_content_region_avail().y - em(0.2), em(4.5)), em(11))
-    if not implot.begin_plot("##curves", ImVec2(-1, height), PLOT_FLAGS):
-        return
-    fit, axis = implot.AxisFlags_.auto_fit | implot.AxisFlags_.no_highlight, implot.ImAxis_
-    implot.setup_axis(axis.x1, "", implot.AxisFlags_.no_tick_labels | implot.AxisFlags_.no_highlight)
-    implot.setup_axis(axis.y1, "", fit)
-    implot.setup_axis(axis.y2, "", fit | implot.AxisFlags_.opposite | implot.AxisFlags_.no_grid_lines)
-    implot.setup_axis_limits(axis.x1, 0, run.config.iterations, implot.Cond_.always)
-    curve = np.array(run.curve, dtype=np.float64).T
-    for name, values, y, color in (
-        ("PSNR dB", curve[2], axis.y1, PSNR_COLOR),
-        ("loss", curve[1], axis.y2, LOSS_COLOR),
-    ):
-        implot.set_axes(axis.x1, y)
-        spec = implot.Spec(line_color=color, line_weight=em(0.1))
-        implot.plot_line(name, np.ascontiguousarray(curve[0]), np.ascontiguousarray(values), spec)
-    implot.end_plot()
+    imgui.text_colored(theme.MUTED, f"{seconds(progress.seconds)} elapsed   {left}")
 
 
 def _draw_omissions(state: AppState) -> None:

@@ -36,7 +36,7 @@ from app.gui.widgets import seconds
 from enhance import EnhanceParams
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
-from renderer.train.events import Progress, Started
+from renderer.train.events import Evaluated, Progress, Started
 from tests.app.gui.conftest import FakeJob, outside
 
 Draw = Callable[[], None]
@@ -270,7 +270,8 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     run.status, run.input, run.failure = status, "enhanced", "out of memory"  # type: ignore[assignment]
     run.started = Started(0, 100, 30, ())
     run.progress = Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
-    run.curve = [(1.0, 0.5, 10.0), (50.0, 0.1, 25.0)]
+    run.curve = [Progress(1, 100, 0.5, 10.0, 1.0, 99.0, 20_000), run.progress]
+    run.evaluated = [Evaluated(100, 24.0)]
     run.warnings = ["a warning"]
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))

@@ -195,9 +195,10 @@ def test_a_job_is_followed_from_start_to_end(
     actions.start_reconstruction(state, make_job)
     job, run = state.reconstruction.job, state.reconstruction
     assert isinstance(job, FakeJob)
-    job.inbox = [STARTED, Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)]
+    progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
+    job.inbox = [STARTED, progress]
     update(state, channels, 0.1)
-    assert (run.status, run.curve, run.omitted) == ("running", [(10.0, 0.5, 20.0)], STARTED.omitted)
+    assert (run.status, run.curve, run.omitted) == ("running", [progress], STARTED.omitted)
     job.inbox, job.model = [Paused()], model
     update(state, channels, 0.2)
     assert run.status == "paused"

@@ -1,0 +1,66 @@
+"""Two reconstructions in turn, in the whole window."""
+
+from __future__ import annotations
+
+import glfw
+import pytest
+from imgui_bundle import glfw_utils, imgui
+
+from app.gui import actions
+from app.gui.settings import Places, Settings
+from app.job import Failed
+from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Evaluated, Finished, Progress, Started
+from tests.app.gui.conftest import FakeJob
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+@pytest.mark.display
+def test_two_reconstructions_are_queued_watched_and_asked_about(
+    places: Places, model: DynamicGaussians
+) -> None:
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.set_ref("//Reconstruction")
+        ctx.combo_click("##input/both in turn")
+        ctx.set_ref("")
+        ctx.item_click("//Reconstruction/###start")
+        wait(ctx, lambda: bool(jobs), "the first job")
+        assert len(state.queue) == 1
+        ctx.window_focus("//Runs")
+        ctx.yield_(3)
+        jobs[0].inbox = [Started(0, 20, 30, ()), Progress(10, 20, 0.2, 22.0, 1.0, 1.0, 30)]
+        jobs[0].inbox += [Evaluated(20, 23.0), Finished(20, 2.0, model)]
+        wait(ctx, lambda: len(jobs) == 2, "the second job")
+        jobs[1].inbox = [Started(0, 20, 30, ())]
+        jobs[1].inbox += [Progress(i, 20, 1.5 / i, 12.0 + i, 1.0, 1.0, 30 + i) for i in range(1, 15)]
+        ctx.window_focus("//Reconstruction")
+        ctx.yield_(3)
+        ctx.item_click("//Reconstruction/###another")
+        ctx.yield_(2)
+        ctx.item_click("//Reconstruction/**/###start")
+        wait(ctx, lambda: len(state.queue) == 2, "two more in the queue")
+        ctx.item_click("//Reconstruction/###another")
+        ctx.window_focus("//Runs")
+        ctx.yield_(2)
+        ctx.item_click("//Runs/**/###withdraw")
+        wait(ctx, lambda: len(state.queue) == 1, "one of them withdrawn")
+        glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
+        wait(ctx, lambda: state.closing == "asked", "the question before closing")
+        ctx.yield_(3)
+        ctx.item_click("//Close VesselSplat?/Stay")
+        ctx.yield_(2)
+        assert state.closing == "no"
+        jobs[1].inbox = [Failed("the training process was killed by SIGKILL")]
+        wait(ctx, lambda: len(jobs) == 3, "the third job")
+        state.closing = "agreed"
+
+    driver.run(drive)
+    assert [job.told[0] for job in jobs] == ["start"] * 3
+    assert jobs[2].told[-1] == "close"
