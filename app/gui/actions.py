@@ -17,7 +17,7 @@ from app.gui.opening import Opened, OpenRequest, finished_model
 from app.gui.origin import origin_of
 from app.gui.picture_view import PictureView
 from app.gui.second import Second
-from app.gui.settings import save_settings
+from app.gui.settings import Theme, save_settings
 from app.gui.state import AppState, Banner, Job, Reconstruction, Toast, Waiting
 from app.gui.viewer import Viewer
 from app.gui.viewing import ShownModel
@@ -53,6 +53,17 @@ def announce(state: AppState, sentence: str) -> None:
 def acknowledge(state: AppState) -> None:
     """The first-start notice has been read."""
     state.settings = replace(state.settings, acknowledged=True)
+    _save(state)
+
+
+def choose_theme(state: AppState, theme: Theme) -> None:
+    state.settings = replace(state.settings, theme=theme)
+    _save(state)
+
+
+def resize_text(state: AppState, steps: int) -> None:
+    """Larger or smaller by so many steps; 0 for the size as it is at first."""
+    state.settings = state.settings.resized(steps) if steps else replace(state.settings, text_percent=100)
     _save(state)
 
 

@@ -25,9 +25,9 @@ from app.gui.view_commands import view_sections
 MODE_KEYS = dict(zip(MODES, ("V", "W", "T", "D"), strict=True))
 MODE_TEXTS: dict[Mode, str] = {
     "side by side": "compare side by side",
-    "wipe": "one picture with a line to drag",
+    "wipe": "wipe: one picture with a line to drag",
     "flip": "one picture: flip between left and right",
-    "difference": "where left and right differ, and by how much",
+    "difference": "difference: where left and right differ, and by how much",
 }
 
 
@@ -84,7 +84,7 @@ def _file(state: AppState, outside: Outside) -> tuple[Section, ...]:
             "Save session",
             start(outside.session),
             ("Ctrl+S",),
-            text="what is open, its settings, views and notes; opened again like a clip",
+            text="save what is open, its settings, views and notes; opened again like a clip",
             applies=lambda s: s.opened_path is not None,
         ),
     )
@@ -118,8 +118,8 @@ def _picture() -> tuple[Section, ...]:
         ),
     )
     zooms = (
-        Command("Fit", fit_pictures, ("0",), text="the whole picture", applies=has_clip),
-        Command("1:1", one_to_one, ("1",), text="one pixel of the picture for one of the screen",
+        Command("Fit", fit_pictures, ("0",), text="fit the whole picture", applies=has_clip),
+        Command("1:1", one_to_one, ("1",), text="show one pixel of the picture for one of the screen",
                 applies=has_clip),
     )  # fmt: skip
     parameters = (
@@ -144,7 +144,7 @@ def _picture() -> tuple[Section, ...]:
             "Tuning grid",
             tuning_actions.toggle_tuning,
             ("Ctrl+T",),
-            text="a range of settings side by side",
+            text="tuning grid: a range of settings side by side",
             ticked=lambda s: s.tuning.shown,
         ),
     )
@@ -231,7 +231,7 @@ def _help() -> tuple[Section, ...]:
             "Help",
             (
                 Command(
-                    "Find a command…", _open_palette, ("Ctrl+Shift+P",), text="this window's commands by name"
+                    "Find a command…", _open_palette, ("Ctrl+Shift+P",), text="find a command by its name"
                 ),
                 Command("Keys and mouse", toggle_help, ("?", "F1"), text="this help"),
             ),

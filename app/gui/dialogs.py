@@ -153,7 +153,7 @@ class Dialogs:
     def _draw_choice(self, browser: Browser) -> None:
         path, fits = browser.path, kind_of(browser.path) == browser.kind
         imgui.begin_disabled(not fits)
-        with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM):
+        with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             if imgui.button("Open", ImVec2(em(8), 0)):
                 self._choose(path)
         imgui.end_disabled()

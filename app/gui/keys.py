@@ -31,6 +31,8 @@ MOUSE = (
 NAMED = {
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
     "comma": imgui.Key.comma, "full stop": imgui.Key.period, "?": imgui.Key.mod_shift | imgui.Key.slash,
+    "plus": imgui.Key.equal, "minus": imgui.Key.minus,
+    "keypad plus": imgui.Key.keypad_add, "keypad minus": imgui.Key.keypad_subtract,
     "[": imgui.Key.left_bracket, "]": imgui.Key.right_bracket, "0": imgui.Key._0, "1": imgui.Key._1,
 }  # fmt: skip
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}

@@ -48,12 +48,12 @@ def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
 
 def draw_status(state: AppState) -> None:
     """The notice on the left, always; what is open and how fast things are on the right."""
-    imgui.text_colored(theme.WARNING, LONG_NOTICE)
+    imgui.text_colored(theme.now().warning, LONG_NOTICE)
     text = "   ·   ".join(_facts(state))
     x = imgui.get_window_width() - imgui.calc_text_size(text).x - em(1)
     if x > imgui.calc_text_size(LONG_NOTICE).x + em(3):
         imgui.same_line(x)
-        imgui.text_colored(theme.MUTED, text)
+        imgui.text_colored(theme.now().muted, text)
         if state.model is not None:
             explain(state.drawn_by)
 

@@ -6,12 +6,16 @@ import json
 import os
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import platformdirs
 
 from app.atomic import write_bytes
 
 RECENT_LIMIT = 8
+Theme = Literal["dark", "light"]
+TEXT_PERCENTS = (80, 90, 100, 110, 125, 150, 175, 200)
+"""Sizes of all text, of what the theme says."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,9 @@ class Settings:
     remember_recent: bool = True
     recent: tuple[str, ...] = ()
     """Opened clips and runs, newest first."""
+    theme: Theme = "dark"
+    text_percent: int = 100
+    """One of TEXT_PERCENTS."""
 
     def opened(self, path: Path) -> Settings:
         """With `path` in front of the recent ones, when they are remembered at all."""
@@ -56,6 +63,11 @@ class Settings:
             return self
         others = tuple(item for item in self.recent if item != str(path))
         return replace(self, recent=(str(path), *others)[:RECENT_LIMIT])
+
+    def resized(self, steps: int) -> Settings:
+        """With larger or smaller text, that many of TEXT_PERCENTS on, as far as they go."""
+        place = TEXT_PERCENTS.index(self.text_percent) + steps
+        return replace(self, text_percent=TEXT_PERCENTS[min(max(place, 0), len(TEXT_PERCENTS) - 1)])
 
     def remembering(self, remember: bool) -> Settings:
         """Switching the list off also forgets it."""
@@ -70,9 +82,15 @@ def load_settings(path: Path) -> Settings:
             acknowledged=values["acknowledged"] is True,
             remember_recent=values["remember_recent"] is not False,
             recent=tuple(str(item) for item in values["recent"])[:RECENT_LIMIT],
+            theme="light" if values.get("theme") == "light" else "dark",
+            text_percent=_text_percent(values.get("text_percent")),
         )
     except (OSError, ValueError, KeyError, TypeError):
         return Settings()
+
+
+def _text_percent(value: object) -> int:
+    return value if isinstance(value, int) and value in TEXT_PERCENTS else 100
 
 
 def save_settings(path: Path, settings: Settings) -> None:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
+from app.gui import actions
 from app.gui.command import Command, Outside, Section, start
+from app.gui.settings import TEXT_PERCENTS, Theme
 
 
 def view_sections(outside: Outside) -> tuple[Section, ...]:
@@ -22,4 +26,24 @@ def view_sections(outside: Outside) -> tuple[Section, ...]:
     layout = Command(
         "Standard layout", start(outside.layout), text="all panels back where they were at first"
     )
-    return Section("View", panels), Section("View", (layout,))
+    return (
+        Section("View", panels),
+        Section("View", (_theme("dark"), _theme("light"))),
+        Section("View", TEXT_SIZE),
+        Section("View", (layout,)),
+    )
+
+
+def _theme(theme: Theme) -> Command:
+    choose = partial(actions.choose_theme, theme=theme)
+    return Command(f"{theme.capitalize()} theme", choose, ticked=lambda s: s.settings.theme == theme)
+
+
+TEXT_SIZE = (
+    Command("Larger text", partial(actions.resize_text, steps=1), ("Ctrl+plus", "Ctrl+keypad plus"),
+            applies=lambda s: s.settings.text_percent < TEXT_PERCENTS[-1]),
+    Command("Smaller text", partial(actions.resize_text, steps=-1), ("Ctrl+minus", "Ctrl+keypad minus"),
+            applies=lambda s: s.settings.text_percent > TEXT_PERCENTS[0]),
+    Command("Standard text size", partial(actions.resize_text, steps=0), ("Ctrl+0",),
+            applies=lambda s: s.settings.text_percent != 100),
+)  # fmt: skip

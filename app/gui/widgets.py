@@ -133,7 +133,7 @@ def tag(text: str, position: ImVec2, color: ImVec4) -> None:
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled(position, corner, imgui.get_color_u32(color), em(0.2))
     at = ImVec2(position.x + pad.x, position.y + pad.y)
-    draw.add_text(at, imgui.get_color_u32(theme.grey(0.97)), text)
+    draw.add_text(at, imgui.get_color_u32(theme.INK), text)
 
 
 def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2) -> None:
@@ -144,12 +144,12 @@ def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2) -> None:
         y += imgui.get_text_line_height() + em(0.5)
 
 
-def centered(text: str, color: ImVec4 = theme.MUTED) -> None:
+def centered(text: str, color: ImVec4 | None = None) -> None:
     """A line of text in the middle of the window's width."""
     text = legible(text)
     space = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(space / 2, 0))
-    imgui.text_colored(color, text)
+    imgui.text_colored(color or theme.now().muted, text)
 
 
 def button(label: str, action: Callable[[], None], *, enabled: bool = True, width: float = 0.0) -> None:

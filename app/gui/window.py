@@ -54,7 +54,7 @@ from app.gui.panels.view3d import draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.quitting import ask_before_quitting
 from app.gui.second_viewport import SecondViewport
-from app.gui.settings import Places, load_settings
+from app.gui.settings import Places, Theme, load_settings
 from app.gui.state import AppState
 from app.gui.textures import Textures
 from app.gui.update import Channels, update
@@ -107,6 +107,7 @@ class Window:
         )
         self._outside = self._reach()
         self._keyboard = Keyboard()
+        self._worn: tuple[Theme, int] | None = None
         self._dropped: list[str] = []
         self._textures: Textures | None = None
         self._viewport: Viewport | None = None
@@ -180,13 +181,15 @@ class Window:
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
         calls.before_exit = self.close
-        row = hello_imgui.EdgeToolbarOptions(
-            size_em=5.7, window_padding_em=(0.6, 0.5), window_bg=theme.grey(0.11)
-        )
-        calls.add_edge_toolbar(
+        self._add_timeline(params)
+
+    def _add_timeline(self, params: hello_imgui.RunnerParams) -> None:
+        """Again for every theme: the runner keeps the colour behind it."""
+        ground = theme.THEMES[self.state.settings.theme].shade(0.11)
+        params.callbacks.add_edge_toolbar(
             hello_imgui.EdgeToolbarType.bottom,
             lambda: draw_timeline(self.state, self.save_picture, self._strip_texture),
-            row,
+            hello_imgui.EdgeToolbarOptions(size_em=5.4, window_padding_em=(0.6, 0.5), window_bg=ground),
         )
 
     def _layout(self) -> hello_imgui.DockingParams:
@@ -251,11 +254,20 @@ class Window:
         update(self.state, self._channels, time.monotonic() - self._began)
         queue_actions.advance(self.state, self._make_job)
         params = hello_imgui.get_runner_params()
+        self._wear(params)
         dockings.follow(self.state)
         idling = params.fps_idling
         moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing
         idling.enable_idling = not moves
         idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
+
+    def _wear(self, params: hello_imgui.RunnerParams) -> None:
+        """The theme and the size of text that are chosen."""
+        settings = self.state.settings
+        if self._worn != (settings.theme, settings.text_percent):
+            self._worn = (settings.theme, settings.text_percent)
+            theme.wear(*self._worn)
+            self._add_timeline(params)
 
     def _draw_pictures(self) -> None:
         assert self._textures is not None

@@ -20,7 +20,9 @@ def draw_cameras(state: AppState, ask_file: Act) -> None:
     """`ask_file` lets a person choose a file of views."""
     if state.model is None:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.MUTED, "Views and camera paths need a reconstruction: make or open one.")
+            imgui.text_colored(
+                theme.now().muted, "Views and camera paths need a reconstruction: make or open one."
+            )
         return
     _draw_files(state, ask_file)
     imgui.separator_text("Views")
@@ -111,7 +113,7 @@ def _draw_path(state: AppState) -> None:
         path_actions.set_loop(state, loop)
     if not path.keyframes:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.MUTED, "Move the view, add a keyframe, move on, add the next.")
+            imgui.text_colored(theme.now().muted, "Move the view, add a keyframe, move on, add the next.")
         return
     if enabled:
         imgui.set_next_item_width(-em(0.1))

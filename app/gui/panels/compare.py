@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, comparing, theme
@@ -49,12 +49,12 @@ def draw_compare(state: AppState, textures: ShowsPictures, draw_welcome: Callabl
 
 def _draw_toolbar(state: AppState) -> None:
     label = "Enhancement on" if state.enhancing else "Enhancement off"
-    with imgui_ctx.push_style_color(imgui.Col_.button, _lit(state.enhancing)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.enhancing)):
         button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=9)
     explain("E: on and off. Esc: plain white light. Hold Space: the original in every pane.")
     imgui.same_line()
     freezing = state.frozen_index is not None
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.TAG_CAUTION if freezing else theme.grey(0.25)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(freezing, caution=True)):
         button("Frozen###freeze" if freezing else "Freeze###freeze", lambda: actions.toggle_freeze(state))
     explain("F: hold this frame in both pictures while time goes on.")
     imgui.same_line(0, em(1.5))
@@ -67,7 +67,7 @@ def _draw_toolbar(state: AppState) -> None:
     explain("1: one pixel of the picture for one of the screen.")
     imgui.same_line()
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.MUTED, f"{100 * state.zoom:.0f} %")
+    imgui.text_colored(theme.now().muted, f"{100 * state.zoom:.0f} %")
 
 
 def _draw_modes(state: AppState) -> None:
@@ -78,13 +78,9 @@ def _draw_modes(state: AppState) -> None:
     if changed and chosen != now:
         comparing.choose_mode(state, MODES[chosen])
     imgui.same_line()
-    with imgui_ctx.push_style_color(imgui.Col_.button, _lit(state.comparison.zebra)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.comparison.zebra)):
         button("Zebra", lambda: comparing.toggle_zebra(state))
     explain(ZEBRA_TEXT)
-
-
-def _lit(on: bool) -> ImVec4:
-    return theme.ACCENT_DIM if on else theme.grey(0.25)
 
 
 def _draw_sources(state: AppState, half: float, gap: float) -> None:

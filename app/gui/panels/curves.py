@@ -12,7 +12,6 @@ from app.gui.state import Reconstruction
 from app.gui.widgets import em, explain
 from renderer.train.events import Evaluated, Progress
 
-PSNR_COLOR, LOSS_COLOR, COUNT_COLOR = theme.ACCENT, theme.WARNING, theme.grey(0.75)
 FLAGS = (
     implot.Flags_.no_title
     | implot.Flags_.no_menus
@@ -31,12 +30,12 @@ def draw_curves(run: Reconstruction) -> None:
     """Nothing before the first Progress."""
     if not run.curve:
         return
-    curve, end = run.curve, run.iterations
+    curve, end, ink = run.curve, run.iterations, theme.now()
     now, measured = curve[-1], run.evaluated
     held_out = f", held out {measured[-1].psnr:.1f} dB" if measured else ""
-    _draw("PSNR", f"{now.psnr:.1f} dB{held_out}", PSNR_COLOR, _line(curve, "psnr"), end, HELD_OUT, measured)
-    _draw("Loss", f"{now.loss:.4f}", LOSS_COLOR, _line(curve, "loss"), end, "Mean since the point before.")
-    _draw("Gaussians", f"{now.n_gaussians:,}", COUNT_COLOR, _line(curve, "n_gaussians"), end, COUNT)
+    _draw("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, _line(curve, "psnr"), end, HELD_OUT, measured)
+    _draw("Loss", f"{now.loss:.4f}", ink.warning, _line(curve, "loss"), end, "Mean since the point before.")
+    _draw("Gaussians", f"{now.n_gaussians:,}", ink.shade(0.75), _line(curve, "n_gaussians"), end, COUNT)
 
 
 def _line(curve: Sequence[Progress], name: str) -> np.ndarray:
@@ -56,7 +55,7 @@ def _draw(
     imgui.text_colored(color, name)
     explain(text)
     imgui.same_line()
-    imgui.text_colored(theme.MUTED, value)
+    imgui.text_colored(theme.now().muted, value)
     if not implot.begin_plot(f"##{name}", ImVec2(-1, em(4.6)), FLAGS):
         return
     axis, quiet = implot.ImAxis_, implot.AxisFlags_.no_highlight

@@ -15,7 +15,7 @@ from app.gui.widgets import em, tag
 from renderer.camera import Camera
 from renderer.editing.edits import Combination
 
-LINE = theme.WARNING
+LINE = theme.MARK
 
 
 def draw_edit_tools(state: AppState) -> None:

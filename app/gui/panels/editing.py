@@ -39,7 +39,7 @@ def draw_editing(state: AppState) -> None:
     """Everything that has a key has a button here."""
     editing = state.editing
     if editing.base is None:
-        imgui.text_colored(theme.MUTED, "There is no finished reconstruction to edit.")
+        imgui.text_colored(theme.now().muted, "There is no finished reconstruction to edit.")
         return
     _draw_tools(state, editing)
     _draw_counts(editing)
@@ -55,7 +55,7 @@ def _draw_tools(state: AppState, editing: Editing) -> None:
         if place:
             imgui.same_line(0, em(0.25))
         chosen = tool == editing.tool
-        with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if chosen else theme.grey(0.25)):
+        with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(chosen)):
             label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
             button(f"{label}###tool {tool}", lambda t=tool: edit_actions.choose_tool(state, t), width=width)  # type: ignore[misc]
         explain(TOOL_TEXTS[tool])
@@ -87,11 +87,11 @@ def _draw_counts(editing: Editing) -> None:
     edits = editing.edits
     chosen, seen = len(edits.selected), len(edits.visible)
     imgui.text_colored(
-        theme.WARNING if chosen else theme.TEXT, f"{grouped(chosen)} of {grouped(seen)} selected"
+        theme.now().warning if chosen else theme.now().text, f"{grouped(chosen)} of {grouped(seen)} selected"
     )
     gone = f"{grouped(len(edits.deleted))} deleted, {grouped(len(edits.hidden - edits.deleted))} hidden"
     imgui.same_line(em(11))
-    imgui.text_colored(theme.MUTED, gone)
+    imgui.text_colored(theme.now().muted, gone)
 
 
 def _draw_changes(state: AppState, editing: Editing) -> None:

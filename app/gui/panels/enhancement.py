@@ -153,7 +153,7 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
     text = "Each window has its own, below under Windows."
     row("Detail P", text)
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.MUTED, "   ".join(f"{p:.2f}" for p in params.p))
+    imgui.text_colored(theme.now().muted, "   ".join(f"{p:.2f}" for p in params.p))
     explain(text)
     imgui.same_line()
     made: list[EnhanceParams] = []

@@ -30,9 +30,7 @@ AXIS_FLAGS = (
     implot.AxisFlags_.no_tick_labels | implot.AxisFlags_.no_tick_marks | implot.AxisFlags_.no_highlight
 )
 MIDDLES = (np.arange(BINS) + 0.5) / BINS
-PHOTO_FILL, ENHANCED_FILL = theme.grey(0.75), theme.ACCENT
 FILL_ALPHA = 0.45
-MARK = theme.WARNING
 Array = NDArray[np.float64]
 ROWS: tuple[tuple[str, str, Callable[[Measures], str]], ...] = (
     ("DV", "dv_bv", lambda one: _number(one.dv, ".0f")),
@@ -60,7 +58,7 @@ def draw_curves(state: AppState) -> None:
     """V and S before and after, over their histograms, with L and S_m marked."""
     pictures = state.pictures
     if pictures is None or pictures.statistics is None or pictures.request.params is None:
-        imgui.text_colored(theme.MUTED, "—")
+        imgui.text_colored(theme.now().muted, "—")
         return
     used, made = pictures.statistics, curves(pictures.request.params, pictures.statistics)
     space = imgui.get_content_region_avail()
@@ -78,13 +76,13 @@ def draw_curves(state: AppState) -> None:
 
 def _captions(used: Statistics, width: float) -> None:
     start = imgui.get_cursor_pos_x()
-    imgui.text_colored(theme.MUTED, "V to Vn")
+    imgui.text_colored(theme.now().muted, "V to Vn")
     imgui.same_line(0, em(0.6))
-    imgui.text_colored(MARK, f"L {used.level:.0f}")
+    imgui.text_colored(theme.now().warning, f"L {used.level:.0f}")
     imgui.same_line(start + width + em(0.5))
-    imgui.text_colored(theme.MUTED, "S to S*")
+    imgui.text_colored(theme.now().muted, "S to S*")
     imgui.same_line(0, em(0.6))
-    imgui.text_colored(MARK, f"S_m {used.saturation_mean:.2f}")
+    imgui.text_colored(theme.now().warning, f"S_m {used.saturation_mean:.2f}")
 
 
 def _is_of_frame(seen: Measured | None, pictures: Pictures) -> bool:
@@ -103,13 +101,13 @@ def _draw_plot(
     implot.setup_axes("", "", AXIS_FLAGS, AXIS_FLAGS)
     implot.setup_axis_limits(implot.ImAxis_.x1, 0, 1, implot.Cond_.always)
     implot.setup_axis_limits(implot.ImAxis_.y1, 0, 1.02, implot.Cond_.always)
-    for label, color, shares in zip(
-        ("photo", "enhanced"), (PHOTO_FILL, ENHANCED_FILL), spreads or (), strict=False
-    ):
+    ink = theme.now()
+    fills = (ink.shade(0.75), ink.accent)
+    for label, color, shares in zip(("photo", "enhanced"), fills, spreads or (), strict=False):
         implot.plot_shaded(label, MIDDLES, shares, 0.0, implot.Spec(fill_color=color, fill_alpha=FILL_ALPHA))
-    implot.plot_line("same", line[0], line[0], implot.Spec(line_color=theme.grey(0.4), line_weight=1.0))
-    implot.plot_line("curve", *line, implot.Spec(line_color=theme.TEXT, line_weight=em(0.12)))
-    implot.plot_inf_lines("mark", np.array([mark]), implot.Spec(line_color=MARK, line_weight=1.5))
+    implot.plot_line("same", line[0], line[0], implot.Spec(line_color=ink.shade(0.4), line_weight=1.0))
+    implot.plot_line("curve", *line, implot.Spec(line_color=ink.text, line_weight=em(0.12)))
+    implot.plot_inf_lines("mark", np.array([mark]), implot.Spec(line_color=ink.warning, line_weight=1.5))
     implot.end_plot()
 
 
@@ -117,7 +115,7 @@ def draw_measures(state: AppState) -> None:
     """Photo and enhanced picture in numbers, greyed while they are of an earlier setting."""
     seen, pictures = state.measured, state.pictures
     if seen is None or pictures is None:
-        imgui.text_colored(theme.MUTED, "Not measured yet.")
+        imgui.text_colored(theme.now().muted, "Not measured yet.")
     else:
         imgui.begin_disabled(seen.pictures is not pictures)
         _draw_table(seen)
@@ -133,14 +131,14 @@ def _draw_table(seen: Measured) -> None:
             return
         for column, width in enumerate((8.0, 4.4, 4.4)):
             imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        _row("inferred definition:", "photo", "enhanced", DV_TEXT, theme.MUTED)
+        _row("inferred definition:", "photo", "enhanced", DV_TEXT, theme.now().muted)
         for name, key, text in ROWS:
             why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
-            _row(name, text(seen.before), text(seen.after), why, theme.TEXT)
+            _row(name, text(seen.before), text(seen.after), why, theme.now().text)
 
 
 def _row(name: str, before: str, after: str, why: str, color: ImVec4) -> None:
-    for text, ink in ((name, theme.MUTED), (before, theme.MUTED), (after, color)):
+    for text, ink in ((name, theme.now().muted), (before, theme.now().muted), (after, color)):
         imgui.table_next_column()
         imgui.text_colored(ink, text)
         explain(why)
@@ -151,7 +149,9 @@ def _draw_omitted(pictures: Pictures) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for omission in pictures.omitted:
             bound = f"at most {omission.error:.2f} levels" if omission.error else "changes nothing"
-            imgui.text_colored(theme.MUTED, legible(f"left out: {omission.what} ({omission.why}; {bound})"))
+            imgui.text_colored(
+                theme.now().muted, legible(f"left out: {omission.what} ({omission.why}; {bound})")
+            )
 
 
 def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str], ...]:
@@ -176,8 +176,8 @@ def _draw_facts(used: Statistics, milliseconds: float) -> None:
             imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
         for name, value, text in facts_of(used, milliseconds):
             imgui.table_next_column()
-            imgui.text_colored(theme.MUTED, name)
+            imgui.text_colored(theme.now().muted, name)
             explain(text)
             imgui.table_next_column()
-            imgui.text_colored(theme.MUTED if value == UNUSED else theme.TEXT, value)
+            imgui.text_colored(theme.now().muted if value == UNUSED else theme.now().text, value)
             explain(text)

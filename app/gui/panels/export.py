@@ -37,7 +37,7 @@ def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> No
             explain(reason or offer.text)
             imgui.same_line()
             imgui.align_text_to_frame_padding()
-            imgui.text_colored(theme.MUTED, offer.text)
+            imgui.text_colored(theme.now().muted, offer.text)
         imgui.separator()
         _draw_progress(state, cancel)
 
@@ -57,7 +57,7 @@ def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
     under_way = state.exporting
     if under_way is None:
         imgui.text_colored(
-            theme.MUTED, "Everything says inside or beside it how it was made: vesselsplat replay."
+            theme.now().muted, "Everything says inside or beside it how it was made: vesselsplat replay."
         )
         return
     total = max(under_way.request.steps, 1)

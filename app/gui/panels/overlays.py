@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import groupby
 
-from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui import actions, theme
 from app.gui.command import Section
@@ -46,7 +46,7 @@ def draw_notice(state: AppState) -> None:
             imgui.spacing()
             imgui.text_unformatted(LONG_NOTICE)
             imgui.spacing()
-            imgui.text_colored(theme.MUTED, DETAILS)
+            imgui.text_colored(theme.now().muted, DETAILS)
         imgui.spacing()
         if imgui.button("I understand", ImVec2(-1, em(2))):
             actions.acknowledge(state)
@@ -63,8 +63,8 @@ def draw_banner(state: AppState) -> None:
     width = min(em(56), viewport.work_size.x - em(4))
     imgui.set_next_window_size_constraints(ImVec2(em(20), 0), ImVec2(width, em(20)))
     with (
-        imgui_ctx.push_style_color(imgui.Col_.window_bg, ImVec4(0.30, 0.13, 0.12, 0.98)),
-        imgui_ctx.push_style_color(imgui.Col_.border, theme.DANGER),
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().alarm),
+        imgui_ctx.push_style_color(imgui.Col_.border, theme.now().danger),
         imgui_ctx.begin("##banner", None, FIXED),
     ):
         message = state.banner.message
@@ -86,7 +86,7 @@ def draw_toast(state: AppState) -> None:
     imgui.set_next_window_pos(bottom, imgui.Cond_.always, ImVec2(0.5, 1))
     flags = FIXED | imgui.WindowFlags_.no_inputs
     with (
-        imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.grey(0.22, 0.97)),
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().shade(0.22, 0.97)),
         imgui_ctx.begin("##toast", None, flags),
     ):
         imgui.text_unformatted(state.toast.message)
@@ -112,7 +112,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
         _draw_keys("Held and moved", [("Space", PEEK_TEXT), ("W S A D Q E", FLIGHT_TEXT), *MOUSE])
         imgui.spacing()
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.MUTED, LONG_NOTICE)
+            imgui.text_colored(theme.now().muted, LONG_NOTICE)
 
 
 def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
@@ -123,7 +123,7 @@ def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
         imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, em(11))
         for keys, text in rows:
             imgui.table_next_column()
-            imgui.text_colored(theme.ACCENT, keys)
+            imgui.text_colored(theme.now().accent, keys)
             imgui.table_next_column()
             imgui.text_wrapped(f"{text[:1].upper()}{text[1:]}")
 

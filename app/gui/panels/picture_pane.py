@@ -111,7 +111,7 @@ def draw_bar(top: int, area: Area) -> None:
         end = ImVec2(left + width, low)
         color = imgui.get_color_u32(imgui.ImVec4(red, green, blue, 1))
         draw.add_rect_filled(ImVec2(left, low - height / BAR_STEPS - 0.5), end, color)
-    ink = imgui.get_color_u32(theme.TEXT)
+    ink = imgui.get_color_u32(theme.INK)
     draw.add_text(ImVec2(left - em(0.2), bottom - height - em(1.6)), ink, "levels")
     for share, text in ((0.0, "0"), (0.5, f"{top / 2:.0f}"), (1.0, f"{top}" if top == 255 else f"≥{top}")):
         y = bottom - share * height - (0.35 + 0.3 * share) * em()

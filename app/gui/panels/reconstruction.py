@@ -117,7 +117,7 @@ def _draw_start(state: AppState, make_job: MakeJob) -> None:
     again = actions.can_continue(state)
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2 if again else -1.0
     reason = actions.why_not_reconstruct(state)
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
         start = lambda: actions.start_reconstruction(state, make_job)  # noqa: E731
         label = "Add to the queue" if run.is_alive else "Reconstruct"
         button(f"{label}###start", start, enabled=not reason, width=half)
@@ -125,7 +125,7 @@ def _draw_start(state: AppState, make_job: MakeJob) -> None:
     explain(reason or soon or "In the background; the pictures stay usable.")
     if reason and state.clip is not None:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.MUTED, reason)
+            imgui.text_colored(theme.now().muted, reason)
     if again:
         imgui.same_line(0, em(0.5))
         onward = lambda: actions.continue_reconstruction(state, make_job)  # noqa: E731
@@ -153,7 +153,7 @@ def _draw_status(run: Reconstruction) -> None:
         explain(f"{run.request.config.method}, {run.request.input} frames: {run.run_path}")
     if run.failure:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.DANGER, legible(run.failure))
+            imgui.text_colored(theme.now().danger, legible(run.failure))
     if progress is None:
         return
     imgui.progress_bar(
@@ -162,7 +162,7 @@ def _draw_status(run: Reconstruction) -> None:
         f"{progress.iteration} / {progress.iterations}",
     )
     left = f"{seconds(progress.seconds_left)} left" if run.is_alive else ""
-    imgui.text_colored(theme.MUTED, f"{seconds(progress.seconds)} elapsed   {left}")
+    imgui.text_colored(theme.now().muted, f"{seconds(progress.seconds)} elapsed   {left}")
 
 
 def _draw_omissions(state: AppState) -> None:
@@ -173,14 +173,14 @@ def _draw_omissions(state: AppState) -> None:
         return
     found, request = state.omissions, state.omissions_request
     if found is None or request is None or found.request != request:
-        imgui.text_colored(theme.MUTED, "Looking at the clip…")
+        imgui.text_colored(theme.now().muted, "Looking at the clip…")
     elif not found.omitted:
-        imgui.text_colored(theme.MUTED, "Nothing: the clip needs all of it.")
+        imgui.text_colored(theme.now().muted, "Nothing: the clip needs all of it.")
     with imgui_ctx.push_text_wrap_pos(0):
         for omission in found.omitted if found is not None and found.request == request else ():
             imgui.text_unformatted(omission.what)
             imgui.same_line()
-            imgui.text_colored(theme.MUTED, omission.why)
+            imgui.text_colored(theme.now().muted, omission.why)
             explain(f"Saves {omission.saves}.")
     imgui.tree_pop()
 
@@ -188,7 +188,7 @@ def _draw_omissions(state: AppState) -> None:
 def _draw_messages(run: Reconstruction) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for warning in run.warnings[-3:]:
-            imgui.text_colored(theme.WARNING, legible(warning))
+            imgui.text_colored(theme.now().warning, legible(warning))
         for omission in run.omitted:
-            imgui.text_colored(theme.MUTED, f"left out: {omission.what}")
+            imgui.text_colored(theme.now().muted, f"left out: {omission.what}")
             explain(f"{omission.why} Saves {omission.saves}.")

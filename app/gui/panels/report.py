@@ -21,7 +21,7 @@ def draw_report(state: AppState) -> None:
         centered("Open the report.json that `vesselsplat report` wrote, by Ctrl+I or by dropping it here.")
         return
     report = state.report
-    imgui.text_colored(theme.MUTED, report.about)
+    imgui.text_colored(theme.now().muted, report.about)
     if report.charts:
         chart = report.charts[_chosen(state, report)]
         _draw_chart(state, chart)
@@ -60,9 +60,9 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
     implot.end_plot()
     if now is not None:
         text = f"Now: {now.setting}, {now.error:.3g} in {1e3 * now.seconds:.3g} ms"
-        imgui.text_colored(theme.ACCENT, f"{text}, the default" if now.is_default else text)
+        imgui.text_colored(theme.now().accent, f"{text}, the default" if now.is_default else text)
     elif chart.part == "enhancement":
-        imgui.text_colored(theme.MUTED, "The present setting is not among those that were measured.")
+        imgui.text_colored(theme.now().muted, "The present setting is not among those that were measured.")
 
 
 def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:
@@ -76,8 +76,8 @@ def _draw_dot(chart: Chart, now: object) -> None:
     place = implot.plot_to_pixels(*chart.place(now))  # type: ignore[arg-type]
     draw = implot.get_plot_draw_list()
     implot.push_plot_clip_rect()
-    draw.add_circle_filled(place, em(0.38), imgui.get_color_u32(theme.ACCENT))
-    draw.add_circle(place, em(0.6), imgui.get_color_u32(theme.ACCENT), 0, 2.0)
+    draw.add_circle_filled(place, em(0.38), imgui.get_color_u32(theme.now().accent))
+    draw.add_circle(place, em(0.6), imgui.get_color_u32(theme.now().accent), 0, 2.0)
     implot.pop_plot_clip_rect()
 
 

@@ -17,11 +17,11 @@ def draw_runs(state: AppState) -> None:
     explain("One reconstruction is made at a time; these follow by themselves.")
     if not state.queue:
         imgui.same_line()
-        imgui.text_colored(theme.MUTED, "nothing")
+        imgui.text_colored(theme.now().muted, "nothing")
         return
     if not state.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.WARNING, reason)
+            imgui.text_colored(theme.now().warning, reason)
     for place, waiting in enumerate(state.queue):
         with imgui_ctx.push_id(f"waiting {place}"):
             _draw_waiting(state, waiting, first=place == 0)

@@ -56,7 +56,7 @@ def draw_marks(viewer: Viewer, request: ViewRequest, corner: ImVec2, size: ImVec
     points = measured.points if measured.of == request.shown.name else ()
     ends = [on_screen(request.camera, point, corner, size) for point in points]
     shown = [end for end in ends if end is not None]
-    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.WARNING)
+    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.MARK)
     if len(shown) == 2:
         first, last = shown
         draw.add_line(first, last, imgui.get_color_u32(theme.grey(0.0, 0.7)), em(0.22))

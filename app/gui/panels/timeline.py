@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, clip_actions, theme
@@ -28,9 +28,11 @@ def draw_timeline(
     _draw_transport(state)
     imgui.same_line()
     imgui.set_next_item_width(-em(24.5))
-    label = f"frame %d / {count}"
+    label = "no clip" if state.clip is None else f"frame %d / {count}"
     flags = imgui.SliderFlags_.always_clamp
-    changed, frame = imgui.slider_int("##frame", state.frame_index + 1, 1, max(count, 2), label, flags)
+    grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
+    with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
+        changed, frame = imgui.slider_int("##frame", state.frame_index + 1, 1, max(count, 2), label, flags)
     if changed:
         actions.seek(state, frame - 1)
     imgui.same_line()
@@ -72,7 +74,7 @@ def _draw_mask(state: AppState) -> None:
     clip = state.clip is not None
     imgui.begin_disabled(not clip)
     said = TOOL_LABELS.get(state.mask_tool, "Mask")
-    color = theme.TAG_CAUTION if state.mask_tool else theme.grey(0.25)
+    color = theme.switch(bool(state.mask_tool), caution=True)
     imgui.push_style_color(imgui.Col_.button, color)
     if imgui.button(f"{'Drag now' if state.mask_tool else said}###mask", ImVec2(em(5), 0)):
         imgui.open_popup("mask")
@@ -125,9 +127,9 @@ def _draw_marks(state: AppState, count: int, corner: ImVec2, size: ImVec2) -> No
         )
     if state.clip_settings.trim is not None:
         for x in edges[1:3]:
-            ink = imgui.get_color_u32(theme.WARNING)
+            ink = imgui.get_color_u32(theme.MARK)
             draw.add_line(ImVec2(x, corner.y), ImVec2(x, bottom), ink, em(0.15))
     left = corner.x + size.x * state.frame_index / count
     right = max(corner.x + size.x * (state.frame_index + 1) / count, left + em(0.2))
-    ink = imgui.get_color_u32(theme.TEXT)
+    ink = imgui.get_color_u32(theme.INK)
     draw.add_rect(ImVec2(left, corner.y), ImVec2(right, bottom), ink, 0, em(0.12))

@@ -89,7 +89,7 @@ def _before(word: str) -> None:
     """The word that the next control follows."""
     imgui.same_line()
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.MUTED, word)
+    imgui.text_colored(theme.now().muted, word)
     imgui.same_line()
 
 
@@ -117,7 +117,7 @@ def _draw_buttons(state: AppState) -> None:
     tuning.sort = METRICS[index - 1] if index else ""
     if tuning.grid is not None:
         imgui.same_line()
-        imgui.text_colored(theme.MUTED, f"{len(tuning.cells)} of {len(tuning.grid.settings)}")
+        imgui.text_colored(theme.now().muted, f"{len(tuning.cells)} of {len(tuning.grid.settings)}")
 
 
 def _why(metric: str) -> str:
@@ -155,10 +155,10 @@ def _draw_tile(state: AppState, textures: ShowsTiles, setting: Setting, size: Im
         draw.add_image(textures.whole(f"tile{key}", cell.image), corner, end)
     marked = setting.params == state.params
     if marked or imgui.is_item_hovered() or imgui.is_item_focused():
-        draw.add_rect(corner, end, imgui.get_color_u32(theme.ACCENT if marked else theme.TEXT), 0.0, 2.0)
+        draw.add_rect(corner, end, imgui.get_color_u32(theme.MARK if marked else theme.INK), 0.0, 2.0)
     imgui.push_clip_rect(corner, ImVec2(end.x, end.y + em(4)), True)
     imgui.text_unformatted(setting.label)
-    imgui.text_colored(theme.MUTED, in_words(cell.measures) if cell is not None else "…")
+    imgui.text_colored(theme.now().muted, in_words(cell.measures) if cell is not None else "…")
     imgui.pop_clip_rect()
 
 
@@ -166,7 +166,7 @@ def _draw_one(state: AppState, textures: ShowsTiles, setting: Setting) -> None:
     button(f"{icons.ICON_FA_TH}  All###back", lambda: tuning_actions.look_at(state, None), width=6)
     explain("Back to the grid.")
     imgui.same_line()
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
         button("Use this setting###use", lambda: tuning_actions.use_setting(state, setting), width=10)
     explain("Enhance by it from now on. Ctrl+Z takes it back.")
     imgui.same_line()

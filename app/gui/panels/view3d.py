@@ -89,12 +89,12 @@ def _draw_toolbar(state: AppState, beside: Commands) -> None:
     explain("Home: the view of the clip's own camera.")
     imgui.same_line()
     flying = state.viewer.flying
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if flying else theme.grey(0.25)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(flying)):
         button(f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly", lambda: camera_actions.toggle_flight(state))
     explain("G: fly with W, S, A, D, Q and E, look by dragging, speed by the wheel. Home: back.")
     imgui.same_line()
     measuring = state.viewer.measuring
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if measuring else theme.grey(0.25)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(measuring)):
         label = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
         button(label, lambda: camera_actions.toggle_measuring(state))
     explain("M: click two points of the surface. It is the model's own, where its expected depth is.")
@@ -116,7 +116,7 @@ def _draw_toolbar(state: AppState, beside: Commands) -> None:
 
 def _draw_second(state: AppState, beside: Commands) -> None:
     shown = state.second.shown is not None
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if shown else theme.grey(0.25)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
         button(f"{icons.ICON_FA_COLUMNS}###second", _open_second_menu)
     explain("A second reconstruction beside this one, with one camera and one time: also in the Camera menu.")
     imgui.same_line()
@@ -131,7 +131,7 @@ def _open_second_menu() -> None:
 
 def _draw_snap(state: AppState) -> None:
     snapped = state.viewer.snapped
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.ACCENT_DIM if snapped else theme.grey(0.25)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(snapped)):
         label = f"{icons.ICON_FA_CLONE}  Photo###snap"
         button(label, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
     explain("C: the clip's camera to the pixel, its photo over the reconstruction. Moving the view ends it.")

@@ -31,7 +31,7 @@ def draw_welcome(state: AppState, openers: Openers) -> None:
     space = imgui.get_content_region_avail()
     imgui.dummy(ImVec2(0, max((space.y - em(18)) / 2.4, 0)))
     with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
-        centered("Make blood vessels visible", theme.TEXT)
+        centered("Make blood vessels visible", theme.now().text)
     centered("Open an endoscopic clip, or drop a folder, an image, a video or a splat file here.")
     imgui.spacing()
     choices = (
@@ -43,7 +43,7 @@ def draw_welcome(state: AppState, openers: Openers) -> None:
         imgui.set_cursor_pos_x((imgui.get_window_width() - em(WIDTH)) / 2)
         button(label, choose, enabled=state.opening is None, width=WIDTH)
     if state.opening is not None:
-        centered(f"Opening {state.opening.path.name}…", theme.TEXT)
+        centered(f"Opening {state.opening.path.name}…", theme.now().text)
     elif state.settings.recent:
         _draw_recent(state)
 

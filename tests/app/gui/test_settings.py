@@ -7,12 +7,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.gui.settings import RECENT_LIMIT, Places, Settings, load_settings, save_settings
+from app.gui.settings import RECENT_LIMIT, TEXT_PERCENTS, Places, Settings, load_settings, save_settings
 
 texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
 
 
-@given(st.builds(Settings, st.booleans(), st.booleans(), texts))
+@given(
+    st.builds(
+        Settings,
+        st.booleans(),
+        st.booleans(),
+        texts,
+        st.sampled_from(["dark", "light"]),
+        st.sampled_from(TEXT_PERCENTS),
+    )
+)
 def test_what_is_saved_is_loaded(settings: Settings) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "deep" / "settings.json"
@@ -49,3 +58,16 @@ def test_places_follow_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path
     places = Places.of_user()
     assert places.settings_file == tmp_path / "config" / "settings.json"
     assert not places.settings_file.parent.exists()
+
+
+def test_settings_of_an_earlier_start_without_a_theme_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "settings.json"
+    path.write_text('{"acknowledged": true, "remember_recent": true, "recent": ["/a"], "text_percent": 1000}')
+    assert load_settings(path) == Settings(acknowledged=True, recent=("/a",))
+
+
+def test_text_grows_and_shrinks_by_steps_within_its_bounds() -> None:
+    settings = Settings()
+    assert settings.resized(1).resized(-1) == settings
+    assert settings.resized(99).text_percent == 200
+    assert settings.resized(-99).text_percent == 80

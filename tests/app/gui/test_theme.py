@@ -1,0 +1,120 @@
+"""Both themes: every text can be read on what lies behind it, and no grey has a hue."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from imgui_bundle import ImVec4, imgui
+
+from app.gui import actions, theme
+from app.gui.settings import Settings, Theme, load_settings
+from app.gui.state import AppState
+from tests.app.gui.test_panels import Ui
+
+READABLE = 4.5
+"""WCAG 2.2, success criterion 1.4.3, level AA."""
+BOTH: tuple[Theme, ...] = ("dark", "light")
+PANELS = ("window_bg", "popup_bg", "menu_bar_bg", "title_bg", "title_bg_active", "tab_dimmed_selected", "tab",
+          "tab_selected", "tab_hovered", "table_header_bg")  # fmt: skip
+CONTROLS = ("frame_bg", "frame_bg_hovered", "frame_bg_active", "button", "button_hovered", "button_active",
+            "header", "header_hovered", "header_active", "text_selected_bg")  # fmt: skip
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+def luminance(color: ImVec4) -> float:
+    """Relative, of sRGB, as WCAG 2.2 defines it."""
+    linear = [
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (color.x, color.y, color.z)
+    ]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(ink: ImVec4, ground: ImVec4) -> float:
+    low, high = sorted((luminance(ink), luminance(ground)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def style(name: str) -> ImVec4:
+    return imgui.get_style().color_(getattr(imgui.Col_, name))
+
+
+def test_contrast_is_that_of_the_standard() -> None:
+    assert contrast(theme.grey(0), theme.grey(1)) == pytest.approx(21)
+    assert contrast(theme.grey(0x76 / 255), theme.grey(1)) == pytest.approx(4.54, abs=0.01)
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_every_text_can_be_read(ui: Ui, name: Theme) -> None:
+    theme.wear(name, 100)
+    worn = theme.now()
+    bright = {f"text on {ground}": contrast(worn.text, style(ground)) for ground in (*PANELS, *CONTROLS)}
+    soft = ("window_bg", "popup_bg", "menu_bar_bg", "tab", "header", "header_hovered", "frame_bg")
+    bright |= {f"muted on {ground}": contrast(worn.muted, style(ground)) for ground in soft}
+    for ink in ("accent", "warning", "danger"):
+        for ground in ("window_bg", "popup_bg", "menu_bar_bg"):
+            bright[f"{ink} on {ground}"] = contrast(getattr(worn, ink), style(ground))
+    for ground in ("lit", "caution", "alarm"):
+        bright[f"text on {ground}"] = contrast(worn.text, getattr(worn, ground))
+    assert {pair: round(value, 2) for pair, value in bright.items() if value < READABLE} == {}
+
+
+@pytest.mark.parametrize(
+    "ground", [theme.TAG_ORIGINAL, theme.TAG_ENHANCED, theme.TAG_CAUTION, theme.SURROUND]
+)
+def test_tags_on_pictures_can_be_read(ground: ImVec4) -> None:
+    assert contrast(theme.INK, ground) >= READABLE
+
+
+def test_pictures_have_the_same_neutral_surround_in_both(ui: Ui) -> None:
+    surrounds = set()
+    for name in BOTH:
+        theme.wear(name, 100)
+        empty = style("docking_empty_bg")
+        surrounds.add((empty.x, empty.y, empty.z))
+    assert surrounds == {(theme.SURROUND.x,) * 3}
+
+
+def test_nothing_keeps_a_color_of_imgui_s_own(ui: Ui) -> None:
+    """Set to a colour that no theme has, every role is changed by each theme."""
+    strange = ImVec4(0.9, 0.1, 0.9, 0.123)
+    roles = [role for role in imgui.Col_ if role != imgui.Col_.count]
+    for name in BOTH:
+        for role in roles:
+            imgui.get_style().set_color_(role, strange)
+        theme.wear(name, 100)
+        left = [role.name for role in roles if imgui.get_style().color_(role).w == pytest.approx(0.123)]
+        assert left == []
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_what_surrounds_pictures_has_no_hue(ui: Ui, name: Theme) -> None:
+    theme.wear(name, 100)
+    for role in (*PANELS, *CONTROLS[:-1], "border", "separator"):
+        color = style(role)
+        assert color.x == color.y == color.z
+
+
+def test_the_window_wears_one_theme_at_a_time_and_text_of_one_size(ui: Ui) -> None:
+    for name, percent in (("light", 150), ("dark", 80), ("light", 200)):
+        theme.wear(name, percent)  # type: ignore[arg-type]
+        assert theme.now() is theme.THEMES[name]  # type: ignore[index]
+        sizes: list[float] = []
+        ui.frame(lambda sizes=sizes: sizes.append(imgui.get_font_size()))  # type: ignore[misc]
+        assert sizes == [pytest.approx(imgui.get_style().font_size_base * percent / 100, abs=1)]
+
+
+def test_theme_and_size_are_kept(state: AppState) -> None:
+    actions.choose_theme(state, "light")
+    for _ in range(3):
+        actions.resize_text(state, 1)
+    kept = load_settings(state.places.settings_file)
+    assert kept == state.settings == Settings(acknowledged=True, theme="light", text_percent=150)
+    actions.resize_text(state, 0)
+    assert load_settings(state.places.settings_file).text_percent == 100
