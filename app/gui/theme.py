@@ -118,8 +118,8 @@ def apply_style() -> None:
     style.child_rounding = style.scrollbar_rounding = 4
     style.window_rounding = 0
     style.tab_rounding = 3
-    style.popup_border_size = 1
-    style.window_border_size = style.frame_border_size = style.tab_border_size = 0
+    style.popup_border_size = style.window_border_size = 1
+    style.frame_border_size = style.tab_border_size = 0
     style.docking_separator_size = 3
     style.window_menu_button_position = imgui.Dir.none
     style.disabled_alpha = 0.45
@@ -130,7 +130,7 @@ def _surfaces(colors: Colors) -> dict[imgui.Col_, ImVec4]:
     return {
         c.text: colors.text, c.text_disabled: colors.muted,
         c.window_bg: shade(0.135), c.child_bg: grey(0, 0), c.popup_bg: shade(0.17),
-        c.border: shade(0.26), c.border_shadow: grey(0, 0),
+        c.border: shade(0.34), c.border_shadow: grey(0, 0),
         c.menu_bar_bg: shade(0.11), c.title_bg: shade(0.10), c.title_bg_active: shade(0.10),
         c.title_bg_collapsed: shade(0.10),
         c.tab: shade(0.10), c.tab_hovered: shade(0.24), c.tab_selected: shade(0.19),

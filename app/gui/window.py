@@ -198,13 +198,8 @@ class Window:
         # |__________________|___________|
         # | 3D view          | recon-    |
         # |__________________|_struct____|
-        split = hello_imgui.DockingSplit
         layout = hello_imgui.DockingParams()
-        layout.docking_splits = [
-            split("MainDockSpace", "Side", imgui.Dir.right, 0.26),
-            split("Side", "SideBelow", imgui.Dir.down, 0.37),
-            split("MainDockSpace", "Below", imgui.Dir.down, 0.44),
-        ]
+        layout.docking_splits = dockings.splits(self.state.settings.text_percent)
         panels: list[tuple[str, str, Callable[[], None]]] = [
             ("Pictures", "MainDockSpace", self._draw_pictures),
             ("3D view", "Below", self._draw_view),
@@ -263,11 +258,17 @@ class Window:
 
     def _wear(self, params: hello_imgui.RunnerParams) -> None:
         """The theme and the size of text that are chosen."""
-        settings = self.state.settings
-        if self._worn != (settings.theme, settings.text_percent):
-            self._worn = (settings.theme, settings.text_percent)
-            theme.wear(*self._worn)
-            self._add_timeline(params)
+        chosen = self.state.settings.theme, self.state.settings.text_percent
+        if self._worn == chosen:
+            return
+        if self._worn is not None:
+            # What is kept of the layout already has the width for the text at the start.
+            dockings.widen(chosen[1] / self._worn[1])
+        self._worn = chosen
+        theme.wear(*chosen)
+        params.docking_params.docking_splits = dockings.splits(chosen[1])
+        params.imgui_window_params.background_color = theme.now().shade(0.11)
+        self._add_timeline(params)
 
     def _draw_pictures(self) -> None:
         assert self._textures is not None

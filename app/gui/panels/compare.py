@@ -50,16 +50,16 @@ def draw_compare(state: AppState, textures: ShowsPictures, draw_welcome: Callabl
 def _draw_toolbar(state: AppState) -> None:
     label = "Enhancement on" if state.enhancing else "Enhancement off"
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.enhancing)):
-        button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=9)
+        button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=8)
     explain("E: on and off. Esc: plain white light. Hold Space: the original in every pane.")
     imgui.same_line()
     freezing = state.frozen_index is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(freezing, caution=True)):
         button("Frozen###freeze" if freezing else "Freeze###freeze", lambda: actions.toggle_freeze(state))
     explain("F: hold this frame in both pictures while time goes on.")
-    imgui.same_line(0, em(1.5))
+    imgui.same_line(0, em(1))
     _draw_modes(state)
-    imgui.same_line(0, em(1.5))
+    imgui.same_line(0, em(1))
     button(f"{icons.ICON_FA_EXPAND}  Fit", lambda: fit_pictures(state))
     explain("0 or a double click: the whole picture.")
     imgui.same_line()
@@ -71,7 +71,7 @@ def _draw_toolbar(state: AppState) -> None:
 
 
 def _draw_modes(state: AppState) -> None:
-    imgui.set_next_item_width(em(7.5))
+    imgui.set_next_item_width(em(7))
     now = MODES.index(state.comparison.mode)
     changed, chosen = imgui.combo("##mode", now, MODE_LABELS)
     explain(MODE_TEXT)

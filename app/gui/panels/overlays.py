@@ -11,7 +11,7 @@ from app.gui import actions, theme
 from app.gui.command import Section
 from app.gui.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
 from app.gui.state import AppState
-from app.gui.widgets import button, em
+from app.gui.widgets import button, em, explain
 from app.provenance import NOTICE
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
@@ -129,11 +129,16 @@ def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
 
 
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
-    """What happened in this session, newest last."""
-    button("Copy", lambda: copy("\n".join(state.log)), enabled=bool(state.log))
+    """What happened in this session, newest last; the newest stays in sight unless one scrolls back."""
+    button("Copy all", lambda: copy("\n".join(state.log)), enabled=bool(state.log))
+    explain("All lines to the clipboard. A click on a line copies that one.")
     with imgui_ctx.begin_child("lines"):
+        if not state.log:
+            imgui.text_colored(theme.now().muted, "Nothing has happened yet.")
         with imgui_ctx.push_text_wrap_pos(0):
             for line in state.log:
                 imgui.text_unformatted(line)
+                if imgui.is_item_clicked():
+                    copy(line)
         if imgui.get_scroll_y() >= imgui.get_scroll_max_y():
             imgui.set_scroll_here_y(1.0)

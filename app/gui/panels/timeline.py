@@ -15,6 +15,7 @@ from app.picture_mask import NO_MASK
 from renderer.clip import ByteImage
 
 STRIP_HEIGHT = 2.5
+EMPTY = "The frames of an open clip are shown here."
 TOOL_LABELS = {"text": "Box over text", "view": "Circle of the view"}
 
 
@@ -109,11 +110,22 @@ def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgu
         actions.seek(state, int((imgui.get_io().mouse_pos.x - corner.x) / size.x * count))
     explain("The clip in small: click or drag to go there.")
     draw, end = imgui.get_window_draw_list(), ImVec2(corner.x + size.x, corner.y + size.y)
+    if state.clip is None:
+        _draw_empty(corner, size)
+        return
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
     if state.strip is not None and state.strip.request.clip is state.clip:
         draw.add_image(texture(state.strip.image), corner, end)
-    if state.clip is not None:
-        _draw_marks(state, count, corner, size)
+    _draw_marks(state, count, corner, size)
+
+
+def _draw_empty(corner: ImVec2, size: ImVec2) -> None:
+    """Where the frames will be."""
+    draw, end = imgui.get_window_draw_list(), ImVec2(corner.x + size.x, corner.y + size.y)
+    draw.add_rect(corner, end, imgui.get_color_u32(theme.now().shade(0.21)), em(0.25))
+    said = imgui.calc_text_size(EMPTY)
+    at = ImVec2(corner.x + (size.x - said.x) / 2, corner.y + (size.y - said.y) / 2)
+    draw.add_text(at, imgui.get_color_u32(theme.now().muted), EMPTY)
 
 
 def _draw_marks(state: AppState, count: int, corner: ImVec2, size: ImVec2) -> None:

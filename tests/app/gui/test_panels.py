@@ -526,6 +526,32 @@ def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
     np.testing.assert_equal(len(state.log), 2)
 
 
+def test_the_log_keeps_the_newest_in_sight_and_gives_its_lines(ui: Ui, state: AppState) -> None:
+    copied: list[str] = []
+    bottoms: list[float] = []
+
+    def draw() -> None:
+        overlays.draw_log(state, copied.append)
+        bottoms[:] = [imgui.get_item_rect_max().y]
+
+    for number in range(60):
+        actions.say(state, f"line {number}")
+        ui.frame(draw)
+    for _ in range(2):
+        ui.frame(draw)
+    ui.drag(draw, (30, bottoms[0] - 8), (30, bottoms[0] - 8))
+    assert copied == ["line 59"]
+    ui.drag(draw, (40, 20), (40, 20))
+    assert copied[1].splitlines() == list(state.log)
+    ui.scroll(draw, (40, 300), 20.0)  # Back to the first: there it stays.
+    for _ in range(20):  # Scrolling glides.
+        ui.frame(draw)
+    actions.say(state, "line 60")
+    ui.frame(draw)
+    ui.drag(draw, (30, 38), (30, 38))
+    assert copied[2] == "line 0"
+
+
 @pytest.mark.parametrize(
     ("duration", "text"),
     [(0.4, "0 s"), (42, "42 s"), (185, "3 min 05 s"), (4320, "1 h 12 min"), (59.6, "1 min 00 s")],

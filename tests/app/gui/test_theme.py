@@ -8,9 +8,10 @@ import pytest
 from imgui_bundle import ImVec4, imgui
 
 from app.gui import actions, theme
-from app.gui.settings import Settings, Theme, load_settings
+from app.gui.settings import Places, Settings, Theme, load_settings
 from app.gui.state import AppState
 from tests.app.gui.test_panels import Ui
+from tests.app.gui.test_window import Driver
 
 READABLE = 4.5
 """WCAG 2.2, success criterion 1.4.3, level AA."""
@@ -118,3 +119,24 @@ def test_theme_and_size_are_kept(state: AppState) -> None:
     assert kept == state.settings == Settings(acknowledged=True, theme="light", text_percent=150)
     actions.resize_text(state, 0)
     assert load_settings(state.places.settings_file).text_percent == 100
+
+
+@pytest.mark.display
+def test_the_side_grows_with_the_text_and_shrinks_back(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def width() -> float:
+            ctx.yield_(4)
+            return float(ctx.window_info("//Enhancement").window.size.x)
+
+        first = width()
+        for _ in range(3):
+            ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.equal)
+        assert state.settings.text_percent == 150
+        assert width() == pytest.approx(1.5 * first, rel=0.02)
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key._0)
+        assert width() == pytest.approx(first, rel=0.02)
+
+    driver.run(drive)
