@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import tee
@@ -15,6 +16,7 @@ from app.memory import peak_memory_mb
 from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
+from app.run_holder import held
 from app.utf8 import require_utf8
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -85,18 +87,27 @@ def _notices(clip: Clip) -> tuple[str, ...]:
 def _train(
     record: RunRecord, run: RunFolder, clip: Clip, notices: tuple[str, ...]
 ) -> Generator[TrainEvent, None, None]:
-    for event in train(clip, record.config, folder=run.path, resume=run.is_run):
-        # A clip that cannot be trained on has failed by now: nothing is left behind for it.
-        if not run.is_run:
-            run.create(record)
-        if isinstance(event, Finished):
-            run.save_model(event.model)
-        warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
-        for told in (event, *warnings):
-            if not isinstance(told, Snapshot):
-                facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
-                run.log(told, **facts)
-            yield told
+    with ExitStack() as meanwhile:
+        if run.is_run:
+            meanwhile.enter_context(held(run.path))
+        for event in train(clip, record.config, folder=run.path, resume=run.is_run):
+            # A clip that cannot be trained on has failed by now: nothing is left behind for it.
+            if not run.is_run:
+                run.create(record)
+                meanwhile.enter_context(held(run.path))
+            yield from _told(event, run, notices)
+
+
+def _told(event: TrainEvent, run: RunFolder, notices: tuple[str, ...]) -> Generator[TrainEvent, None, None]:
+    """The event, with what the clip's notices add to it, kept and said."""
+    if isinstance(event, Finished):
+        run.save_model(event.model)
+    warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
+    for told in (event, *warnings):
+        if not isinstance(told, Snapshot):
+            facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
+            run.log(told, **facts)
+        yield told
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:

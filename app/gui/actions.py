@@ -254,7 +254,7 @@ def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
         return
     chosen = state.reconstruction.input
     inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
-    _queue(state, make_job, tuple(Waiting(state.clip, _request(state, each)) for each in inputs))
+    enqueue(state, make_job, tuple(Waiting(state.clip, _request(state, each)) for each in inputs))
 
 
 def _request(state: AppState, frames: Input) -> TrainRequest:
@@ -275,10 +275,10 @@ def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
     run = state.reconstruction
     clip, request = run.clip, run.request
     if can_continue(state) and clip is not None and request is not None:
-        _queue(state, make_job, (Waiting(clip, replace(request, resume=True), tuple(run.curve)),))
+        enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), tuple(run.curve)),))
 
 
-def _queue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
+def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
     """Behind those that wait already; where none is under way the first starts."""
 
     def go() -> None:

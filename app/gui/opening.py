@@ -128,11 +128,11 @@ def _open_run(folder: RunFolder) -> Opened:
             warning = f"the model is shown as trained: {error}"
     else:
         notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
-    run = OpenedRun(folder.path, record, _request(folder, record), model, _logged(folder))
+    run = OpenedRun(folder.path, record, request_of(folder, record), model, logged(folder))
     return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
 
 
-def _request(folder: RunFolder, record: RunRecord) -> TrainRequest:
+def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
     """The request that made the run, so that Continue asks for the same again."""
     params = record.enhancement.params if record.enhancement else RECONSTRUCTION_PARAMS
     return TrainRequest(
@@ -145,7 +145,7 @@ def _request(folder: RunFolder, record: RunRecord) -> TrainRequest:
     )
 
 
-def _logged(folder: RunFolder) -> tuple[Progress, ...]:
+def logged(folder: RunFolder) -> tuple[Progress, ...]:
     """What of events.jsonl the curves show; lines of another version are passed over."""
     names = {item.name for item in fields(Progress)}
     events = [event for event in folder.events() if event["event"] == "Progress"]

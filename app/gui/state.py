@@ -22,6 +22,7 @@ from app.gui.palette import Palette
 from app.gui.photos import Photo, PhotoRequest
 from app.gui.picture_view import PictureView
 from app.gui.reported import Reported
+from app.gui.run_list import FoundRuns, RunsRequest
 from app.gui.second import Second
 from app.gui.settings import Places, Settings
 from app.gui.shots import Exporting
@@ -45,6 +46,8 @@ InputKind = Literal["original", "enhanced", "both in turn"]
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
+LOOK_AGAIN = 4.0
+"""Seconds after which a shown list of runs is made again."""
 
 
 class Job(Protocol):
@@ -108,6 +111,8 @@ class Reconstruction:
     evaluated: list[Evaluated] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     failure: str = ""
+    way_out: str = ""
+    """What can be done after a failure."""
 
     @property
     def run_path(self) -> Path | None:
@@ -210,6 +215,13 @@ class AppState:
     queue: tuple[Waiting, ...] = ()
     """Reconstructions to be made after the present one, the next one first."""
     closing: Closing = "no"
+    preview: ShownModel | None = None
+    """The model as it was last seen, of the newest run that was cut short."""
+    asks_for_runs: bool = False
+    """The list of the clip's runs was drawn in the last frame."""
+    found_runs: FoundRuns | None = None
+    """The newest such list."""
+    runs_trouble: str = ""
     asks_for_omissions: bool = False
     """The list of what the next reconstruction leaves out is unfolded."""
     omissions: Omissions | None = None
@@ -333,6 +345,13 @@ class AppState:
             return None
         config = replace(self.reconstruction.config, iterations=TrainConfig().iterations)
         return OmissionsRequest(self.clip, config)
+
+    @property
+    def runs_request(self) -> RunsRequest | None:
+        """Which runs should be listed now; None while the list is not on screen."""
+        if not self.asks_for_runs or self.clip is None:
+            return None
+        return RunsRequest(self.places.runs, self.clip, int(self.now / LOOK_AGAIN))
 
     @property
     def plain_view_request(self) -> ViewRequest | None:

@@ -13,6 +13,7 @@ from app.gui import (
     edit_actions,
     export_actions,
     path_actions,
+    run_actions,
     second_actions,
     session_actions,
     tuning_actions,
@@ -28,6 +29,7 @@ from app.gui.omissions import Omissions, OmissionsRequest, look
 from app.gui.opening import Opened, OpenRequest, open_path
 from app.gui.photos import Photo, PhotoRequest, read_photo
 from app.gui.picking import Picked, PickRequest, pick
+from app.gui.run_list import FoundRuns, RunFinder, RunsRequest
 from app.gui.session_actions import WriteRequest, write
 from app.gui.shots import ExportRequest, Step, export
 from app.gui.state import AppState
@@ -65,6 +67,7 @@ class Channels:
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
     omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
     measure: MeasureWork = field(default_factory=MeasureWork)
+    runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
     exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
     strip: StripWork = field(default_factory=StripWork)
     photo: Pictures | None = None
@@ -73,7 +76,7 @@ class Channels:
     @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
-        return (*self.measure.all, *self.strip.all, self.omissions)
+        return (*self.measure.all, *self.strip.all, self.omissions, self.runs)
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
@@ -96,6 +99,8 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     channels.measure.take(state)
     channels.strip.take(state)
     _take_omissions(state, channels)
+    if (found := channels.runs.take()) is not None:
+        run_actions.take_found(state, found[1])
     edit_actions.follow(state)
     _take_selected(state, channels)
     _take_view(state, channels)
@@ -261,6 +266,8 @@ def _follow_job(state: AppState) -> None:
     for event in job.poll():
         _hear(state, event)
     if not state.reconstruction.is_alive:
+        if state.model is not None and state.model.live:
+            state.preview = state.model
         job.close()
         state.reconstruction.job = None
     elif (model := job.latest_model()) is not None:
@@ -293,7 +300,7 @@ def _hear(state: AppState, event: object) -> None:
             run.status = "cancelled"
             actions.announce(state, "reconstruction cancelled; Continue goes on from its last checkpoint")
         case Failed():
-            run.status, run.failure = "failed", event.reason
+            run.status, run.failure, run.way_out = "failed", event.reason, run_actions.way_out(run)
             actions.fail(state, f"the reconstruction stopped: {event.reason}")
 
 
@@ -353,6 +360,10 @@ def _ask(state: AppState, channels: Channels) -> None:
     channels.compare.ask(state)
     channels.measure.ask(state)
     channels.strip.ask(state)
+    listed = state.runs_request
+    if listed is not None and channels.runs.asked != listed:
+        channels.runs.ask(listed)
+    state.asks_for_runs = False
     wanted = state.omissions_request
     if wanted is not None and channels.omissions.asked != wanted:
         channels.omissions.ask(wanted)

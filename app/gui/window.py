@@ -206,7 +206,7 @@ class Window:
             (SPLATS, "MainDockSpace", self._draw_view),
             ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
             ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state, self._make_job)),
-            ("Runs", "SideBelow", lambda: draw_runs(self.state)),
+            ("Runs", "SideBelow", lambda: draw_runs(self.state, self._make_job)),
             ("Cameras", "SideBelow", lambda: draw_cameras(self.state, self._import_views)),
         ]
         layout.dockable_windows = [

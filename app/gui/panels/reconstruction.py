@@ -7,7 +7,7 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui import actions, theme
+from app.gui import actions, run_actions, theme
 from app.gui.actions import MakeJob
 from app.gui.legible import legible
 from app.gui.panels.curves import draw_curves
@@ -33,10 +33,12 @@ STATUS = {
 def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Choices before, buttons always, progress during and after."""
     run = state.reconstruction
-    if not run.is_alive:
-        _draw_next(state, run, make_job)
-    else:
+    if run.is_alive:
         _draw_hold(state)
+    else:
+        if run.status in ("failed", "cancelled"):
+            _draw_end(state, run, make_job)
+        _draw_next(state, run, make_job)
     if run.status != "none":
         _draw_status(run)
     draw_curves(run)
@@ -114,23 +116,34 @@ def _steps(config: TrainConfig) -> int:
 
 def _draw_start(state: AppState, make_job: MakeJob) -> None:
     run = state.reconstruction
-    again = actions.can_continue(state)
-    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2 if again else -1.0
     reason = actions.why_not_reconstruct(state)
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
         start = lambda: actions.start_reconstruction(state, make_job)  # noqa: E731
         label = "Add to the queue" if run.is_alive else "Reconstruct"
-        button(f"{label}###start", start, enabled=not reason, width=half)
+        button(f"{label}###start", start, enabled=not reason, width=-1.0)
     soon = "Starts when those before it have ended, as it is set now." if run.is_alive else ""
     explain(reason or soon or "In the background; the pictures stay usable.")
     if reason and state.clip is not None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().muted, reason)
-    if again:
-        imgui.same_line(0, em(0.5))
-        onward = lambda: actions.continue_reconstruction(state, make_job)  # noqa: E731
-        button("Continue", onward, width=half)
-        explain("From the last checkpoint of the run that was cut short.")
+
+
+def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
+    """Of a run that was cut short: why, and what can be done with it."""
+    if run.failure:
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.now().danger, legible(run.failure))
+            imgui.text_colored(theme.now().muted, run.way_out)
+    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
+    onward = lambda: actions.continue_reconstruction(state, make_job)  # noqa: E731
+    again = actions.can_continue(state)
+    button("Continue", onward, enabled=again, width=half)
+    explain("From the run's last checkpoint." if again else "It goes on only with its own clip: open that.")
+    imgui.same_line(0, em(0.5))
+    seen = run_actions.has_preview(state, run.run_path)
+    button("Look at it", lambda: run_actions.look_at_preview(state), enabled=seen, width=half)
+    explain("The model as it was last seen before the run was cut short." if seen else "There is no preview.")
+    imgui.separator()
 
 
 def _draw_hold(state: AppState) -> None:
@@ -151,9 +164,6 @@ def _draw_status(run: Reconstruction) -> None:
     imgui.text_unformatted(STATUS[run.status])
     if run.request is not None:
         explain(f"{run.request.config.method}, {run.request.input} frames: {run.run_path}")
-    if run.failure:
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().danger, legible(run.failure))
     if progress is None:
         return
     imgui.progress_bar(

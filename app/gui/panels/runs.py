@@ -1,30 +1,105 @@
-"""Reconstructions that wait for their turn."""
+"""Reconstructions that wait for their turn, and those of the open clip on disk."""
 
 from __future__ import annotations
+
+from datetime import datetime
 
 from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
-from app.gui import queue_actions, theme
+from app.gui import queue_actions, run_actions, theme
+from app.gui.actions import MakeJob
 from app.gui.legible import legible
+from app.gui.run_list import ListedRun
 from app.gui.state import AppState, Waiting
-from app.gui.widgets import em, explain
+from app.gui.widgets import button, em, explain
 
 
-def draw_runs(state: AppState) -> None:
-    """What waits, the next one first."""
+def draw_runs(state: AppState, make_job: MakeJob) -> None:
+    """What waits, the next one first; below it what lies on disk of the open clip, the newest first."""
+    state.asks_for_runs = state.clip is not None
+    if state.queue:
+        _draw_queue(state)
+        imgui.separator()
+    if state.clip is None:
+        imgui.text_colored(theme.now().muted, "Open a clip to see its reconstructions.")
+        return
+    found = state.found_runs
+    if found is None or found.request.clip is not state.clip:
+        imgui.text_colored(theme.now().muted, "Looking for reconstructions of this clip…")
+        return
+    if not found.runs:
+        imgui.text_colored(theme.now().muted, "No reconstruction of this clip yet.")
+    for run in found.runs:
+        with imgui_ctx.push_id(run.path.name):
+            _draw_run(state, make_job, run)
+    if found.unreadable:
+        imgui.text_colored(theme.now().warning, f"{found.unreadable} run folders cannot be read.")
+        explain(str(found.request.folder))
+
+
+def _draw_queue(state: AppState) -> None:
     imgui.text_unformatted("Waiting")
     explain("One reconstruction is made at a time; these follow by themselves.")
-    if not state.queue:
-        imgui.same_line()
-        imgui.text_colored(theme.now().muted, "nothing")
-        return
     if not state.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().warning, reason)
     for place, waiting in enumerate(state.queue):
         with imgui_ctx.push_id(f"waiting {place}"):
             _draw_waiting(state, waiting, first=place == 0)
+
+
+def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
+    config, shown = run.request.config, state.reconstruction.run_path == run.path
+    reason = run_actions.why_not_open(state, run)
+    right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
+    imgui.begin_disabled(bool(reason))
+    if imgui.selectable(f"{config.method} · {run.request.input}###open", shown)[0]:
+        run_actions.open_run(state, run)
+    imgui.end_disabled()
+    beside = "Open it beside the one that is being made: " if state.reconstruction.is_alive else "Open "
+    explain(reason or f"{beside}{run.path}")
+    if run.psnr is not None:
+        psnr = f"{run.psnr:.1f} dB"
+        imgui.same_line(right - imgui.calc_text_size(psnr).x)
+        imgui.text_colored(theme.now().accent, psnr)
+        explain("PSNR: of frames held out where that was measured, else of the training frames.")
+    steps = f"{config.iterations:,}"
+    if run.made != "finished":
+        steps = f"{run.iteration:,} of {steps}"
+    elif config.iterations > 1:
+        steps += " steps"
+    imgui.align_text_to_frame_padding()
+    imgui.text_colored(theme.now().muted, f"{_when(run.created)} · {steps} · {_made(state, run)}")
+    if run.made == "unfinished" and not run_actions.is_present(state, run):
+        _draw_unfinished(state, make_job, run)
+    imgui.spacing()
+
+
+def _draw_unfinished(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
+    reason = run_actions.why_not_continue(state, run)
+    onward = lambda: run_actions.continue_run(state, make_job, run)  # noqa: E731
+    button("Continue", onward, enabled=not reason)
+    kept = "From its last checkpoint." if run.has_checkpoint else "It left no checkpoint: from the start."
+    explain(reason or kept)
+    if run_actions.has_preview(state, run.path):
+        imgui.same_line(0, em(0.5))
+        button("Look at it", lambda: run_actions.look_at_preview(state))
+        explain("The model as it was last seen before the run was cut short.")
+
+
+def _made(state: AppState, run: ListedRun) -> str:
+    if run.made == "being made" and not run_actions.is_present(state, run):
+        return "made elsewhere"
+    return "being made" if run_actions.is_present(state, run) else run.made
+
+
+def _when(created: str) -> str:
+    """In the hours of this place."""
+    try:
+        return datetime.fromisoformat(created).astimezone().strftime("%Y-%m-%d %H:%M")
+    except ValueError:
+        return legible(created)
 
 
 def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:

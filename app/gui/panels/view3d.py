@@ -246,7 +246,10 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     tags: list[Tag] = []
     if model.live:
         count = f"{model.iteration} / {model.iterations}"
-        tags.append((f"LIVE PREVIEW · iteration {count}", theme.TAG_CAUTION))
+        run = state.reconstruction
+        of_job = run.is_alive and run.run_path is not None and run.run_path.name == model.name
+        name = "LIVE PREVIEW" if of_job else "LAST PREVIEW"
+        tags.append((f"{name} · iteration {count}", theme.TAG_CAUTION))
     if second is not None:
         other = state.model if model is second else second
         tags.append((f"{made_by(model, other)} · time {shown.request.time:.3f}", theme.TAG_ENHANCED))

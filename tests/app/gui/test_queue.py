@@ -140,8 +140,8 @@ def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: App
 
 
 def test_the_list_of_what_waits_draws(ui: Ui, state: AppState, jobs: Jobs) -> None:
-    ui.frame(lambda: draw_runs(state))
+    ui.frame(lambda: draw_runs(state, FakeJob))
     queued(state, jobs, 100, 200, 300)
-    ui.frame(lambda: draw_runs(state))
+    ui.frame(lambda: draw_runs(state, FakeJob))
     state.editing.active, state.reconstruction.status = True, "finished"
-    ui.frame(lambda: draw_runs(state))
+    ui.frame(lambda: draw_runs(state, FakeJob))

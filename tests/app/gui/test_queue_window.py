@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import glfw
 import pytest
 from imgui_bundle import glfw_utils, imgui
@@ -9,8 +11,11 @@ from imgui_bundle import glfw_utils, imgui
 from app.gui import actions
 from app.gui.settings import Places, Settings
 from app.job import Failed
+from app.run_folder import RunFolder
+from app.training import TrainRequest, run_training
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
+from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Started
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.test_window import Driver, is_settled, wait
@@ -64,3 +69,33 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
     driver.run(drive)
     assert [job.told[0] for job in jobs] == ["start"] * 3
     assert jobs[2].told[-1] == "close"
+
+
+@pytest.mark.display
+def test_what_was_cut_short_before_is_found_and_goes_on(places: Places) -> None:
+    config = TrainConfig(iterations=8, n_gaussians=300, checkpoint_every=2)
+    request = TrainRequest(clip_path=phantom_path(), run_path=places.runs / "short", config=config)
+    steps = run_training(request)
+    while not RunFolder(request.run_path).has_checkpoint:
+        next(steps)
+    steps.close()
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.window_focus("//Runs")
+        wait(ctx, lambda: state.found_runs is not None, "the run")
+        ctx.yield_(2)
+        ctx.item_click("//Runs/**/Continue")
+        wait(ctx, lambda: bool(jobs), "its going on")
+        jobs[0].inbox = [Failed("out of memory")]
+        wait(ctx, lambda: not state.reconstruction.is_alive, "its end")
+        ctx.yield_(2)
+        ctx.item_click("//Runs/**/###open")
+        wait(ctx, lambda: state.opened_path == request.run_path, "the run itself")
+
+    driver.run(drive)
+    assert jobs[0].request == replace(request, resume=True)

@@ -1,0 +1,201 @@
+"""The runs of the open clip: found on disk, opened, continued; and what a failed one leaves."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from app.gui import actions, run_actions
+from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.runs import draw_runs
+from app.gui.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
+from app.gui.state import AppState
+from app.gui.update import Channels, update
+from app.job import Failed
+from app.run_folder import RunFolder
+from app.run_holder import held
+from app.training import TrainRequest, run_training
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+from tests.app.gui.conftest import FakeJob
+from tests.app.gui.test_panels import Ui, ui
+
+__all__ = ["ui"]
+MakeFake = Callable[[object], FakeJob]
+CONFIG = TrainConfig(iterations=12, n_gaussians=300, checkpoint_every=4, hold_out=True)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A clip, and the runs of it in folders named after what became of them."""
+    folder = tmp_path_factory.mktemp("made")
+    clip, runs = folder / "clip", folder / "runs"
+    write_phantom(clip, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
+    list(run_training(TrainRequest(clip_path=clip, run_path=runs / "whole", config=CONFIG)))
+    short = TrainRequest(clip_path=clip, run_path=runs / "short", config=CONFIG, input="enhanced")
+    list(run_training(short))
+    (runs / "short" / "model.safetensors").unlink()
+    for path in (runs / "short").glob("checkpoint-*12.safetensors"):
+        path.unlink()
+    (runs / "damaged").mkdir()
+    (runs / "damaged" / "run.json").write_text("{")
+    (runs / "no run").mkdir()
+    return folder
+
+
+@pytest.fixture
+def folder(made: Path, tmp_path: Path) -> Path:
+    shutil.copytree(made, tmp_path / "mine")
+    return tmp_path / "mine"
+
+
+@pytest.fixture
+def opened(state: AppState, folder: Path) -> AppState:
+    state.places = replace(state.places, runs=folder / "runs")
+    state.clip = open_clip(folder / "clip")
+    return state
+
+
+def found(state: AppState, finder: RunFinder | None = None) -> FoundRuns:
+    state.asks_for_runs = True
+    assert state.runs_request is not None
+    (answer,) = (finder or RunFinder()).find(state.runs_request)
+    state.found_runs = answer
+    return answer
+
+
+def named(state: AppState, name: str) -> ListedRun:
+    return next(run for run in found(state).runs if run.path.name == name)
+
+
+def test_what_is_on_disk_is_found_again_wherever_the_clip_lies_now(opened: AppState) -> None:
+    answer = found(opened)
+    assert {run.path.name: run.made for run in answer.runs} == {"whole": "finished", "short": "unfinished"}
+    assert answer.unreadable == 1
+    whole, short = named(opened, "whole"), named(opened, "short")
+    assert (whole.request.input, short.request.input) == ("original", "enhanced")
+    assert whole.iteration == CONFIG.iterations
+    assert short.has_checkpoint
+    assert opened.clip is not None
+    assert short.request.clip_path == opened.clip.path  # It was begun elsewhere, with the same bytes.
+    logged = [event for event in RunFolder(whole.path).events() if event["event"] == "Evaluated"]
+    assert whole.psnr == pytest.approx(logged[-1]["psnr"])
+
+
+def test_runs_of_another_clip_are_not_listed(opened: AppState, folder: Path) -> None:
+    photo = next((folder / "clip" / "images").iterdir())
+    photo.write_bytes(photo.read_bytes() + b"\0")
+    assert found(opened).runs == ()
+
+
+def test_a_run_in_another_process_says_so_and_is_left_alone(
+    opened: AppState, make_job: MakeFake, folder: Path
+) -> None:
+    with held(folder / "runs" / "short"):
+        run = named(opened, "short")
+        assert run.made == "being made"
+        run_actions.continue_run(opened, make_job, run)
+    assert opened.reconstruction.job is None
+    assert named(opened, "short").made == "unfinished"
+
+
+def test_looking_again_sees_what_has_changed_alone(opened: AppState, folder: Path) -> None:
+    finder = RunFinder()
+    before = {run.path.name: run for run in found(opened, finder).runs}
+    shutil.rmtree(folder / "runs" / "short")
+    (again,) = found(opened, finder).runs
+    assert again.path == before["whole"].path
+    assert again.request.config is before["whole"].request.config  # Not read anew.
+
+
+def test_an_unfinished_run_goes_on_as_it_was_begun_and_only_once(
+    opened: AppState, make_job: MakeFake
+) -> None:
+    run = named(opened, "short")
+    actions.start_reconstruction(opened, make_job)
+    run_actions.continue_run(opened, make_job, run)
+    run_actions.continue_run(opened, make_job, run)
+    (waiting,) = opened.queue
+    assert waiting.request == replace(run.request, resume=True)
+    assert waiting.request.config == CONFIG
+    assert waiting.curve == run.curve
+    events = list(run_training(waiting.request))
+    assert RunFolder(run.path).is_finished
+    assert events
+
+
+def test_a_finished_run_opens_in_place_or_beside_the_one_that_is_made(
+    opened: AppState, make_job: MakeFake, model: DynamicGaussians
+) -> None:
+    whole, short = named(opened, "whole"), named(opened, "short")
+    run_actions.open_run(opened, short)
+    assert opened.opening is not None
+    assert opened.opening.path == short.path
+    opened.opening = None
+    actions.start_reconstruction(opened, make_job)
+    actions.show_live_model(opened, model)
+    run_actions.open_run(opened, short)
+    assert opened.second.opening is None
+    run_actions.open_run(opened, whole)
+    assert opened.opening is None
+    assert opened.second.opening is not None
+    assert opened.second.opening.path == whole.path
+
+
+def test_the_list_is_asked_for_only_while_it_is_on_screen(opened: AppState) -> None:
+    channels = Channels()
+    update(opened, channels, 0.1)
+    assert channels.runs.asked is None
+    opened.asks_for_runs = True
+    update(opened, channels, 0.2)
+    assert isinstance(channels.runs.asked, RunsRequest)
+    channels.runs.run_waiting()
+    update(opened, channels, 0.3)
+    assert opened.found_runs is not None
+    assert len(opened.found_runs.runs) == 2
+
+
+@pytest.mark.parametrize(
+    ("left", "said"), [("nothing", "Nothing"), ("run", "no checkpoint"), ("checkpoint", "last checkpoint")]
+)
+def test_a_failure_says_what_can_be_done(
+    state: AppState, make_job: MakeFake, model: DynamicGaussians, left: str, said: str
+) -> None:
+    actions.start_reconstruction(state, make_job)
+    run = state.reconstruction
+    assert isinstance(run.job, FakeJob)
+    assert run.run_path is not None
+    actions.show_live_model(state, model)
+    if left != "nothing":
+        run.run_path.mkdir(parents=True)
+        (run.run_path / "run.json").touch()
+    if left == "checkpoint":
+        (run.run_path / "checkpoint-0000004.safetensors").touch()
+    run.job.inbox = [Failed("killed")]
+    update(state, Channels(), 0.1)
+    assert said in run.way_out
+    assert run_actions.has_preview(state, run.run_path)
+    state.model = None
+    run_actions.look_at_preview(state)
+    assert state.model is not None
+    assert state.model.model is model
+
+
+def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model: DynamicGaussians) -> None:
+    ui.frame(lambda: draw_runs(opened, FakeJob))
+    found(opened)
+    ui.frame(lambda: draw_runs(opened, FakeJob))
+    actions.start_reconstruction(opened, FakeJob)
+    actions.show_live_model(opened, model)
+    opened.preview = replace(opened.model, name="short") if opened.model else None
+    ui.frame(lambda: draw_runs(opened, FakeJob))
+    ui.frame(lambda: draw_reconstruction(opened, FakeJob))
+    opened.clip = None
+    ui.frame(lambda: draw_runs(opened, FakeJob))

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import psutil
+import pytest
+
+from app.errors import UserError
+from app.run_holder import NAME, held, holder
+
+HOLDS = """
+import sys, time
+from pathlib import Path
+from app.run_holder import held
+with held(Path(sys.argv[1])):
+    print("held", flush=True)
+    time.sleep(60)
+"""
+
+
+def test_a_run_is_held_only_while_it_is_trained(tmp_path: Path) -> None:
+    assert holder(tmp_path) is None
+    with held(tmp_path):
+        assert holder(tmp_path) == psutil.Process().pid
+        with pytest.raises(UserError, match="another process"), held(tmp_path):
+            pass
+        assert holder(tmp_path) == psutil.Process().pid
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_killed_process_holds_nothing(tmp_path: Path) -> None:
+    root = str(Path(__file__).parents[2])
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLDS, str(tmp_path)],
+        stdout=subprocess.PIPE,
+        env={"PYTHONPATH": root},
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == b"held\n"
+    assert holder(tmp_path) == process.pid
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    assert (tmp_path / NAME).exists()
+    assert holder(tmp_path) is None
+
+
+def test_a_number_that_is_used_again_is_another_process(tmp_path: Path) -> None:
+    process = psutil.Process()
+    (tmp_path / NAME).write_text(json.dumps({"process": process.pid, "began": process.create_time() - 3600}))
+    assert holder(tmp_path) is None
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"process": "x", "began": 0}', '{"process": 1e99}'])
+def test_a_damaged_file_holds_nothing(tmp_path: Path, text: str) -> None:
+    (tmp_path / NAME).write_text(text)
+    assert holder(tmp_path) is None
