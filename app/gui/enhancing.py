@@ -67,6 +67,7 @@ class PictureMaker:
 
     def __init__(self) -> None:
         self._enhancer = LookEnhancer()
+        self._loaded: set[type[Look]] = set()
         self._shown: tuple[PictureRequest, ByteImage] | None = None
         self._pooled: dict[PictureRequest, Statistics] = {}
 
@@ -77,11 +78,20 @@ class PictureMaker:
         if request.params is None:
             return
         statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
+        self._load(request.params)
         start = perf_counter()
         result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
         yield Pictures(request, photo, enhanced, result.statistics, milliseconds, result.omitted)
+
+    def _load(self, params: Look) -> None:
+        """The kernels of a method, once: their way from disk is no time of a picture."""
+        if type(params) not in self._loaded:
+            self._loaded.add(type(params))
+            other = LookEnhancer()
+            other.show(np.zeros((64, 64, 3), np.uint8))
+            other.enhance(params)
 
     def _show(self, request: PictureRequest) -> ByteImage:
         """The photo, read once for as long as only parameters move."""
