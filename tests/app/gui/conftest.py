@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.gui import actions
 from app.gui.command import Outside
+from app.gui.enhancing import PictureMaker
 from app.gui.settings import Places, Settings
 from app.gui.state import AppState
 from renderer.camera import Camera
@@ -18,6 +20,7 @@ from renderer.clip import ByteImage, Clip, Frame
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from tests.app.gui.ui import Ui
 
 SIZE = (48, 40)
 
@@ -137,3 +140,23 @@ def model() -> DynamicGaussians:
 @pytest.fixture
 def make_job() -> Callable[[object], FakeJob]:
     return FakeJob
+
+
+@pytest.fixture
+def ui() -> Iterator[Ui]:
+    made = Ui()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def opened(state: AppState) -> AppState:
+    """With both pictures made."""
+    assert state.picture_request is not None
+    state.pictures = list(PictureMaker().make(state.picture_request))[-1]
+    return state
+
+
+def start_live(state: AppState, model: DynamicGaussians) -> None:
+    actions.start_reconstruction(state, FakeJob)
+    actions.show_live_model(state, model)

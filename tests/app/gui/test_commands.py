@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 from itertools import groupby
 
 import pytest
@@ -18,15 +17,8 @@ from app.gui.panels.palette import draw_palette
 from app.gui.settings import Places, Settings
 from app.gui.state import AppState
 from renderer.gaussians import DynamicGaussians
-from tests.app.gui.conftest import outside
-from tests.app.gui.test_panels import Draw, Ui, start_live
-
-
-@pytest.fixture
-def ui() -> Iterator[Ui]:
-    made = Ui()
-    yield made
-    made.close()
+from tests.app.gui.conftest import outside, start_live
+from tests.app.gui.ui import Draw, Ui
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,18 +27,11 @@ from app.gui.settings import Settings
 from app.gui.state import AppState
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, outside
-from tests.app.gui.test_panels import NOTHING, Shown, Ui, compare
+from tests.app.gui.ui import NOTHING, Shown, Ui, compare
 
 NAME = os.fsdecode(b"caf\xe9.png")
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are Unicode")
-
-
-@pytest.fixture
-def ui() -> Iterator[Ui]:
-    made = Ui()
-    yield made
-    made.close()
 
 
 def test_what_utf_8_can_say_stays() -> None:

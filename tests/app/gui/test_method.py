@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from app.gui import actions
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
@@ -21,16 +19,9 @@ from enhance import EnhanceParams, measure
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, photo
-from tests.app.gui.test_panels import Ui
+from tests.app.gui.ui import Ui
 
 STRONG = VesselParams(strength=3.0)
-
-
-@pytest.fixture
-def ui() -> Iterator[Ui]:
-    made = Ui()
-    yield made
-    made.close()
 
 
 def made(request: PictureRequest) -> Pictures:

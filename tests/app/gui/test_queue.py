@@ -16,9 +16,7 @@ from app.training import TrainRequest
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Finished, Started
 from tests.app.gui.conftest import FakeJob, make_model
-from tests.app.gui.test_panels import Ui, ui
-
-__all__ = ["ui"]
+from tests.app.gui.ui import Ui
 
 
 class Jobs:

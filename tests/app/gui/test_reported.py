@@ -19,7 +19,7 @@ from app.report.section import Plate, Section
 from app.report.work_precision import Diagram, Point
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from tests.app.gui.test_panels import Ui
+from tests.app.gui.ui import Ui
 
 POINTS = (
     Point(series="subsample", setting="s = 2", seconds=0.002, error=0.01, is_default=True),

@@ -25,9 +25,8 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import FakeJob
-from tests.app.gui.test_panels import Ui, ui
+from tests.app.gui.ui import Ui
 
-__all__ = ["ui"]
 MakeFake = Callable[[object], FakeJob]
 CONFIG = TrainConfig(iterations=12, n_gaussians=300, checkpoint_every=4, hold_out=True)
 

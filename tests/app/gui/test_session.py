@@ -9,7 +9,6 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,8 +37,8 @@ from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.test_opening import make_run
-from tests.app.gui.test_panels import Ui
 from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.ui import Ui
 
 
 def turn(state: AppState, channels: Channels, seconds: float = 2.0) -> None:
@@ -251,13 +250,6 @@ def test_a_frame_beyond_the_clip_is_its_last(places: Places, clip_path: Path) ->
     assert state.clip is not None
     assert state.frame_index == state.frozen_index == len(state.clip) - 1
     assert state.view_time == 1.0
-
-
-@pytest.fixture
-def ui() -> Iterator[Ui]:
-    made = Ui()
-    yield made
-    made.close()
 
 
 def test_the_panels_draw(ui: Ui, state: AppState, tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ import csv
 import errno
 import json
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -29,8 +28,8 @@ from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu
 from tests.app.gui.conftest import SIZE
-from tests.app.gui.test_panels import Ui
 from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.ui import Ui
 
 
 class Exporter:
@@ -183,13 +182,6 @@ def test_what_is_lacking_is_said(places: Places) -> None:
         "Open a clip first.", "There is no 3D view yet.",
     }  # fmt: skip
     assert export_actions.export_request(state, "left pane", 1) is None
-
-
-@pytest.fixture
-def ui() -> Iterator[Ui]:
-    made = Ui()
-    yield made
-    made.close()
 
 
 def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:

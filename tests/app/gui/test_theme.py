@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 from imgui_bundle import ImVec4, imgui
 
 from app.gui import actions, theme
 from app.gui.settings import Places, Settings, Theme, load_settings
 from app.gui.state import AppState
-from tests.app.gui.test_panels import Ui
 from tests.app.gui.test_window import Driver
+from tests.app.gui.ui import Ui
 
 READABLE = 4.5
 """WCAG 2.2, success criterion 1.4.3, level AA."""
@@ -20,13 +18,6 @@ PANELS = ("window_bg", "popup_bg", "menu_bar_bg", "title_bg", "title_bg_active",
           "tab_selected", "tab_hovered", "table_header_bg")  # fmt: skip
 CONTROLS = ("frame_bg", "frame_bg_hovered", "frame_bg_active", "button", "button_hovered", "button_active",
             "header", "header_hovered", "header_active", "text_selected_bg")  # fmt: skip
-
-
-@pytest.fixture
-def ui() -> Iterator[Ui]:
-    made = Ui()
-    yield made
-    made.close()
 
 
 def luminance(color: ImVec4) -> float:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from imgui_bundle import imgui
@@ -21,8 +19,8 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
 from tests.app.gui.conftest import make_clip
-from tests.app.gui.test_panels import Ui
 from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.ui import Ui
 
 
 @pytest.fixture
@@ -153,13 +151,6 @@ class NoTextures:
 
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         return imgui.ImTextureRef(0)
-
-
-@pytest.fixture
-def ui() -> Iterator[Ui]:
-    made = Ui()
-    yield made
-    made.close()
 
 
 def test_the_panel_draws_in_every_state(ui: Ui, state: AppState, channels: Channels, clip: Clip) -> None:

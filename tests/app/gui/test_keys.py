@@ -1,0 +1,88 @@
+"""The keyboard: what keys do, and when they do nothing."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.gui.command import Outside
+from app.gui.commands import sections
+from app.gui.keys import Keyboard
+from app.gui.panes import pane
+from app.gui.state import AppState
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import outside, start_live
+from tests.app.gui.ui import (
+    Draw,
+    Ui,
+    pictures,
+)
+
+
+def keyboard(state: AppState, reach: Outside | None = None) -> Draw:
+    """A frame of nothing but keys."""
+    keys = Keyboard()
+    return lambda: keys.handle(state, sections(state, reach or outside()))
+
+
+def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
+    saved: list[str] = []
+    draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
+    key = imgui.Key
+    ui.press(draw, key.e)
+    assert not opened.enhancing
+    ui.press(draw, key.e)
+    ui.press(draw, key.escape)
+    assert not opened.enhancing
+    ui.press(draw, key.period)
+    assert opened.frame_index == 1
+    ui.press(draw, key.comma)
+    ui.press(draw, key.f)
+    assert (opened.frame_index, opened.frozen_index) == (0, 0)
+    ui.press(draw, key.p)
+    assert opened.playing
+    ui.press(draw, key.s)
+    assert saved == ["picture"]
+    ui.press(draw, key._1)
+    assert opened.picture_view.zoom == 1.0
+    ui.press(draw, key.mod_shift, key.slash)
+    assert opened.help_open
+    ui.press(draw, key.mod_ctrl, key.e)  # Another chord than E.
+    assert not opened.enhancing
+
+
+def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    saved: list[str] = []
+    draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
+    ui.press(draw, imgui.Key.g)
+    assert opened.viewer.flying
+    ui.press(draw, imgui.Key.s, imgui.Key.a)
+    free = opened.viewer.free
+    assert free is not None
+    assert free.camera.position[0] == free.camera.position[2] < 0
+    assert not saved
+    assert not opened.viewer.moving
+    ui.press(draw, imgui.Key.home)
+    ui.press(draw, imgui.Key.s)
+    assert (opened.viewer.free, saved) == (None, ["picture"])
+
+
+def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    draw = keyboard(opened)
+    for key in (imgui.Key.b, imgui.Key.i, imgui.Key.i, imgui.Key.l):
+        ui.press(draw, key)
+    assert len(opened.cameras.views.named) == 1
+    assert len(opened.cameras.views.path.keyframes) == 2
+    assert opened.cameras.playing
+
+
+def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
+    draw = keyboard(opened)
+    ui.io.add_key_event(imgui.Key.space, True)
+    ui.frame(draw)
+    assert opened.peeking
+    assert pane(opened, pictures(opened), "right").image is pictures(opened).photo
+    ui.io.add_key_event(imgui.Key.space, False)
+    ui.frame(draw)
+    assert not opened.peeking

@@ -1,0 +1,74 @@
+"""What lies over the window: notice, banner, toast, help; and the log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from imgui_bundle import imgui
+
+from app.gui import actions
+from app.gui.commands import sections
+from app.gui.panels import overlays
+from app.gui.state import AppState
+from tests.app.gui.conftest import outside
+from tests.app.gui.ui import (
+    Draw,
+    Ui,
+)
+
+
+def test_the_notice_stays_until_it_is_acknowledged(ui: Ui, state: AppState) -> None:
+    state.settings = replace(state.settings, acknowledged=False)
+    draw: Draw = lambda: overlays.draw_notice(state)  # noqa: E731
+    for _ in range(3):
+        ui.frame(draw)
+    ui.press(draw, imgui.Key.escape)
+    ui.frame(draw)
+    assert not state.settings.acknowledged
+    assert imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+    actions.acknowledge(state)
+    ui.frame(draw)
+
+
+def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
+    actions.fail(state, "expected a clip, got a folder without pictures: " + "a/long/path/" * 20)
+    actions.announce(state, "saved clip.png")
+    state.help_open = True
+
+    def draw() -> None:
+        overlays.draw_banner(state)
+        overlays.draw_toast(state)
+        overlays.draw_help(state, sections(state, outside()))
+        overlays.draw_log(state, lambda text: None)
+
+    for _ in range(3):
+        ui.frame(draw)
+    assert state.help_open
+    np.testing.assert_equal(len(state.log), 2)
+
+
+def test_the_log_keeps_the_newest_in_sight_and_gives_its_lines(ui: Ui, state: AppState) -> None:
+    copied: list[str] = []
+    bottoms: list[float] = []
+
+    def draw() -> None:
+        overlays.draw_log(state, copied.append)
+        bottoms[:] = [imgui.get_item_rect_max().y]
+
+    for number in range(60):
+        actions.say(state, f"line {number}")
+        ui.frame(draw)
+    for _ in range(2):
+        ui.frame(draw)
+    ui.drag(draw, (30, bottoms[0] - 8), (30, bottoms[0] - 8))
+    assert copied == ["line 59"]
+    ui.drag(draw, (40, 20), (40, 20))
+    assert copied[1].splitlines() == list(state.log)
+    ui.scroll(draw, (40, 300), 20.0)  # Back to the first: there it stays.
+    for _ in range(20):  # Scrolling glides.
+        ui.frame(draw)
+    actions.say(state, "line 60")
+    ui.frame(draw)
+    ui.drag(draw, (30, 38), (30, 38))
+    assert copied[2] == "line 0"

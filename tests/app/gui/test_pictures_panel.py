@@ -1,0 +1,77 @@
+"""The two pictures: what each pane says and how they move together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from app.gui.comparison import SIDES
+from app.gui.panes import Pane, pane
+from app.gui.state import AppState
+from enhance import EnhanceParams
+from tests.app.gui.ui import (
+    Shown,
+    Ui,
+    compare,
+    pictures,
+)
+
+
+def said(shown: Pane) -> str:
+    return " | ".join(one.text for one in shown.tags)
+
+
+def test_left_is_the_original_and_right_the_enhanced(ui: Ui, opened: AppState) -> None:
+    shown = Shown()
+    ui.frame(compare(opened, shown))
+    assert shown.images["left"] is pictures(opened).photo
+    assert shown.images["right"] is pictures(opened).enhanced
+
+
+def test_the_right_pane_says_enhanced_exactly_when_it_is(opened: AppState) -> None:
+    def right() -> Pane:
+        return pane(opened, pictures(opened), "right")
+
+    whole = pictures(opened)
+    for enhancing in (True, False):
+        for peeking in (True, False):
+            for partner in (whole.enhanced, None):
+                opened.enhancing, opened.peeking = enhancing, peeking
+                opened.pictures = replace(whole, enhanced=partner)
+                is_enhanced = right().image is partner
+                assert ("ENHANCED" in said(right())) == is_enhanced
+                assert "ORIGINAL" in said(pane(opened, pictures(opened), "left"))
+
+
+def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
+    opened.frozen_index, opened.now = 0, 5.0
+    opened.params = EnhanceParams(z=0.1)
+    for side in SIDES:
+        shown = said(pane(opened, pictures(opened), side))
+        assert "FROZEN · frame 1" in shown
+        assert "UPDATING" in shown
+
+
+def test_the_wheel_zooms_at_the_pointer_and_a_double_click_fits(ui: Ui, opened: AppState) -> None:
+    draw = compare(opened, Shown())
+    ui.scroll(draw, (200, 400), 3.0)
+    assert opened.picture_view.zoom is not None
+    zoomed = opened.zoom
+    ui.drag(draw, (200, 400), (230, 420))
+    assert opened.zoom == pytest.approx(zoomed)
+    assert opened.picture_view.center != (0.5, 0.5)
+    for _ in range(2):
+        ui.drag(draw, (200, 400), (200, 400))
+    assert opened.picture_view.zoom is None
+
+
+def test_both_panes_move_together_whichever_is_dragged(ui: Ui, opened: AppState) -> None:
+    views = []
+    for x in (200, 650):
+        opened.picture_view = opened.picture_view.one_to_one(8.0)
+        ui.drag(compare(opened, Shown()), (x, 400), (x + 25, 400))
+        views.append(opened.picture_view)
+        opened.picture_view = type(opened.picture_view)()
+    assert views[0] == views[1]
+    assert views[0].center[0] < 0.5

@@ -1,0 +1,180 @@
+"""The 3D view: turned, measured and compared by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from imgui_bundle import ImVec2, imgui
+
+from app.gui import actions, camera_actions
+from app.gui.panels.scene_marks import bounds
+from app.gui.panels.view3d import photo_over, view_tags
+from app.gui.photos import read_photo
+from app.gui.picking import pick
+from app.gui.state import AppState
+from app.gui.viewing import draw_view
+from app.gui.viewport import OnScreen
+from renderer.clip import ByteImage
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import start_live
+from tests.app.gui.ui import (
+    Draw,
+    StillSecond,
+    StillViewport,
+    Ui,
+    texts,
+    view3d,
+)
+
+
+def test_the_3d_view_turns_moves_and_zooms(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.frame(draw)
+    middle = np.array([[0.0, 0.0, 50.0]])
+
+    def seen(point: np.ndarray) -> tuple[np.ndarray, float]:
+        assert opened.view_request is not None
+        at, depth = opened.view_request.camera.project(point)
+        return at[0], float(depth[0])
+
+    start, _ = seen(middle)
+    ui.drag(draw, (400, 300), (500, 340))
+    assert seen(middle)[0] == pytest.approx(start)
+    assert seen(middle * 0.9)[0][0] > start[0] + 1  # The near side follows the hand.
+    assert seen(middle * 0.9)[0][1] > start[1] + 1
+    ui.drag(draw, (400, 300), (450, 320), button=1)
+    assert seen(middle)[0] == pytest.approx(start + np.array((50, 20)))
+    ui.scroll(draw, (400, 300), 2.0)
+    assert seen(middle)[1] < 45
+    assert not opened.view_dragged
+
+
+def test_a_double_click_asks_for_the_point_under_the_pointer(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.frame(draw)
+    for _ in range(2):
+        ui.drag(draw, (400, 300), (400, 300))
+    assert opened.viewer.pick is not None
+    assert opened.viewer.free is None
+    width, height = opened.view_size
+    left, top = (900 - width) // 2, 700 - imgui.get_style().window_padding.y - height
+    assert opened.viewer.pick.pixel == (400 - left, 300 - top)
+
+
+def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    assert opened.clip is not None
+    actions.seek(opened, 4)
+    camera_actions.toggle_snap(opened)
+    wish = opened.photo_request
+    assert wish is not None
+    (opened.viewer.photo,) = read_photo(wish)
+    laid: list[ByteImage] = []
+
+    def draw() -> None:
+        view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1))
+
+    ui.frame(draw)
+    request = opened.view_request
+    assert request is not None
+    assert request.camera == opened.clip.cameras[4]
+    (view,) = draw_view(request)
+    assert view.image.shape == laid[0].shape
+    np.testing.assert_array_equal(laid[0], opened.clip.read_image(4))
+    corner, size = ImVec2(10, 20), ImVec2(300, 200)
+    (low, high), zoom = bounds(request.camera, corner, size), 200 / 40
+    assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
+    assert "PHOTO 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
+    ui.drag(draw, (400, 300), (420, 300))
+    assert not opened.viewer.snapped
+    assert photo_over(opened) is None
+
+
+def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.frame(draw)
+    ui.drag(draw, (400, 300), (400, 300))
+    assert opened.viewer.pick is None
+    camera_actions.toggle_measuring(opened)
+    ui.drag(draw, (400, 300), (460, 300))
+    assert opened.viewer.pick is None
+    assert opened.viewer.free is not None
+    camera_actions.reset_view(opened)
+    for x in (420, 480):
+        ui.drag(draw, (x, 330), (x, 330))
+        wish = opened.viewer.pick
+        assert wish is not None
+        assert wish.purpose == "measure"
+        (answer,) = pick(wish)
+        camera_actions.take_point(opened, wish, answer)
+        ui.frame(draw)
+    request = opened.view_request
+    assert request is not None
+    expected = 60 / request.camera.fx * 50.0  # On the model's sheet, which is 50 before the camera.
+    assert opened.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
+    assert "mm" in opened.viewer.measurement.text("mm", opened.time)
+    camera_actions.toggle_measuring(opened)
+    assert opened.viewer.measurement.points == ()
+
+
+def test_two_reconstructions_share_camera_time_and_hand(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    assert opened.model is not None
+    opened.second.shown = replace(opened.model, name="another run", live=False)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.frame(draw)
+    ui.frame(draw)
+    width = opened.view_size[0]
+    assert width == pytest.approx((900 - 20) / 2, abs=5)
+    for x in (200, 700):  # On either of them.
+        before = opened.view_request
+        ui.drag(draw, (x, 300), (x + 40, 320))
+        first, second = opened.view_request, opened.second_request
+        assert first is not None
+        assert second is not None
+        assert first != before
+        assert second == replace(first, shown=opened.second.shown)
+        assert not opened.view_dragged
+    actions.seek(opened, 4)
+    assert opened.second_request is not None
+    assert opened.second_request.time == opened.time
+    shown = [StillViewport().show(opened), StillSecond().show(opened)]
+    said = [texts(view_tags(opened, one)) for one in shown]
+    assert "another run" not in said[0]
+    assert "another run" in said[1]
+    assert "FREE VIEW" in said[0]
+    camera_actions.toggle_snap(opened)
+    assert opened.second_request.camera == opened.model.cameras[4]
+    wish = opened.photo_request
+    assert wish is not None
+    (opened.viewer.photo,) = read_photo(wish)
+    laid: list[ByteImage] = []
+    ui.frame(lambda: view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1)))
+    assert len(laid) == 2
+
+
+def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    opened.view_size = (64, 48)
+    request = opened.view_request
+    assert request is not None
+    shown = OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request.scaled(0.5))
+    text = texts(view_tags(opened, shown))
+    assert "LIVE PREVIEW · iteration 0 / 3000" in text
+    assert "REDUCED RESOLUTION" in text
+    actions.show_finished_model(opened, model)
+    assert opened.view_request is not None
+    text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
+    assert "LIVE" not in text
+    assert "REDUCED" not in text

@@ -1,0 +1,122 @@
+"""An ImGui context without a window, with a mouse and a keyboard; what stands in for OpenGL."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
+
+from app.gui.enhancing import Pictures
+from app.gui.panels.compare import draw_compare
+from app.gui.panels.view3d import PhotoTexture, draw_view3d
+from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.picture_view import Placement
+from app.gui.state import AppState
+from app.gui.textures import PLAIN, Marks, OnPane
+from app.gui.viewport import OnScreen
+from renderer.clip import ByteImage
+
+Draw = Callable[[], None]
+NOTHING = Openers(lambda: None, lambda: None, lambda: None)
+
+
+class Ui:
+    """One full-window panel, with a mouse and a keyboard."""
+
+    def __init__(self) -> None:
+        self._context = imgui.create_context()
+        self._plots = implot.create_context()
+        self.io = imgui.get_io()
+        self.io.display_size, self.io.delta_time = ImVec2(900, 700), 1 / 60
+        self.io.set_ini_filename("")
+        self.io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
+        self.time = 0.0
+
+    def frame(self, draw: Draw) -> None:
+        imgui.new_frame()
+        try:
+            imgui.set_next_window_pos(ImVec2(0, 0))
+            imgui.set_next_window_size(ImVec2(900, 700))
+            with imgui_ctx.begin("panel", None, imgui.WindowFlags_.no_decoration):
+                draw()
+        finally:
+            imgui.render()
+
+    def press(self, draw: Draw, *keys: imgui.Key) -> None:
+        for down in (True, False):
+            for key in keys:
+                self.io.add_key_event(key, down)
+            self.frame(draw)
+
+    def drag(self, draw: Draw, start: tuple[float, float], end: tuple[float, float], button: int = 0) -> None:
+        self.io.add_mouse_pos_event(*start)
+        self.frame(draw)
+        self.io.add_mouse_button_event(button, True)
+        self.frame(draw)
+        self.io.add_mouse_pos_event(*end)
+        self.frame(draw)
+        self.io.add_mouse_button_event(button, False)
+        self.frame(draw)
+
+    def scroll(self, draw: Draw, at: tuple[float, float], wheel: float) -> None:
+        self.io.add_mouse_pos_event(*at)
+        self.frame(draw)
+        self.io.add_mouse_wheel_event(0, wheel)
+        self.frame(draw)
+        self.frame(draw)
+
+    def close(self) -> None:
+        implot.destroy_context(self._plots)
+        imgui.destroy_context(self._context)
+
+
+class Shown:
+    """Stands for the textures: remembers which image each slot showed last."""
+
+    def __init__(self) -> None:
+        self.images: dict[str, ByteImage] = {}
+
+    def part(
+        self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float], marks: Marks = PLAIN
+    ) -> OnPane | None:
+        self.images[slot] = image
+        return OnPane(imgui.ImTextureRef(1), 0, 0, 10, 10)
+
+
+class StillViewport:
+    """Shows the wanted view at once."""
+
+    def show(self, state: AppState) -> OnScreen | None:
+        request = state.view_request
+        return None if request is None else OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request)
+
+    def release(self) -> None: ...
+
+
+def no_texture(image: ByteImage) -> imgui.ImTextureRef:
+    return imgui.ImTextureRef(1)
+
+
+class StillSecond(StillViewport):
+    """The same of the second view."""
+
+    def show(self, state: AppState) -> OnScreen | None:
+        request = state.second_request
+        return None if request is None else OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request)
+
+
+def view3d(state: AppState, photo_texture: PhotoTexture = no_texture) -> None:
+    draw_view3d(state, StillViewport(), StillSecond(), photo_texture, ())
+
+
+def pictures(state: AppState) -> Pictures:
+    assert state.pictures is not None
+    return state.pictures
+
+
+def texts(tags: list[tuple[str, object]]) -> str:
+    return " | ".join(text for text, _ in tags)
+
+
+def compare(state: AppState, shown: Shown) -> Draw:
+    return lambda: draw_compare(state, shown, lambda: draw_welcome(state, NOTHING))
