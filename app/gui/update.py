@@ -280,6 +280,8 @@ def _hear(state: AppState, event: object) -> None:
     match event:
         case Started():
             run.started, run.status = event, "running"
+            # What was done after the checkpoint is done again.
+            run.curve = [point for point in run.curve if point.iteration <= event.iteration]
         case Progress():
             run.progress = event
             run.curve.append(event)

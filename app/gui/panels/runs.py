@@ -64,11 +64,9 @@ def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
         imgui.text_colored(theme.now().accent, psnr)
         explain("PSNR: of frames held out where that was measured, else of the training frames.")
-    steps = f"{config.iterations:,}"
+    steps = f"{config.iterations:,} steps"
     if run.made != "finished":
-        steps = f"{run.iteration:,} of {steps}"
-    elif config.iterations > 1:
-        steps += " steps"
+        steps = f"{run.iteration:,} of {config.iterations:,}"
     imgui.align_text_to_frame_padding()
     imgui.text_colored(theme.now().muted, f"{_when(run.created)} · {steps} · {_made(state, run)}")
     if run.made == "unfinished" and not run_actions.is_present(state, run):

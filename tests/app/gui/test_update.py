@@ -212,6 +212,18 @@ def test_a_job_is_followed_from_start_to_end(
     assert run.job is None
 
 
+def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
+    state: AppState, channels: Channels, make_job: MakeFake
+) -> None:
+    actions.start_reconstruction(state, make_job)
+    run = state.reconstruction
+    assert isinstance(run.job, FakeJob)
+    run.curve = [Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)]
+    run.job.inbox = [replace(STARTED, iteration=20), Progress(25, 100, 0.4, 21.0, 1.0, 9.0, 30)]
+    update(state, channels, 0.1)
+    assert [point.iteration for point in run.curve] == [10, 20, 25]
+
+
 @pytest.mark.parametrize(
     ("event", "status", "told"),
     [(Cancelled(), "cancelled", "Continue"), (Failed("out of memory"), "failed", "out of memory")],
