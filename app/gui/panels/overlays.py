@@ -48,7 +48,9 @@ def draw_notice(state: AppState) -> None:
             imgui.spacing()
             imgui.text_colored(theme.now().muted, DETAILS)
         imgui.spacing()
-        if imgui.button("I understand", ImVec2(-1, em(2))):
+        with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
+            understood = imgui.button("I understand", ImVec2(-1, em(2)))
+        if understood:
             actions.acknowledge(state)
             imgui.close_current_popup()
 
