@@ -24,6 +24,7 @@ from app.gui.compare_work import CompareWork
 from app.gui.editing import Selected, Selector, SelectRequest
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.export import Saved, SaveRequest, save_picture
+from app.gui.job_events import follow_job
 from app.gui.measure_work import MeasureWork
 from app.gui.omissions import Omissions, OmissionsRequest, look
 from app.gui.opening import Opened, OpenRequest, open_path
@@ -36,8 +37,6 @@ from app.gui.state import AppState
 from app.gui.strip_work import StripWork
 from app.gui.tuning import CellMaker, CellRequest, GridCell
 from app.gui.viewing import View, ViewRequest, draw_view
-from app.job import Cancelled, Failed, Paused, Resumed
-from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
 
 FRAMES_PER_SECOND = 15.0
 """Of clips that do not say theirs."""
@@ -110,7 +109,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_cell(state, channels)
     _take_written(state, channels)
     _take_step(state, channels)
-    _follow_job(state)
+    follow_job(state)
     _play(state, elapsed)
     path_actions.advance_path(state, elapsed)
     _ask(state, channels)
@@ -257,53 +256,6 @@ def _take_written(state: AppState, channels: Channels) -> None:
 def _take_step(state: AppState, channels: Channels) -> None:
     while (taken := channels.exports.take()) is not None:
         export_actions.take_step(state, *taken)
-
-
-def _follow_job(state: AppState) -> None:
-    job = state.reconstruction.job
-    if job is None:
-        return
-    for event in job.poll():
-        _hear(state, event)
-    if not state.reconstruction.is_alive:
-        if state.model is not None and state.model.live:
-            state.preview = state.model
-        job.close()
-        state.reconstruction.job = None
-    elif (model := job.latest_model()) is not None:
-        actions.show_live_model(state, model)
-
-
-def _hear(state: AppState, event: object) -> None:
-    """What one message of the job changes."""
-    run = state.reconstruction
-    match event:
-        case Started():
-            run.started, run.status = event, "running"
-            # What was done after the checkpoint is done again.
-            run.curve = [point for point in run.curve if point.iteration <= event.iteration]
-        case Progress():
-            run.progress = event
-            run.curve.append(event)
-        case Evaluated():
-            run.evaluated.append(event)
-        case Warned():
-            run.warnings.append(event.message)
-            actions.say(state, event.message)
-        case Paused():
-            run.status = "paused"
-        case Resumed():
-            run.status = "running"
-        case Finished():
-            run.status = "finished"
-            actions.show_finished_model(state, event.model)
-            actions.announce(state, f"reconstruction finished in {event.seconds:.0f} s")
-        case Cancelled():
-            run.status = "cancelled"
-            actions.announce(state, "reconstruction cancelled; Continue goes on from its last checkpoint")
-        case Failed():
-            run.status, run.failure, run.way_out = "failed", event.reason, run_actions.way_out(run)
-            actions.fail(state, f"the reconstruction stopped: {event.reason}")
 
 
 def _play(state: AppState, elapsed: float) -> None:
