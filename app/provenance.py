@@ -56,6 +56,11 @@ def strict_json(value: object, *, indent: int | None = None) -> str:
     return text.encode(errors="replace").decode()
 
 
+def comment(facts: object) -> str:
+    """One line of ASCII for a file that takes no other text."""
+    return f"{KEYWORD} {json.dumps(json.loads(strict_json(facts)))}"
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()

@@ -37,7 +37,12 @@ class Axis:
 
     def label(self, place: int) -> str:
         value = self.values[place]
-        return f"{self.name} {value:.4g}" if isinstance(value, float) else f"{self.name} {value}"
+        return f"{self.name} {value:.4g}" if isinstance(value, float) else f"{self.name} {joined(value)}"
+
+
+def joined(value: object) -> object:
+    """Several values as one text."""
+    return "/".join(map(str, value)) if isinstance(value, tuple) else value
 
 
 @dataclass(frozen=True)
@@ -150,7 +155,7 @@ def _setting(base: Look, axes: Sequence[Axis], places: tuple[int, ...]) -> Setti
     except ValidationError as error:
         raise UserError(f"--vary: {problem(error)}") from error
     label = " · ".join(one.label(place) for one, place in zip(axes, places, strict=True))
-    return Setting(places, label.replace("('", "").replace("')", "").replace("', '", "/"), params)
+    return Setting(places, label, params)
 
 
 def tried(

@@ -233,8 +233,8 @@ def _summary(
     group: Group,
     setting: str,
     error: NDArray[np.float64],
-    bound: float | None = None,
-    laps: NDArray[np.float64] | None = None,
+    bound: float | None,
+    laps: NDArray[np.float64] | None,
 ) -> Row:
     quartiles = None if laps is None else np.percentile(laps, (25, 50, 75))
     return Row(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ from app.errors import UserError
 from app.moments import Moment
 from app.pictures import ArrayImage
 from app.progress import progress
-from app.provenance import repeatable, strict_json, write_sidecar
+from app.provenance import comment, repeatable, write_sidecar
 from app.scene import Scene
 from app.video import write_video
 from renderer.camera_files import NamedCamera, splatting_json
@@ -54,8 +53,7 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment]) -> None:
         for done, moment in enumerate(wanted, start=1):
             raw = scene.model.motion.moved(scene.model.raw, moment.time)
             facts = repeatable(kind="splats", **scene.facts, frame=moment.frame, time=moment.time)
-            comment = f"vesselsplat {json.dumps(json.loads(strict_json(facts)))}"
-            (staging / f"{moment.name}.ply").write_bytes(ply_bytes(raw, scene.mode, [comment]))
+            (staging / f"{moment.name}.ply").write_bytes(ply_bytes(raw, scene.mode, [comment(facts)]))
             report(done, moment.name)
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
 

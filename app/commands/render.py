@@ -13,12 +13,14 @@ from app.color_bar import with_bar
 from app.drawers import drawer
 from app.drawing import Drawn, colored_depth
 from app.errors import UserError
-from app.evaluate import open_evaluation
+from app.evaluate import run_clip
 from app.moments import Moment
 from app.pictures import write_image
 from app.progress import progress
 from app.provenance import repeatable, write_png
+from app.run_folder import RunFolder
 from app.scene import is_splat_file
+from app.training import input_clip
 from app.views import EXPLAINED, SHAPES, composed, has_scale, splats_for
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
@@ -70,7 +72,8 @@ def _photos(flags: argparse.Namespace) -> Clip:
     """What each frame of a run should look like. Raises UserError where there is none."""
     if is_splat_file(flags.scene) or flags.camera or flags.time is not None:
         raise UserError("--view difference: expected frames of a run from its own cameras, which have photos")
-    return open_evaluation(flags.scene).photos
+    record = RunFolder(flags.scene).record()
+    return input_clip(run_clip(record), record)
 
 
 def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:

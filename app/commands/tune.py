@@ -25,7 +25,19 @@ from app.provenance import provenance, source, strict_json, write_png
 from app.series import open_series
 from app.sheet import Tile
 from app.terminal import table_terminal
-from app.tuning import DEFINITIONS, METRICS, Axis, Cell, Measures, Setting, axis, ranked, settings, tried
+from app.tuning import (
+    DEFINITIONS,
+    METRICS,
+    Axis,
+    Cell,
+    Measures,
+    Setting,
+    axis,
+    joined,
+    ranked,
+    settings,
+    tried,
+)
 from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
 from enhance.surround import inside
@@ -180,13 +192,9 @@ def _table(axes: Sequence[Axis], rows: Sequence[Row]) -> bytes:
         values = [one.values[place] for one, place in zip(axes, row.setting.places, strict=True)]
         measured = [getattr(row.measures, name) for name in METRICS]
         writer.writerow(
-            [row.output, *map(_plain, values), *(value if value == value else "" for value in measured)]
+            [row.output, *map(joined, values), *(value if value == value else "" for value in measured)]
         )
     return text.getvalue().encode()
-
-
-def _plain(value: object) -> object:
-    return "/".join(map(str, value)) if isinstance(value, tuple) else value
 
 
 def _print(rows: Sequence[Row]) -> None:

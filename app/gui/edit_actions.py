@@ -20,7 +20,7 @@ from app.gui.editing import (
     tinted_model,
 )
 from app.gui.state import AppState
-from app.provenance import provenance, strict_json
+from app.provenance import comment, provenance
 from app.run_edits import save_edits
 from app.run_folder import RunFolder
 from renderer.editing.edits import Combination, Edits
@@ -252,8 +252,8 @@ def write_splats(state: AppState, source: Path) -> Path:
     while path.exists():
         path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
     origin = editing.edited.origin
-    facts = strict_json(provenance(**(origin.facts if origin else {}), time=state.time))
-    write_bytes(path, ply_bytes(raw, editing.edited.mode, [f"vesselsplat {facts}"]))
+    facts = provenance(**(origin.facts if origin else {}), time=state.time)
+    write_bytes(path, ply_bytes(raw, editing.edited.mode, [comment(facts)]))
     return path
 
 

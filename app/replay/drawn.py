@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,13 +15,14 @@ from app.color_bar import with_bar
 from app.drawers import Draw, Renderer, drawer
 from app.drawing import Drawn, colored_depth
 from app.errors import UserError
-from app.evaluate import open_evaluation
+from app.evaluate import run_clip
 from app.pictures import ArrayImage, write_image
-from app.provenance import strict_json, write_sidecar
+from app.provenance import comment, write_sidecar
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
 from app.run_edits import unpacked
 from app.scene import Scene, open_scene
+from app.training import input_clip
 from app.video import write_video
 from app.views import SHAPES, ViewKind, composed, splats_for
 from renderer.camera import Camera
@@ -146,8 +146,9 @@ def _photo(facts: Facts, said: RenderFacts, sources: Sources, *, trained: bool) 
     run = SCENE.validate_python(facts).run
     if run is None or said.frame is None:
         raise UserError(f"expected the run and the frame of a difference, got neither: {sources.file}")
-    evaluation = open_evaluation(sources.find_run(run).path)
-    return (evaluation.photos if trained else evaluation.clip).read_image(said.frame)
+    record = sources.find_run(run).record()
+    clip = run_clip(record)
+    return (input_clip(clip, record) if trained else clip).read_image(said.frame)
 
 
 def remake_depth(facts: Facts, sources: Sources, target: Path) -> str:
@@ -178,8 +179,7 @@ def remake_splats(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError or pydantic.ValidationError."""
     scene, time = scene_of(facts, sources), MOMENT.validate_python(facts).time
     raw = scene.model.motion.moved(scene.model.raw, time)
-    comment = f"vesselsplat {json.dumps(json.loads(strict_json(again(facts))))}"
-    write_bytes(target, ply_bytes(raw, scene.mode, [comment]))
+    write_bytes(target, ply_bytes(raw, scene.mode, [comment(again(facts))]))
 
 
 def _camera(view: ViewFacts) -> Camera:

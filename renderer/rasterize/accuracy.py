@@ -60,15 +60,17 @@ class _Work:
         return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_LINEAR))
 
 
-def accuracy(splats: Splats, camera: Camera, near: float, repeats: int = 9) -> Iterator[Row]:
-    """Rows for one view, against the float64 reference; pictures take turns.
+def accuracy(
+    splats: Splats, camera: Camera, near: float, truth: NDArray[np.float64], repeats: int = 9
+) -> Iterator[Row]:
+    """Rows for one view, against the float64 picture `truth` of `exact`; pictures take turns.
 
     "whole": as the product draws. "extent": a Gaussian reaches no farther than some alpha, or number of
     standard deviations. "faint": those of little opacity are left out. "fewer": those that weigh most on the
     picture alone. "pixels": drawn smaller and resampled.
     """
     seen = splats.seen_from(camera.position)
-    truth, size = exact(seen, camera, near), (camera.width, camera.height)
+    size = camera.width, camera.height
     works = list(_works(seen, camera, near))
     taken = np.empty((repeats + 1, len(works)))
     entries = [work.draw() for work in works]

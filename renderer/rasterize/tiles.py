@@ -97,6 +97,29 @@ def _set_lanes(across: NDArray[np.float32], down: NDArray[np.float32]) -> None:
         down[lane] = np.float32(lane // BLOCK)
 
 
+@njit(inline="always")
+def _set_bend(
+    a: np.float32,
+    b: np.float32,
+    c: np.float32,
+    across: NDArray[np.float32],
+    down: NDArray[np.float32],
+    bend: NDArray[np.float32],
+) -> None:
+    """What a splat's exponent bends by at each lane, beside its slopes at the block's corner."""
+    for lane in range(LANES):
+        x, y = across[lane], down[lane]
+        bend[lane] = x * (a * x + b * y) + c * y * y
+
+
+@njit(inline="always")
+def _fetch(records: NDArray[np.float32], splats: NDArray[np.int32], batch: NDArray[np.float32]) -> None:
+    """Copy the records of at most BATCH splats."""
+    for i in range(len(splats)):
+        for column in range(RECORD_SIZE):
+            batch[i, column] = records[splats[i], column]
+
+
 @njit(fastmath={"contract"}, error_model="numpy")
 def _blend_tile(
     records: NDArray[np.float32],
@@ -120,9 +143,7 @@ def _blend_tile(
     end = len(splats)
     for begin in range(0, len(splats), BATCH):
         count = min(BATCH, len(splats) - begin)
-        for i in range(count):
-            for column in range(RECORD_SIZE):
-                batch[i, column] = records[splats[begin + i], column]
+        _fetch(records, splats[begin : begin + count], batch)
         for i in range(count):
             record = batch[i]
             a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
@@ -131,9 +152,7 @@ def _blend_tile(
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
-            for lane in range(LANES):
-                x, y = across[lane], down[lane]
-                bend[lane] = x * (a * x + b * y) + c * y * y
+            _set_bend(a, b, c, across, down, bend)
             for row in range(first_row, last_row + 1):
                 dy = np.float32(BLOCK * row) - center_y
                 for column in range(first_column, last_column + 1):
@@ -233,9 +252,7 @@ def _blend_tile_backward(
             state[ADJOINT_PLANES + 1, block, lane] = ZERO
     for begin in range(0, len(splats), BATCH):
         count = min(BATCH, len(splats) - begin)
-        for i in range(count):
-            for column in range(RECORD_SIZE):
-                batch[i, column] = records[splats[begin + i], column]
+        _fetch(records, splats[begin : begin + count], batch)
         for i in range(count):
             record = batch[i]
             a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
@@ -244,9 +261,7 @@ def _blend_tile_backward(
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
-            for lane in range(LANES):
-                x, y = across[lane], down[lane]
-                bend[lane] = x * (a * x + b * y) + c * y * y
+            _set_bend(a, b, c, across, down, bend)
             for total in range(_LANE_SUMS):
                 for lane in range(LANES):
                     lanes[total, lane] = ZERO

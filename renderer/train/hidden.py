@@ -58,6 +58,9 @@ def settled(
         _add_normal(normal_nodes, _seen_of_nodes(motion, seen), *taps)
         _add_normal(normal_whole, np.ones(1, np.float32), *taps)
     whole = normal_whole[0, :, 0]
+    share = float(np.mean(normal[:, :, 0] < _HIDDEN * whole))
+    if share == 0:
+        return gaussians, ()
     still = replace(
         motion,
         position_controls=_at_rest(motion.position_controls, normal, whole),
@@ -65,9 +68,6 @@ def settled(
         opacity_controls=_at_rest(motion.opacity_controls, normal, whole),
         node_controls=_at_rest(motion.node_controls, normal_nodes, whole),
     )
-    share = float(np.mean(normal[:, :, 0] < _HIDDEN * whole))
-    if share == 0:
-        return gaussians, ()
     omission = Omission(
         "motion of hidden tissue", "no training frame shows it", f"{share:.1%} of the control values"
     )

@@ -1,10 +1,11 @@
 from __future__ import annotations
 
-from renderer.rasterize.accuracy import Row, accuracy
+from renderer.rasterize.accuracy import Row, accuracy, exact
 from tests.renderer.scenes import random_splats, turned_camera
 
 CAMERA = turned_camera(96, 80)
-ROWS = list(accuracy(random_splats(400, CAMERA), CAMERA, 0.01, repeats=1))
+SPLATS = random_splats(400, CAMERA)
+ROWS = list(accuracy(SPLATS, CAMERA, 0.01, exact(SPLATS, CAMERA, 0.01), repeats=1))
 
 
 def group(name: str) -> list[Row]:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 import renderer.draw.accuracy
 import renderer.rasterize.accuracy
@@ -16,6 +20,7 @@ from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_c
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance, near_plane
 from renderer.rasterize.accuracy import exact
+from renderer.splats import Splats
 
 Row = renderer.rasterize.accuracy.Row | renderer.draw.accuracy.Row
 COLUMNS: Final = (
@@ -39,14 +44,15 @@ def measure(bench: Bench, clock: Clock) -> Section:
     camera = camera.resized(camera.width // divisor, camera.height // divisor)
     size, time = f"{camera.width}x{camera.height}", bench.clip.times[index]
     bench.say(f"drawing of {len(model)} Gaussians at {size} against float64")
-    near = near_plane(model, camera)
-    rows = list(renderer.rasterize.accuracy.accuracy(model.at(time), camera, near))
+    view = _View(model, model.at(time), camera, near_plane(model, camera))
+    truth = exact(view.splats.seen_from(camera.position), camera, view.near)
+    rows = list(renderer.rasterize.accuracy.accuracy(view.splats, camera, view.near, truth))
     groups: list[tuple[str, Sequence[Row], tuple[Column, ...]]] = [
         ("CPU rasteriser", rows, (*COLUMNS, ENTRIES)),
     ]
     missing: list[str] = []
     try:
-        groups += _opengl(bench, model, camera, time)
+        groups += _opengl(bench, view, truth)
     except OpenGLUnavailable as error:
         missing.append(f"drawing with OpenGL: {error}")
     return Section(
@@ -71,16 +77,24 @@ def measure(bench: Bench, clock: Clock) -> Section:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _View:
+    """What is drawn, and from where."""
+
+    model: DynamicGaussians
+    splats: Splats
+    camera: Camera
+    near: float
+
+
 def _opengl(
-    bench: Bench, model: DynamicGaussians, camera: Camera, time: float
+    bench: Bench, view: _View, truth: NDArray[np.float64]
 ) -> list[tuple[str, Sequence[Row], tuple[Column, ...]]]:
-    context, near = standalone_context(), near_plane(model, camera)
+    context, model, camera = standalone_context(), view.model, view.camera
     bench.say(f"drawing with {renderer_name(context)}")
-    splats = model.at(time)
-    truth = exact(splats.seen_from(camera.position), camera, near)
-    drawn = list(renderer.draw.accuracy.opengl(context, splats, camera, near, truth))
+    drawn = list(renderer.draw.accuracy.opengl(context, view.splats, camera, view.near, truth))
     pixel = middle_distance(model, camera) / camera.fx
-    kept = list(renderer.draw.accuracy.keyframes(context, model, camera, bench.clip.times, near, pixel))
+    kept = list(renderer.draw.accuracy.keyframes(context, model, camera, bench.clip.times, view.near, pixel))
     made: list[tuple[str, Sequence[Row], tuple[Column, ...]]] = [
         (f"OpenGL, {renderer_name(context)}", drawn, COLUMNS),
         ("Keyframes over time", kept, (*COLUMNS, *KEPT)),
