@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Final
 
@@ -69,7 +70,11 @@ class CameraPath:
         if not self.keyframes:
             raise ValueError("a camera path needs at least one keyframe, got none")
         seconds = min(max(seconds, self.start), self.end)
-        return _Curve(self.keyframes).at(seconds)
+        return self._curve.at(seconds)
+
+    @cached_property
+    def _curve(self) -> _Curve:
+        return _Curve(self.keyframes)
 
     def moments(self, per_second: float) -> tuple[Keyframe, ...]:
         """So many views a second, evenly, from the first keyframe on to the end."""
@@ -147,7 +152,6 @@ def velocities(differences: FloatArray, steps: FloatArray, same: float, *, close
         return np.zeros((1, differences.shape[1]))
     slopes = differences / steps[:, None]
     still = np.linalg.norm(differences, axis=1) <= same
-    slopes, still = slopes.copy(), still.copy()
     before, after = np.r_[slopes[-1:], slopes], np.r_[slopes, slopes[:1]]
     earlier, later = np.r_[steps[-1:], steps], np.r_[steps, steps[:1]]
     rests = np.r_[still[-1:], still] | np.r_[still, still[:1]]
@@ -177,7 +181,7 @@ def monotone(differences: FloatArray, steps: FloatArray) -> FloatArray:
 def hermite(values: FloatArray, speeds: FloatArray, a: int, b: int, share: float, step: float) -> FloatArray:
     """(D,) of the cubic from knot a to b with the given velocities there."""
     s = share
-    start, end = values[a] + 0.0, values[b] - values[a]
+    start, end = values[a], values[b] - values[a]
     return np.asarray(
         start + (3 - 2 * s) * s * s * end + s * (1 - s) * step * ((1 - s) * speeds[a] - s * speeds[b])
     )

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.camera import Camera
-from renderer.splats import Float32Array, Splats
+from renderer.camera import Camera, FloatArray
+from renderer.rotations import matrix
+from renderer.splats import Splats
 
 
 def painted(splats: Splats, colors: NDArray[np.floating]) -> Splats:
@@ -31,18 +32,9 @@ def by_motion(splats: Splats, first: Splats) -> Splats:
     return painted(splats, np.repeat(way[:, None], 3, axis=1))
 
 
-def _shortest_axes(splats: Splats) -> Float32Array:
+def _shortest_axes(splats: Splats) -> FloatArray:
     """(N, 3) unit vectors in the world."""
     quats = splats.quats.astype(np.float64)
     lengths = np.linalg.norm(quats, axis=1, keepdims=True)
-    w, x, y, z = (quats / np.where(lengths > 0, lengths, 1)).T
-    columns = np.stack(
-        [
-            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=1),
-            np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=1),
-            np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1),
-        ],
-        axis=1,
-    )
-    shortest: Float32Array = columns[np.arange(len(splats)), splats.scales.argmin(axis=1)]
-    return shortest
+    turned = matrix((quats / np.where(lengths > 0, lengths, 1)).T)
+    return turned[:, splats.scales.argmin(axis=1), np.arange(len(splats))].T

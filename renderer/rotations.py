@@ -41,7 +41,7 @@ def quaternion(rotation: FloatArray) -> FloatArray:
 
 
 def matrix(turn: FloatArray) -> FloatArray:
-    """(3, 3) of a unit quaternion."""
+    """(3, 3) of a unit quaternion (4,) wxyz; (3, 3, N) of (4, N)."""
     w, x, y, z = turn
     return np.array(
         [

@@ -74,10 +74,15 @@ def import_views(path: Path) -> Views:
     if path.suffix.lower() == ".txt":
         return Views(read_cameras(path.parent))
     try:
-        ours = path.is_file() and FORMAT.encode() in path.read_bytes()[:HEAD]
+        ours = path.is_file() and _begins_as_ours(path)
     except OSError as error:
         raise CameraFileError(f"expected a camera file, {error.strerror}: {path}") from error
     return read_views(path) if ours else Views(read_cameras(path))
+
+
+def _begins_as_ours(path: Path) -> bool:
+    with path.open("rb") as file:
+        return FORMAT.encode() in file.read(HEAD)
 
 
 def views_of(content: Any) -> Views:

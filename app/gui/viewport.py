@@ -121,7 +121,8 @@ class GraphicsViewport:
         _forget_errors(self._ctx)
         splats = self._upload(request, keyframes)
         if request.kind != "color":
-            layers = read_layers(splats, request.camera, SHAPES[request.kind])
+            shape, with_depth = SHAPES[request.kind], request.kind == "depth"
+            layers = read_layers(splats, request.camera, shape, with_depth=with_depth)
             self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
             self._finish(request)
             return

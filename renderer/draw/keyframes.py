@@ -154,7 +154,7 @@ class Baker:
         )
         self._offsets: list[list[Offsets | None]] = [[] for _ in range(TEXELS)]
         self._moves = np.zeros(len(model), bool)
-        self._ever_seen = self._rest.opacities >= ALPHA_CUT
+        self._ever_seen = np.zeros(len(model), bool)
 
     def _chosen(self, times: NDArray[np.float64], most_bytes: int) -> NDArray[np.float64]:
         """The times that fit, judged by the texels that move between a few of them."""

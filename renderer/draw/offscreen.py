@@ -40,10 +40,10 @@ def layers_offscreen(
         view.release()
 
 
-def read_layers(view: SplatView, camera: Camera, shape: Shape = "soft") -> Layers:
-    """What a view holds, as `camera` sees it."""
+def read_layers(view: SplatView, camera: Camera, shape: Shape = "soft", *, with_depth: bool = True) -> Layers:
+    """What a view holds, as `camera` sees it. Depth is a second drawing: `with_depth` False gives 0."""
     color = view.read_color(camera, shape)
-    depth = view.read_depth(camera, shape)
+    depth = view.read_depth(camera, shape) if with_depth else np.zeros(color.shape[:2], np.float32)
     return Layers(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), depth)
 
 
@@ -66,18 +66,6 @@ def render_offscreen(
         return read_image(framebuffer)
     finally:
         framebuffer.release()
-        view.release()
-
-
-def render_depth_offscreen(
-    ctx: moderngl.Context, splats: Splats, camera: Camera, *, near: float = 0.01
-) -> Float32Array:
-    """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
-    view = SplatView(ctx, precision="float", keys="float32", near=near)
-    try:
-        view.upload(splats)
-        return view.read_depth(camera)
-    finally:
         view.release()
 
 

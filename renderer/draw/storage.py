@@ -29,7 +29,7 @@ class Storage:
     def __init__(self, ctx: moderngl.Context, program: moderngl.Program, keyframes: Keyframes) -> None:
         rest = keyframes.rest
         self._check(ctx, keyframes)
-        self._ctx, self._program = ctx, program
+        self._program = program
         records = packed(rest)
         # 0: stands still. float32 counts to 2^24 exactly, which no texture holds.
         records[keyframes.moving, SLOT] = np.arange(1, len(keyframes.moving) + 1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from renderer.camera import FloatArray
+from renderer.rotations import matrix
 
 
 def pose_matrix(position: FloatArray, xyzw: FloatArray) -> FloatArray:
@@ -17,12 +18,7 @@ def pose_matrix(position: FloatArray, xyzw: FloatArray) -> FloatArray:
     if not (0 < length < np.inf and np.isfinite(position).all()):
         given = f"{np.ravel(position).tolist()} and {np.ravel(xyzw).tolist()}"
         raise ValueError(f"expected a finite position and a quaternion other than 0, got {given}")
-    x, y, z, w = xyzw / length
-    matrix = np.eye(4)
-    matrix[:3, 3] = position
-    matrix[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    return matrix
+    pose = np.eye(4)
+    pose[:3, 3] = position
+    pose[:3, :3] = matrix(np.roll(xyzw / length, 1))
+    return pose

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import moderngl
 import pytest
 
@@ -52,7 +50,7 @@ def test_each_case_is_there_once_and_every_hazard_of_the_design() -> None:
 @pytest.mark.gl
 def test_opengl_draws_the_same_extremes(ctx: moderngl.Context) -> None:
     def draw(splats, camera, near):  # type: ignore[no-untyped-def]
-        return partial(render_offscreen, ctx)(splats, camera, near=near)
+        return render_offscreen(ctx, splats, camera, near=near)
 
     for row in pictures("OpenGL", draw):
         assert row.passed, f"{row.case}: {row.measured:g} grey levels"

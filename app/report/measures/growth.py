@@ -157,7 +157,7 @@ def _on_the_cpu(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequenc
 
 
 def _by_opengl(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequence[float]) -> Series:
-    """Drawn from a camera that turns, so that every picture is sorted; memory of records and target."""
+    """With every picture sorted, as where the camera turns; memory of records and target."""
     context = standalone_context()
     works, megabytes, name = [], [], renderer_name(context).split(" (")[0]
     for width, height, count in scenes:
@@ -166,6 +166,7 @@ def _by_opengl(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequence
         view.upload(splats)
 
         def draw(view=view, camera=camera, framebuffer=framebuffer) -> None:  # type: ignore[no-untyped-def]
+            view.forget_order()
             view.draw(camera, framebuffer)
             context.finish()
 

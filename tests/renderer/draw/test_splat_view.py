@@ -10,11 +10,12 @@ import pytest
 
 from renderer.camera import Camera
 from renderer.draw import splat_view
-from renderer.draw.offscreen import read_image, render_depth_offscreen, render_offscreen
+from renderer.draw.offscreen import layers_offscreen, read_image, render_offscreen
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.splat_view import Precision, SplatView
 from renderer.rasterize.cpu import render
 from renderer.splats import Splats
+from renderer.stability.scenes import joined
 from tests.renderer.draw.oracle import levels, psnr, reference
 from tests.renderer.scenes import random_splats, turned_camera
 
@@ -30,16 +31,6 @@ def scene(seed: int, camera: Camera = CAMERA) -> Splats:
     small = random_splats(300, camera, seed)
     large = random_splats(30, camera, seed + 1000, sigma=(20.0, 60.0))
     return joined(small, large)
-
-
-def joined(*parts: Splats) -> Splats:
-    return Splats(
-        means=np.concatenate([part.means for part in parts]),
-        quats=np.concatenate([part.quats for part in parts]),
-        scales=np.concatenate([part.scales for part in parts]),
-        opacities=np.concatenate([part.opacities for part in parts]),
-        colors=np.concatenate([part.colors for part in parts]),
-    )
 
 
 def splat(
@@ -71,7 +62,7 @@ def test_the_picture_is_that_of_the_reference(
 def test_expected_depth_is_that_of_the_reference(ctx: moderngl.Context, seed: int) -> None:
     splats = random_splats(150, CAMERA, seed)
     oracle = reference(splats, CAMERA)
-    depth, alpha = render_depth_offscreen(ctx, splats, CAMERA), oracle.alpha.numpy()
+    depth, alpha = layers_offscreen(ctx, splats, CAMERA, near=0.01).depth, oracle.alpha.numpy()
     assert (alpha > 0.5).any()
     assert (alpha == 0).any()
     np.testing.assert_allclose(depth[alpha > 0], oracle.depth.numpy()[alpha > 0], rtol=1e-5)
@@ -168,7 +159,7 @@ def test_nothing_to_see_shows_the_background(ctx: moderngl.Context, splats: Spla
     camera = Camera.from_fov(60, 24, 16)
     image = render_offscreen(ctx, splats, camera, BACKGROUND)
     np.testing.assert_allclose(image, np.broadcast_to(BACKGROUND, (16, 24, 3)), atol=1e-7)
-    assert not render_depth_offscreen(ctx, splats, camera).any()
+    assert not layers_offscreen(ctx, splats, camera, near=0.01).depth.any()
 
 
 def test_a_view_without_an_upload_shows_the_background(ctx: moderngl.Context) -> None:
