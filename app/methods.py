@@ -63,6 +63,13 @@ class LookEnhancer:
         return self._vessel.enhance(look, statistics=statistics)
 
 
+def load_kernels(look: Look, image: ArrayImage) -> None:
+    """From disk, or compile them, for pictures of this kind: which is no time of one enhanced thereafter."""
+    enhancer = LookEnhancer()
+    enhancer.show(np.zeros_like(image[:64, :64]))
+    enhancer.enhance(look)
+
+
 def measure_for(
     look: Look, images: Iterable[ArrayImage], tissue_masks: Iterable[BoolImage | None] | None = None
 ) -> Statistics:

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from app.arguments import AUTO, problem
 from app.errors import UserError
-from app.methods import Look, LookEnhancer
+from app.methods import Look, LookEnhancer, load_kernels
 from app.pictures import ArrayImage
 from enhance import Statistics
 from enhance.image import BoolImage
@@ -172,12 +172,10 @@ def tried(
     view = field_of_view(image)
     vessels = vessel_mask(image, tissue_mask=view)
     order = working_order(wanted)
-    # A first use loads or compiles kernels, which is no time of a setting.
-    enhancer, other = LookEnhancer(), LookEnhancer()
+    for one in order[:1]:
+        load_kernels(one.params, image)
+    enhancer = LookEnhancer()
     enhancer.show(image, tissue_mask)
-    if order:
-        other.show(image, tissue_mask)
-        other.enhance(order[0].params)
     for setting in order:
         start = perf_counter()
         result = enhancer.enhance(setting.params)

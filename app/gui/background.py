@@ -53,6 +53,11 @@ class Channel(Generic[Request, Answer]):
             self._waiting.append(request)
         self._wake()
 
+    def want(self, request: Request | None) -> None:
+        """Ask, unless there is nothing to ask for or it is what was asked last."""
+        if request is not None and self.asked != request:
+            self.ask(request)
+
     def take(self) -> tuple[Request, Answer | Failure] | None:
         """The next answer with its request, once each; None when there is none."""
         with self._lock:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from app.gui import actions
+from app.gui.answered import answered
 from app.gui.background import Channel, Failure
 from app.gui.comparison import SIDES, Side
 from app.gui.others import Difference, DifferenceRequest, Other, OtherMaker, OtherRequest, heat_map
@@ -41,11 +42,8 @@ class CompareWork:
             elif request == other_request(state, side):
                 state.playing = False
                 actions.fail(state, f"the {side} picture cannot be made: {answer.message}")
-        if (made := self.difference.take()) is not None:
-            if isinstance(made[1], Failure):
-                actions.fail(state, f"the difference cannot be shown: {made[1].message}")
-            else:
-                state.difference = made[1]
+        if (made := answered(state, self.difference, "the difference cannot be shown")) is not None:
+            state.difference = made[1]
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there; say whether the panes wait for it."""
@@ -56,6 +54,4 @@ class CompareWork:
             # A failed request is not asked for again until something has changed.
             if one is not None and one not in have and self.sides[side].asked != one:
                 self.sides[side].ask(one)
-        difference = difference_request(state)
-        if difference is not None and self.difference.asked != difference:
-            self.difference.ask(difference)
+        self.difference.want(difference_request(state))

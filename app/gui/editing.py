@@ -9,7 +9,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.gui.free_view import Vector, vector
+from app.gui.free_view import Vector
+from app.gui.picking import surface
 from app.gui.viewing import ShownModel, ViewRequest
 from app.run_edits import edits_facts
 from renderer.editing.edits import Combination, Edits
@@ -98,16 +99,6 @@ class Selector:
 def _limits(values: np.ndarray[Any, np.dtype[np.float32]]) -> Limits:
     finite = values[np.isfinite(values)]
     return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
-
-
-def surface(view: ViewRequest, pixel: tuple[int, int]) -> Vector | None:
-    """The point behind a pixel of the view; None where nothing solid is."""
-    # Its kernels take seconds to import on a first start; the window must not wait for them.
-    from renderer.picking import surface_point
-
-    splats = view.shown.model.at(view.time)
-    point = surface_point(splats, view.camera, pixel, view.near, mode=view.shown.mode)
-    return None if point is None else vector(point)
 
 
 @dataclass

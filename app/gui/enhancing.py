@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.methods import Look, LookEnhancer
+from app.methods import Look, LookEnhancer, load_kernels
 from app.picture_mask import NO_MASK, PictureMask
 from enhance import EnhanceParams, Statistics, measure
 from enhance.result import Omission
@@ -78,20 +78,18 @@ class PictureMaker:
         if request.params is None:
             return
         statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
-        self._load(request.params)
+        self._load(request.params, photo)
         start = perf_counter()
         result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
         yield Pictures(request, photo, enhanced, result.statistics, milliseconds, result.omitted)
 
-    def _load(self, params: Look) -> None:
+    def _load(self, params: Look, photo: ByteImage) -> None:
         """The kernels of a method, once: their way from disk is no time of a picture."""
         if type(params) not in self._loaded:
             self._loaded.add(type(params))
-            other = LookEnhancer()
-            other.show(np.zeros((64, 64, 3), np.uint8))
-            other.enhance(params)
+            load_kernels(params, photo)
 
     def _show(self, request: PictureRequest) -> ByteImage:
         """The photo, read once for as long as only parameters move."""

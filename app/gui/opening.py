@@ -122,6 +122,9 @@ def _open_run(folder: RunFolder) -> Opened:
     clip, notices = _clip_of(record)
     model, warning = shown_model(folder, record) if folder.is_finished else None, ""
     if model is not None:
+        if clip is not None and clip.cameras == model.cameras:
+            # The same objects, so that comparing them is quick; it is done in every frame.
+            model = replace(model, cameras=clip.cameras)
         try:
             model = replace(model, saved_edits=read_edits(folder, len(model.model)))
         except UserError as error:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 
 import cv2
 import numpy as np
 
 from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
-from app.gui.viewing import ShownModel, ViewRequest, draw_view
+from app.gui.viewing import ShownModel, draw_view
 from app.methods import Look
 from enhance.baselines import BASELINES
 from renderer.clip import ByteImage
@@ -71,7 +72,7 @@ class OtherMaker:
 
 def _render(shown: ShownModel, index: int) -> ByteImage:
     """The model through the clip's own camera of that frame."""
-    (view,) = draw_view(ViewRequest(shown, index / len(shown.cameras), shown.cameras[index]))
+    (view,) = draw_view(shown.of_frame(index))
     return view.image
 
 
@@ -116,6 +117,7 @@ def heat_map(request: DifferenceRequest) -> Iterator[Difference]:
     yield Difference(request, heat, top, float(largest.mean()))
 
 
+@cache
 def heat_colors() -> ByteImage:
     """(256, 3) RGB of the heat map, from no difference to the top of its scale."""
     ramp = np.arange(256, dtype=np.uint8)[:, None]

@@ -30,12 +30,15 @@ class Picked:
 
 
 def pick(request: PickRequest) -> Iterator[Picked]:
-    """Where the expected depth of the view says that the surface is."""
+    """Answers a PickRequest."""
+    yield Picked(surface(request.view, request.pixel))
+
+
+def surface(view: ViewRequest, pixel: tuple[int, int]) -> Vector | None:
+    """Where the expected depth of the view says that the surface is; None where nothing solid is."""
     # Its kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.picking import surface_point
 
-    view = request.view
-    shown = view.shown
-    splats = shown.model.at(view.time)
-    point = surface_point(splats, view.camera, request.pixel, view.near, mode=shown.mode)
-    yield Picked(None if point is None else vector(point))
+    splats = view.shown.model.at(view.time)
+    point = surface_point(splats, view.camera, pixel, view.near, mode=view.shown.mode)
+    return None if point is None else vector(point)

@@ -7,7 +7,7 @@ from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui, imgui_ctx
 
 from app.gui import actions, dockings, queue_actions
 from app.gui.state import AppState
-from app.gui.widgets import em
+from app.gui.widgets import em, question
 
 KEPT = "What is done up to the last checkpoint is kept: Continue goes on from there. What waits is forgotten."
 
@@ -28,13 +28,9 @@ def ask_before_quitting(state: AppState) -> None:
 
 
 def _draw_question(state: AppState) -> None:
-    title = "Close VesselSplat?"
     if state.closing != "asked":
         return
-    imgui.open_popup(title)
-    imgui.set_next_window_pos(imgui.get_main_viewport().get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
-    imgui.set_next_window_size(ImVec2(em(27), 0))
-    with imgui_ctx.begin_popup_modal(title, imgui.WindowFlags_.no_resize) as opened:
+    with question("Close VesselSplat?", 27) as opened:
         if not opened:
             return
         with imgui_ctx.push_text_wrap_pos(0):

@@ -39,7 +39,7 @@ class Patch:
 
 
 def visible(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Patch | None:
-    """The part of an (H, W, 3) image that a pane of (width, height) pixels shows; None when it shows none."""
+    """The part of an (H, W, 3) or (H, W) image that a pane of (width, height) pixels shows; None: nothing."""
     columns = _span(place.offset_x, place.zoom, image.shape[1], pane[0])
     rows = _span(place.offset_y, place.zoom, image.shape[0], pane[1])
     if columns is None or rows is None:
@@ -55,10 +55,10 @@ def visible(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Pa
 
 def tinted(patch: Patch, left_out: BoolImage, place: Placement, pane: tuple[float, float]) -> Patch:
     """A patch of a picture with the True pixels of a mask (H, W) tinted."""
-    share = visible(np.dstack((left_out.astype(np.uint8) * 255,) * 3), place, pane)
-    if share is None or share.pixels.shape != patch.pixels.shape:
+    share = visible(left_out.astype(np.uint8) * 255, place, pane)
+    if share is None or share.pixels.shape != patch.pixels.shape[:2]:
         return patch
-    weight = share.pixels[..., :1].astype(np.float32) * (TINT_SHARE / 255)
+    weight = share.pixels[..., None].astype(np.float32) * (TINT_SHARE / 255)
     mixed = patch.pixels + weight * (np.array(TINT, np.float32) - patch.pixels)
     return Patch(np.asarray(mixed, dtype=np.uint8), patch.x, patch.y)
 

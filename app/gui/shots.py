@@ -8,7 +8,7 @@ from collections.abc import Generator, Iterator
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 Form = Literal["panes", "panes video", "measures", "view video"]
-FORMS: tuple[Form, ...] = get_args(Form)
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class Shot:
         photo, by = self.photo, self.by
         facts: dict[str, Any] = {"title": self.title, "scope": photo.scope, "tissue_only": photo.tissue_only}
         if isinstance(by, ShownModel):
-            return facts | {"shows": "render", "view": view_facts(_through_clip(by, photo.frame_index))}
+            return facts | {"shows": "render", "view": view_facts(by.of_frame(photo.frame_index))}
         if isinstance(by, str):
             return facts | {"shows": "method", "method": by}
         return facts | ({"shows": "original"} if by is None else {"shows": "setting", "params": by})
@@ -127,11 +126,6 @@ def panel(shot: Shot, maker: OtherMaker, scale: int) -> tuple[Panel, Statistics 
 
 def _enlarged(image: ByteImage, scale: int) -> ByteImage:
     return image if scale == 1 else np.ascontiguousarray(image.repeat(scale, axis=0).repeat(scale, axis=1))
-
-
-def _through_clip(shown: ShownModel, frame: int) -> ViewRequest:
-    """As `OtherMaker` draws it."""
-    return ViewRequest(shown, frame / len(shown.cameras), shown.cameras[frame])
 
 
 def _facts(request: ExportRequest) -> dict[str, Any]:

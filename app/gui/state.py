@@ -308,7 +308,7 @@ class AppState:
         return self.pictures is not None and self.pictures.request != self.picture_request
 
     @property
-    def _pictures_wait(self) -> bool:
+    def pictures_wait(self) -> bool:
         return self.pictures_are_stale or self.panes_wait
 
     @property
@@ -327,7 +327,7 @@ class AppState:
         return (
             self.reconstruction.is_alive
             or self.opening is not None
-            or self._pictures_wait
+            or self.pictures_wait
             or self.tuning.request is not None
             or self.editing.wish is not None
             or self.exporting is not None

@@ -41,10 +41,8 @@ class StripWork:
         """Ask for what is not there, once the pictures are."""
         if state.clip is None or state.pictures is None:
             return
-        wanted = StripRequest(state.clip, state.strip_count)
         rests = not state.playing and state.now - state.asked_at >= REST
-        if rests and state.strip_count > 0 and self.strip.asked != wanted:
-            self.strip.ask(wanted)
-        masked = LeftOutRequest(state.clip, state.shown_index, state.clip_settings.mask)
-        if state.overlay and self.left_out.asked != masked:
-            self.left_out.ask(masked)
+        if rests and state.strip_count > 0:
+            self.strip.want(StripRequest(state.clip, state.strip_count))
+        if state.overlay:
+            self.left_out.want(LeftOutRequest(state.clip, state.shown_index, state.clip_settings.mask))

@@ -90,8 +90,9 @@ class Tuning:
             return None
         if self.chosen is not None and not self.is_looked_at:
             return CellRequest(self.grid, self.chosen, whole=True)
-        waiting = (one for one in working_order(self.grid.settings) if one not in self.cells)
-        setting = next(waiting, None) if self.running else None
+        if not self.running:
+            return None
+        setting = next((one for one in working_order(self.grid.settings) if one not in self.cells), None)
         return CellRequest(self.grid, setting, whole=False) if setting is not None else None
 
     @property

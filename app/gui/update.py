@@ -18,6 +18,7 @@ from app.gui import (
     session_actions,
     tuning_actions,
 )
+from app.gui.answered import answered
 from app.gui.background import Channel, Failure, SteppedChannel
 from app.gui.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.compare_work import CompareWork
@@ -37,9 +38,8 @@ from app.gui.state import AppState
 from app.gui.strip_work import StripWork
 from app.gui.tuning import CellMaker, CellRequest, GridCell
 from app.gui.viewing import View, ViewRequest, draw_view
+from app.moments import FRAMES_PER_SECOND
 
-FRAMES_PER_SECOND = 15.0
-"""Of clips that do not say theirs."""
 PATIENCE = 0.3
 """Seconds before a new frame's photo is shown without its enhanced partner."""
 SLOW_VIEW = 60.0
@@ -154,23 +154,12 @@ def _may_show(state: AppState, pictures: Pictures) -> bool:
 
 
 def _take_pick(state: AppState, channels: Channels) -> None:
-    taken = channels.picks.take()
-    if taken is None:
-        return
-    request, answer = taken
-    if isinstance(answer, Failure):
-        actions.fail(state, f"the point cannot be found: {answer.message}")
-    else:
-        camera_actions.take_point(state, request, answer)
+    if (taken := answered(state, channels.picks, "the point cannot be found")) is not None:
+        camera_actions.take_point(state, *taken)
 
 
 def _take_omissions(state: AppState, channels: Channels) -> None:
-    taken = channels.omissions.take()
-    if taken is None:
-        return
-    if isinstance(taken[1], Failure):
-        actions.fail(state, f"what is left out cannot be told: {taken[1].message}")
-    else:
+    if (taken := answered(state, channels.omissions, "what is left out cannot be told")) is not None:
         state.omissions = taken[1]
 
 
@@ -187,12 +176,7 @@ def _take_selected(state: AppState, channels: Channels) -> None:
 
 
 def _take_photo(state: AppState, channels: Channels) -> None:
-    taken = channels.photos.take()
-    if taken is None:
-        return
-    if isinstance(taken[1], Failure):
-        actions.fail(state, f"the photo cannot be read: {taken[1].message}")
-    else:
+    if (taken := answered(state, channels.photos, "the photo cannot be read")) is not None:
         state.viewer.photo = taken[1]
 
 
@@ -271,7 +255,7 @@ def _play(state: AppState, elapsed: float) -> None:
 
 
 def _waits(state: AppState) -> bool:
-    return state.frozen_index is None and (state.pictures_are_stale or state.panes_wait)
+    return state.frozen_index is None and state.pictures_wait
 
 
 def view_request(state: AppState) -> ViewRequest | None:
@@ -290,53 +274,37 @@ def is_slow(*views: View | None) -> bool:
 
 
 def _ask(state: AppState, channels: Channels) -> None:
-    if state.opening is not None and channels.opening.asked is not state.opening:
-        channels.opening.ask(state.opening)
+    channels.opening.want(state.opening)
     pictures = state.picture_request
     if pictures is not None and channels.pictures.asked != pictures:
         state.asked_at = state.now
         channels.pictures.ask(pictures)
-    pick = state.viewer.pick
-    if pick is not None and channels.picks.asked is not pick:
-        channels.picks.ask(pick)
-    wish = state.editing.wish
-    if wish is not None and channels.selecting.asked is not wish:
-        channels.selecting.ask(wish)
-    photo = state.photo_request
-    if photo is not None and channels.photos.asked != photo:
-        channels.photos.ask(photo)
+    channels.picks.want(state.viewer.pick)
+    channels.selecting.want(state.editing.wish)
+    channels.photos.want(state.photo_request)
     _ask_for_keyframes(state, channels)
-    cell = state.tuning.request
-    if cell is not None and channels.cells.asked != cell:
-        channels.cells.ask(cell)
+    channels.cells.want(state.tuning.request)
     if (session := session_actions.autosave_request(state)) is not None:
         channels.sessions.ask(session)
     channels.compare.ask(state)
     channels.measure.ask(state)
     channels.strip.ask(state)
-    listed = state.runs_request
-    if listed is not None and channels.runs.asked != listed:
-        channels.runs.ask(listed)
+    channels.runs.want(state.runs_request)
     state.asks_for_runs = False
-    wanted = state.omissions_request
-    if wanted is not None and channels.omissions.asked != wanted:
-        channels.omissions.ask(wanted)
+    channels.omissions.want(state.omissions_request)
     view = view_request(state)
-    if view is not None and state.processor_draws and channels.view.asked != view:
-        channels.view.ask(view)
+    if state.processor_draws:
+        channels.view.want(view)
     _ask_second(state, channels, view)
 
 
 def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) -> None:
     """The second 3D view is of the first one's moment, camera and size."""
     second = state.second
-    if second.opening is not None and channels.second_opening.asked is not second.opening:
-        channels.second_opening.ask(second.opening)
+    channels.second_opening.want(second.opening)
     if first is None or second.shown is None or not state.processor_draws:
         return
-    wanted = replace(first, shown=second.shown)
-    if channels.second.asked != wanted:
-        channels.second.ask(wanted)
+    channels.second.want(replace(first, shown=second.shown))
 
 
 def _ask_for_keyframes(state: AppState, channels: Channels) -> None:

@@ -54,7 +54,10 @@ class ShownModel:
 
     def snapped(self, time: float) -> ViewRequest:
         """The frame nearest to `time` as the clip's camera took it: moment, pose, lens, pixels."""
-        frame = self.frame_at(time)
+        return self.of_frame(self.frame_at(time))
+
+    def of_frame(self, frame: int) -> ViewRequest:
+        """That frame as the clip's camera took it."""
         return ViewRequest(self, frame / len(self.cameras), self.cameras[frame])
 
     def view(self, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -168,3 +169,14 @@ def seconds(duration: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60:02d} s"
     return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+
+
+@contextmanager
+def question(title: str, width: float) -> Iterator[bool]:
+    """A window of `width` text heights in the middle, which everything waits for; whether it is drawn."""
+    imgui.open_popup(title)
+    imgui.set_next_window_pos(imgui.get_main_viewport().get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
+    imgui.set_next_window_size(ImVec2(em(width), 0))
+    flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    with imgui_ctx.begin_popup_modal(title, flags) as opened:
+        yield bool(opened)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import glcontext  # type: ignore[import-untyped]
@@ -60,6 +61,7 @@ from app.gui.textures import Textures
 from app.gui.update import Channels, update
 from app.gui.viewport import Viewport
 from app.job import TrainingJob
+from app.report.saved import holds_report
 from assets import phantom_path
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -281,7 +283,7 @@ class Window:
     def _draw_view(self) -> None:
         assert self._viewport is not None
         assert self._second_viewport is not None
-        beside = second_commands(self.state, self._outside)
+        beside = partial(second_commands, self.state, self._outside)
         draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture, beside)
         if self.state.model is not None:
             draw_edit_tools(self.state)
@@ -352,7 +354,7 @@ class Window:
             worker.close()
 
     def _open(self, path: Path) -> None:
-        if path.suffix.lower() == ".json":
+        if path.suffix.lower() == ".json" and not holds_report(path):
             path_actions.load_views(self.state, path)
         else:
             actions.open_path(self.state, path)

@@ -30,6 +30,15 @@ def is_report(path: Path) -> bool:
     return path.suffix == ".json"
 
 
+def holds_report(path: Path) -> bool:
+    """Whether the file looks like a report, damaged or not, and not like cameras."""
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(facts, dict) and "parts" in facts
+
+
 def read_report(path: Path) -> SavedReport:
     """Raises UserError when the file is no report of ours."""
     try:

@@ -10,7 +10,7 @@ from app.gui import edit_actions, theme
 from app.gui.editing import TOOLS, TRAITS, Editing, Limits, Tool
 from app.gui.panels.edit_view import grouped
 from app.gui.state import AppState
-from app.gui.widgets import button, em, explain, row
+from app.gui.widgets import button, em, explain, question, row
 from renderer.editing.edits import Combination
 from renderer.editing.sight import Trait
 
@@ -177,13 +177,9 @@ def _share(parts: int, gap: float) -> float:
 
 def draw_question(state: AppState) -> None:
     """Before unsaved edits are lost."""
-    title = "Unsaved edits"
     if state.editing.leaving is None:
         return
-    imgui.open_popup(title)
-    imgui.set_next_window_pos(imgui.get_main_viewport().get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
-    imgui.set_next_window_size(ImVec2(em(27), 0))
-    with imgui_ctx.begin_popup_modal(title, imgui.WindowFlags_.no_resize) as opened:
+    with question("Unsaved edits", 27) as opened:
         if not opened:
             return
         edits = state.editing.edits

@@ -11,7 +11,7 @@ from app.gui import actions, theme
 from app.gui.command import Section
 from app.gui.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
 from app.gui.state import AppState
-from app.gui.widgets import button, em, explain
+from app.gui.widgets import button, em, explain, question
 from app.provenance import NOTICE
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
@@ -30,16 +30,9 @@ FIXED = (
 
 def draw_notice(state: AppState) -> None:
     """Once, before anything else; the same sentence stays in the status bar."""
-    title = "Before you begin"
     if state.settings.acknowledged:
         return
-    imgui.open_popup(title)
-    viewport = imgui.get_main_viewport()
-    imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
-    imgui.set_next_window_size(ImVec2(em(30), 0))
-    with imgui_ctx.begin_popup_modal(
-        title, imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
-    ) as opened:
+    with question("Before you begin", 30) as opened:
         if not opened:
             return
         with imgui_ctx.push_text_wrap_pos(0):

@@ -8,6 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui import actions, clip_actions, theme
+from app.gui.commands import has_something
 from app.gui.state import AppState
 from app.gui.strip import count_for
 from app.gui.widgets import button, em, explain
@@ -42,8 +43,8 @@ def draw_timeline(
     imgui.same_line()
     _draw_mask(state)
     imgui.same_line()
-    something = state.pictures is not None or state.model is not None
-    button(f"{icons.ICON_FA_CAMERA}  Save picture", screenshot, enabled=something, width=-1.0)
+    enabled = has_something(state)
+    button(f"{icons.ICON_FA_CAMERA}  Save picture", screenshot, enabled=enabled, width=-1.0)
     explain("S: original, enhanced and 3D view side by side, with everything needed to make them again")
 
 

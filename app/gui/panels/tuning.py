@@ -10,6 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.contact_sheet import in_words
 from app.gui import theme, tuning_actions
+from app.gui.panels.enhancement import VESSEL_SLIDERS
 from app.gui.state import AppState
 from app.gui.textures import ShowsPictures
 from app.gui.tuning import MOST_VALUES, Choice, GridCell
@@ -21,7 +22,7 @@ from renderer.clip import ByteImage
 
 NAMES: dict[bool, tuple[str, ...]] = {
     True: ("z", "p", "d_factor", "eps", "subsample"),
-    False: ("strength", "radius", "shading", "coring", "lift", "gamma", "d_factor", "most_color"),
+    False: tuple(VESSEL_SLIDERS),
 }
 """What can be varied, of the paper's method and of the own preset."""
 SORT_LABELS = ["as varied", *(name.replace("_", " ") for name in METRICS)]

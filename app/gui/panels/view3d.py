@@ -35,11 +35,15 @@ Tag = tuple[str, ImVec4]
 
 
 def draw_view3d(
-    state: AppState, viewport: Viewport, second: Viewport, photo_texture: PhotoTexture, beside: Commands
+    state: AppState,
+    viewport: Viewport,
+    second: Viewport,
+    photo_texture: PhotoTexture,
+    beside: Callable[[], Commands],
 ) -> None:
     """The view with its controls, beside it the second reconstruction when there is one.
 
-    `beside` are the ways to choose that. The first view is the last item drawn, for those who draw over it.
+    `beside` gives the ways to choose that. The first view is the last item drawn, for those who draw over it.
     """
     if state.model is None:
         state.view_size = (0, 0)
@@ -84,7 +88,7 @@ def _draw_empty(state: AppState) -> None:
     centered("The first preview of the reconstruction is on its way…")
 
 
-def _draw_toolbar(state: AppState, beside: Commands) -> None:
+def _draw_toolbar(state: AppState, beside: Callable[[], Commands]) -> None:
     button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
     explain("Home: the view of the clip's own camera.")
     imgui.same_line()
@@ -114,7 +118,7 @@ def _draw_toolbar(state: AppState, beside: Commands) -> None:
         _draw_time(state)
 
 
-def _draw_second(state: AppState, beside: Commands) -> None:
+def _draw_second(state: AppState, beside: Callable[[], Commands]) -> None:
     shown = state.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
         button(f"{icons.ICON_FA_COLUMNS}###second", _open_second_menu)
@@ -122,7 +126,7 @@ def _draw_second(state: AppState, beside: Commands) -> None:
     imgui.same_line()
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
-            draw_commands(state, beside)
+            draw_commands(state, beside())
 
 
 def _open_second_menu() -> None:

@@ -12,9 +12,10 @@ from imgui_bundle import immapp
 
 from app.commands import demo
 from app.errors import UserError
-from app.gui.settings import Places
+from app.gui.settings import Places, Settings
 from app.gui.state import AppState
 from app.gui.window import Window
+from renderer.view_files import Views, views_json
 
 
 def broken(*arguments: object) -> None:
@@ -64,3 +65,17 @@ def test_the_layout_is_kept_only_where_it_can_be(places: Places, tmp_path: Path)
     (tmp_path / "file").write_text("in the way")
     nowhere = Places(tmp_path / "file", places.runs, places.pictures)
     assert Window(AppState(nowhere)).runner_params().ini_disable
+
+
+def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp_path: Path) -> None:
+    window = Window(AppState(places, Settings(acknowledged=True)))
+    report = Path(__file__).parents[3] / "assets" / "pictures" / "report.json"
+    views = tmp_path / "views.json"
+    views.write_bytes(views_json(Views()))
+    window._open(report)
+    opening = window.state.opening
+    assert opening is not None
+    assert opening.path == report
+    window._open(views)
+    assert window.state.opening is opening
+    assert window.state.banner is None

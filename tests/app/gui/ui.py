@@ -106,7 +106,7 @@ class StillSecond(StillViewport):
 
 
 def view3d(state: AppState, photo_texture: PhotoTexture = no_texture) -> None:
-    draw_view3d(state, StillViewport(), StillSecond(), photo_texture, ())
+    draw_view3d(state, StillViewport(), StillSecond(), photo_texture, tuple)
 
 
 def pictures(state: AppState) -> Pictures:
