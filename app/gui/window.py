@@ -14,30 +14,30 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.errors import UserError
-from app.gui import (
+from app.gui.actions import (
     actions,
-    dockings,
     export_actions,
-    menus,
     path_actions,
     preset_actions,
     queue_actions,
     second_actions,
     session_actions,
-    theme,
 )
-from app.gui.actions import MakeJob
-from app.gui.background import Worker
-from app.gui.camera_commands import second_commands
-from app.gui.chosen_viewport import ChosenViewport
-from app.gui.clip_settings import load_clips
-from app.gui.command import Outside
-from app.gui.commands import sections
-from app.gui.dialogs import Dialogs
-from app.gui.dockings import REPORT, SPLATS, TUNING
-from app.gui.export import SaveRequest
-from app.gui.keys import Keyboard
-from app.gui.panels import overlays
+from app.gui.actions.actions import MakeJob
+from app.gui.commands.camera_commands import second_commands
+from app.gui.commands.command import Outside
+from app.gui.commands.commands import sections
+from app.gui.commands.keys import Keyboard
+from app.gui.drawing.chosen_viewport import ChosenViewport
+from app.gui.drawing.second_viewport import SecondViewport
+from app.gui.drawing.textures import Textures
+from app.gui.drawing.viewport import Viewport
+from app.gui.frame import dockings
+from app.gui.frame.dialogs import Dialogs
+from app.gui.frame.dockings import REPORT, SPLATS, TUNING
+from app.gui.frame.quitting import ask_before_quitting
+from app.gui.look import theme
+from app.gui.panels import menus, overlays
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.edit_view import draw_edit_tools
@@ -53,13 +53,12 @@ from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
-from app.gui.quitting import ask_before_quitting
-from app.gui.second_viewport import SecondViewport
-from app.gui.settings import Places, Theme, load_settings
-from app.gui.state import AppState
-from app.gui.textures import Textures
-from app.gui.update import Channels, update
-from app.gui.viewport import Viewport
+from app.gui.state.app_state import AppState
+from app.gui.state.clip_settings import load_clips
+from app.gui.state.settings import Places, Theme, load_settings
+from app.gui.update.update import Channels, update
+from app.gui.work.background import Worker
+from app.gui.work.export import SaveRequest
 from app.job import TrainingJob
 from app.report.saved import holds_report
 from assets import phantom_path

@@ -11,11 +11,11 @@ from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
-from app.gui.enhancing import PictureRequest, Scope
-from app.gui.export import sheet
-from app.gui.others import OtherMaker
-from app.gui.shots import Shot, panel
-from app.gui.viewing import ShownModel
+from app.gui.work.enhancing import PictureRequest, Scope
+from app.gui.work.export import sheet
+from app.gui.work.others import OtherMaker
+from app.gui.work.shots import Shot, panel
+from app.gui.work.viewing import ShownModel
 from app.methods import METHODS
 from app.pictures import ArrayImage
 from app.provenance import write_png, write_sidecar

@@ -8,8 +8,8 @@ from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
-from app.gui.enhancing import PictureMaker, PictureRequest, Scope
-from app.gui.export import Panel, picture_panels, sheet, view_panel
+from app.gui.work.enhancing import PictureMaker, PictureRequest, Scope
+from app.gui.work.export import Panel, picture_panels, sheet, view_panel
 from app.picture_mask import NO_MASK, PictureMask
 from app.provenance import write_png
 from app.replay.drawn import RENDER, drawer_of, scene_of, view_of

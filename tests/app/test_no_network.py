@@ -60,8 +60,8 @@ from pathlib import Path
 import psutil
 from imgui_bundle import imgui
 
-from app.gui import actions
-from app.gui.settings import Settings
+from app.gui.actions import actions
+from app.gui.state.settings import Settings
 from assets import phantom_path
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.test_window import Driver, is_settled, wait

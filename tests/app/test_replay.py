@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 import pytest
 
-from app.gui.enhancing import PictureMaker, PictureRequest, Scope
-from app.gui.export import SaveRequest, save_picture
-from app.gui.free_view import FreeView
-from app.gui.opening import OpenRequest, open_path
+from app.gui.views.free_view import FreeView
+from app.gui.work.enhancing import PictureMaker, PictureRequest, Scope
+from app.gui.work.export import SaveRequest, save_picture
+from app.gui.work.opening import OpenRequest, open_path
 from app.pictures import read_image
 from app.provenance import read_provenance, write_png
 from app.replay import replay

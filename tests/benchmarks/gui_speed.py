@@ -17,9 +17,9 @@ import psutil
 from imgui_bundle import hello_imgui, imgui, immapp
 from imgui_bundle.immapp import testing
 
-from app.gui import actions
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
 from app.job import TrainingJob
 from enhance import EnhanceParams

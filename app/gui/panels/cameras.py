@@ -7,10 +7,11 @@ from collections.abc import Callable
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import path_actions, theme
+from app.gui.actions import path_actions
 from app.gui.legible import legible
-from app.gui.state import AppState
-from app.gui.widgets import button, em, explain
+from app.gui.look import theme
+from app.gui.look.widgets import button, em, explain
+from app.gui.state.app_state import AppState
 from renderer.camera_path import Keyframe
 
 Act = Callable[[], None]

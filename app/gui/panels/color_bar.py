@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, ImVec4, imgui
 
-from app.gui import theme
-from app.gui.widgets import em
+from app.gui.look import theme
+from app.gui.look.widgets import em
 from app.views import Scale
 
 SEGMENTS = 32

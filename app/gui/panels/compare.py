@@ -8,15 +8,16 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, comparing, theme
-from app.gui.commands import fit_pictures, one_to_one
-from app.gui.comparison import MODES, SIDES, SLOTS, SOURCES, Side, label_of
-from app.gui.enhancing import Pictures
+from app.gui.actions import actions, comparing
+from app.gui.commands.commands import fit_pictures, one_to_one
+from app.gui.drawing.textures import ShowsPictures
+from app.gui.look import theme
+from app.gui.look.widgets import button, centered, em, explain
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
-from app.gui.panes import difference_pane, pane, shown_mode, why_not
-from app.gui.state import AppState
-from app.gui.textures import ShowsPictures
-from app.gui.widgets import button, centered, em, explain
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import MODES, SIDES, SLOTS, SOURCES, Side, label_of
+from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
+from app.gui.work.enhancing import Pictures
 
 MODE_LABELS = [mode.capitalize() for mode in MODES]
 MODE_TEXT = (

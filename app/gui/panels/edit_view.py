@@ -7,11 +7,12 @@ from itertools import combinations, product
 
 from imgui_bundle import ImVec2, ImVec2Like, imgui
 
-from app.gui import edit_actions, theme
-from app.gui.free_view import Vector
+from app.gui.actions import edit_actions
+from app.gui.look import theme
+from app.gui.look.widgets import em, tag
 from app.gui.panels.scene_marks import on_screen, placement
-from app.gui.state import AppState
-from app.gui.widgets import em, tag
+from app.gui.state.app_state import AppState
+from app.gui.views.free_view import Vector
 from renderer.camera import Camera
 from renderer.editing.edits import Combination
 

@@ -6,11 +6,12 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui import edit_actions, theme
-from app.gui.editing import TOOLS, TRAITS, Editing, Limits, Tool
+from app.gui.actions import edit_actions
+from app.gui.look import theme
+from app.gui.look.widgets import button, em, explain, question, row
 from app.gui.panels.edit_view import grouped
-from app.gui.state import AppState
-from app.gui.widgets import button, em, explain, question, row
+from app.gui.state.app_state import AppState
+from app.gui.work.editing import TOOLS, TRAITS, Editing, Limits, Tool
 from renderer.editing.edits import Combination
 from renderer.editing.sight import Trait
 

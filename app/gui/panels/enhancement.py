@@ -8,14 +8,16 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui import actions, preset_actions, scales, theme
-from app.gui.enhancing import Scope
+from app.gui.actions import actions, preset_actions
 from app.gui.legible import legible
+from app.gui.look import theme
+from app.gui.look.widgets import button, em, explain, row, slide, slide_auto
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.panels.enhancement_scales import draw_scales
-from app.gui.presets import BUILT_IN, LONGEST_NAME, preset_name
-from app.gui.state import AppState
-from app.gui.widgets import button, em, explain, row, slide, slide_auto
+from app.gui.state import scales
+from app.gui.state.app_state import AppState
+from app.gui.state.presets import BUILT_IN, LONGEST_NAME, preset_name
+from app.gui.work.enhancing import Scope
 from app.methods import PAPER, VESSEL, Look
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams

@@ -9,12 +9,12 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
-from app.gui import theme
-from app.gui.enhancing import Pictures
 from app.gui.legible import legible
-from app.gui.measuring import BINS, Measured, curves
-from app.gui.state import AppState
-from app.gui.widgets import em, explain
+from app.gui.look import theme
+from app.gui.look.widgets import em, explain
+from app.gui.state.app_state import AppState
+from app.gui.work.enhancing import Pictures
+from app.gui.work.measuring import BINS, Measured, curves
 from app.tuning import DEFINITIONS, Measures
 from enhance import Statistics
 

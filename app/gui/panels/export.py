@@ -7,10 +7,11 @@ from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui import export_actions, theme
-from app.gui.export_actions import OFFERS, What
-from app.gui.state import AppState
-from app.gui.widgets import button, em, explain
+from app.gui.actions import export_actions
+from app.gui.actions.export_actions import OFFERS, What
+from app.gui.look import theme
+from app.gui.look.widgets import button, em, explain
+from app.gui.state.app_state import AppState
 
 SCALES = (1, 2, 3, 4)
 Start = Callable[[What, int], None]

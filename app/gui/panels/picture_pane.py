@@ -7,16 +7,17 @@ from dataclasses import dataclass, replace
 
 from imgui_bundle import ImVec2, imgui
 
-from app.gui import clip_actions, theme
-from app.gui.commands import fit_pictures
-from app.gui.comparison import Side
-from app.gui.enhancing import Pictures
-from app.gui.others import heat_colors
-from app.gui.panes import Pane, Tag, pixel, tinted
-from app.gui.picture_view import Placement
-from app.gui.state import AppState
-from app.gui.textures import Marks, ShowsPictures
-from app.gui.widgets import em, stack_tags, tag
+from app.gui.actions import clip_actions
+from app.gui.commands.commands import fit_pictures
+from app.gui.drawing.textures import Marks, ShowsPictures
+from app.gui.look import theme
+from app.gui.look.widgets import em, stack_tags, tag
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import Side
+from app.gui.state.panes import Pane, Tag, pixel, tinted
+from app.gui.views.picture_view import Placement
+from app.gui.work.enhancing import Pictures
+from app.gui.work.others import heat_colors
 from renderer.clip import ByteImage
 
 WHEEL_STEP = 1.15

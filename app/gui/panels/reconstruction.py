@@ -7,13 +7,14 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui import actions, run_actions, theme
-from app.gui.actions import MakeJob
+from app.gui.actions import actions, run_actions
+from app.gui.actions.actions import MakeJob
 from app.gui.legible import legible
+from app.gui.look import theme
+from app.gui.look.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from app.gui.panels.curves import draw_curves
-from app.gui.quality import QUALITIES, expected_seconds, quality_of
-from app.gui.state import AppState, InputKind, Reconstruction
-from app.gui.widgets import button, declared, em, explain, row, seconds, slider, wants_default
+from app.gui.state.app_state import AppState, InputKind, Reconstruction
+from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
 

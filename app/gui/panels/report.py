@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
-from app.gui import actions, theme
-from app.gui.reported import Chart, Reported, Scale, current
-from app.gui.state import AppState
-from app.gui.widgets import centered, em, explain
+from app.gui.actions import actions
+from app.gui.look import theme
+from app.gui.look.widgets import centered, em, explain
+from app.gui.state.app_state import AppState
+from app.gui.work.reported import Chart, Reported, Scale, current
 
 FLAGS = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
 NEAR = 12.0

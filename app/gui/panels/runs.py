@@ -7,12 +7,13 @@ from datetime import datetime
 from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
-from app.gui import queue_actions, run_actions, theme
-from app.gui.actions import MakeJob
+from app.gui.actions import queue_actions, run_actions
+from app.gui.actions.actions import MakeJob
 from app.gui.legible import legible
-from app.gui.run_list import ListedRun
-from app.gui.state import AppState, Waiting
-from app.gui.widgets import button, em, explain
+from app.gui.look import theme
+from app.gui.look.widgets import button, em, explain
+from app.gui.state.app_state import AppState, Waiting
+from app.gui.work.run_list import ListedRun
 
 
 def draw_runs(state: AppState, make_job: MakeJob) -> None:

@@ -7,12 +7,12 @@ import math
 import numpy as np
 from imgui_bundle import ImVec2, imgui
 
-from app.gui import theme
-from app.gui.free_view import Vector
-from app.gui.picture_view import PictureView, Placement
-from app.gui.viewer import Viewer
-from app.gui.viewing import ViewRequest
-from app.gui.widgets import em, tag
+from app.gui.look import theme
+from app.gui.look.widgets import em, tag
+from app.gui.state.viewer import Viewer
+from app.gui.views.free_view import Vector
+from app.gui.views.picture_view import PictureView, Placement
+from app.gui.work.viewing import ViewRequest
 from renderer.camera import Camera
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui import session_actions
-from app.gui.state import AppState
-from app.gui.widgets import em, explain
+from app.gui.actions import session_actions
+from app.gui.look.widgets import em, explain
+from app.gui.state.app_state import AppState
 
 OFFER = "The last session ended unexpectedly"
 

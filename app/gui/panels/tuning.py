@@ -9,12 +9,13 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.contact_sheet import in_words
-from app.gui import theme, tuning_actions
+from app.gui.actions import tuning_actions
+from app.gui.drawing.textures import ShowsPictures
+from app.gui.look import theme
+from app.gui.look.widgets import button, centered, declared, em, explain, tag
 from app.gui.panels.enhancement import VESSEL_SLIDERS
-from app.gui.state import AppState
-from app.gui.textures import ShowsPictures
-from app.gui.tuning import MOST_VALUES, Choice, GridCell
-from app.gui.widgets import button, centered, declared, em, explain, tag
+from app.gui.state.app_state import AppState
+from app.gui.work.tuning import MOST_VALUES, Choice, GridCell
 from app.methods import Look
 from app.tuning import DEFINITIONS, METRICS, SMALLER_IS_BETTER, Setting
 from enhance import EnhanceParams

@@ -8,17 +8,18 @@ from collections.abc import Callable
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, camera_actions, theme, view_actions
-from app.gui.command import Command
+from app.gui.actions import actions, camera_actions, view_actions
+from app.gui.commands.command import Command
+from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.legible import legible
-from app.gui.menus import draw_commands
+from app.gui.look import theme
+from app.gui.look.widgets import button, centered, em, explain, stack_tags
 from app.gui.panels.color_bar import draw_color_bar
+from app.gui.panels.menus import draw_commands
 from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
-from app.gui.photos import Photo
-from app.gui.state import AppState
-from app.gui.viewing import ShownModel, ViewRequest
-from app.gui.viewport import OnScreen, Viewport
-from app.gui.widgets import button, centered, em, explain, stack_tags
+from app.gui.state.app_state import AppState
+from app.gui.work.photos import Photo
+from app.gui.work.viewing import ShownModel, ViewRequest
 from app.views import EXPLAINED
 from renderer.clip import ByteImage
 

@@ -9,10 +9,11 @@ from pathlib import Path
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui import actions, theme
+from app.gui.actions import actions
 from app.gui.legible import legible
-from app.gui.state import AppState
-from app.gui.widgets import button, centered, em, explain
+from app.gui.look import theme
+from app.gui.look.widgets import button, centered, em, explain
+from app.gui.state.app_state import AppState
 
 WIDTH = 17.0
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from app.gui import actions
-from app.gui.settings import Places, Settings
+from app.gui.actions import actions
+from app.gui.state.settings import Places, Settings
 from app.sessions import autosave_path, read_session
 from assets import phantom_path
 from enhance import EnhanceParams

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from app.gui import actions
-from app.gui.opening import Opened
-from app.gui.settings import load_settings
-from app.gui.state import AppState
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import load_settings
+from app.gui.work.opening import Opened
 from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians

@@ -3,7 +3,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 
-from app.gui.background import Channel, Failure, Worker
+from app.gui.work.background import Channel, Failure, Worker
 
 SECONDS = 5.0
 

@@ -8,12 +8,12 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui import actions
-from app.gui.state import AppState
-from app.gui.textures import Textures
-from app.gui.update import Channels, update
-from app.gui.viewing import ShownModel, draw_view
-from app.gui.viewport import GraphicsViewport, keyframes_of
+from app.gui.actions import actions
+from app.gui.drawing.textures import Textures
+from app.gui.drawing.viewport import GraphicsViewport, keyframes_of
+from app.gui.state.app_state import AppState
+from app.gui.update.update import Channels, update
+from app.gui.work.viewing import ShownModel, draw_view
 from renderer.draw.offscreen import read_image
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
@@ -74,7 +74,7 @@ def test_a_model_that_cannot_be_baked_is_drawn_without(
     def broken(*_: object) -> None:
         raise MemoryError("no room")
 
-    monkeypatch.setattr("app.gui.baking.Baker", broken)
+    monkeypatch.setattr("app.gui.work.baking.Baker", broken)
     settle(drifting, Channels())
     assert keyframes_of(drifting) is None
     assert [line for line in drifting.log if "no room" in line] == [*drifting.log]

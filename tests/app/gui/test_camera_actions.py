@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.gui import actions, camera_actions
-from app.gui.picking import Picked, PickRequest, pick
-from app.gui.state import AppState
-from app.gui.viewing import ViewRequest
+from app.gui.actions import actions, camera_actions
+from app.gui.state.app_state import AppState
+from app.gui.work.picking import Picked, PickRequest, pick
+from app.gui.work.viewing import ViewRequest
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, make_model
 

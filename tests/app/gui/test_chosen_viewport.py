@@ -7,12 +7,13 @@ from dataclasses import replace
 import moderngl
 import pytest
 
-from app.gui import actions, chosen_viewport
-from app.gui.chosen_viewport import VIEWS, ChosenViewport
-from app.gui.state import AppState
-from app.gui.textures import Textures
-from app.gui.viewing import ShownModel, draw_view
-from app.gui.viewport import GraphicsViewport
+from app.gui.actions import actions
+from app.gui.drawing import chosen_viewport
+from app.gui.drawing.chosen_viewport import VIEWS, ChosenViewport
+from app.gui.drawing.textures import Textures
+from app.gui.drawing.viewport import GraphicsViewport
+from app.gui.state.app_state import AppState
+from app.gui.work.viewing import ShownModel, draw_view
 from renderer.draw.context import renderer_name
 from renderer.gaussians import DynamicGaussians
 

@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui import actions, clip_actions
-from app.gui.clip_settings import FILE, MOST_CLIPS, ClipSettings, load_clips, save_clips
-from app.gui.enhancing import PictureMaker
-from app.gui.opening import Opened
-from app.gui.panes import pane, tinted
-from app.gui.picture_view import Placement
-from app.gui.resample import TINT, Patch
-from app.gui.resample import tinted as tint
-from app.gui.settings import Places
-from app.gui.state import AppState
-from app.gui.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
-from app.gui.update import Channels, update
+from app.gui.actions import actions, clip_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.clip_settings import FILE, MOST_CLIPS, ClipSettings, load_clips, save_clips
+from app.gui.state.panes import pane, tinted
+from app.gui.state.settings import Places
+from app.gui.update.update import Channels, update
+from app.gui.views.picture_view import Placement
+from app.gui.views.resample import TINT, Patch
+from app.gui.views.resample import tinted as tint
+from app.gui.work.enhancing import PictureMaker
+from app.gui.work.opening import Opened
+from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
 from app.picture_mask import NO_MASK, PictureMask, enclosing
 from renderer.clip import Clip
 from tests.app.gui.conftest import make_clip, photo

@@ -8,14 +8,14 @@ from itertools import groupby
 import pytest
 from imgui_bundle import imgui
 
-from app.gui import menus
-from app.gui.command import Command, Section
-from app.gui.commands import sections
-from app.gui.finding import find
-from app.gui.keys import Keyboard, chord
+from app.gui.commands.command import Command, Section
+from app.gui.commands.commands import sections
+from app.gui.commands.finding import find
+from app.gui.commands.keys import Keyboard, chord
+from app.gui.panels import menus
 from app.gui.panels.palette import draw_palette
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside, start_live
 from tests.app.gui.ui import Draw, Ui

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.gui import actions, comparing
-from app.gui.background import Channel
-from app.gui.comparison import SOURCES, Comparison
-from app.gui.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
-from app.gui.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
-from app.gui.state import AppState
-from app.gui.update import Channels, update
-from app.gui.viewing import ShownModel
+from app.gui.actions import actions, comparing
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import SOURCES, Comparison
+from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
+from app.gui.update.update import Channels, update
+from app.gui.work.background import Channel
+from app.gui.work.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
+from app.gui.work.viewing import ShownModel
 from enhance import EnhanceParams, enhance
 from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels
@@ -167,7 +167,7 @@ def test_pictures_are_remembered_and_let_go(state: AppState, monkeypatch: pytest
     (first,) = maker.make(request)
     (again,) = maker.make(request)
     assert again is first
-    monkeypatch.setattr("app.gui.others.KEPT_BYTES", 2 * photo(0).nbytes)
+    monkeypatch.setattr("app.gui.work.others.KEPT_BYTES", 2 * photo(0).nbytes)
     for index in range(1, 4):
         list(maker.make(replace(request, photo=replace(request.photo, frame_index=index))))
     (renewed,) = maker.make(request)

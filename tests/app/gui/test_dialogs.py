@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.dialogs import Dialogs, has_desktop_dialogs, kind_of, listing
+from app.gui.frame.dialogs import Dialogs, has_desktop_dialogs, kind_of, listing
 
 
 @pytest.fixture

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui import actions, edit_actions
-from app.gui.editing import Selector
-from app.gui.opening import OpenRequest, open_path
-from app.gui.settings import Places
-from app.gui.state import AppState
-from app.gui.update import Channels, update
+from app.gui.actions import actions, edit_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places
+from app.gui.update.update import Channels, update
+from app.gui.work.editing import Selector
+from app.gui.work.opening import OpenRequest, open_path
 from app.run_edits import read_edits
 from app.run_folder import RunFolder
 from renderer.editing.edits import Edits

@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 import pytest
 
-from app.gui import actions
-from app.gui.enhancing import PictureMaker, PictureRequest, Pictures
-from app.gui.export import Panel, SaveRequest, describe, save_picture, sheet
-from app.gui.state import AppState
-from app.gui.viewing import ShownModel
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
+from app.gui.work.export import Panel, SaveRequest, describe, save_picture, sheet
+from app.gui.work.viewing import ShownModel
 from app.provenance import digest, read_provenance
 from assets import phantom_path
 from enhance import EnhanceParams

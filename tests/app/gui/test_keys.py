@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.gui.command import Outside
-from app.gui.commands import sections
-from app.gui.keys import Keyboard
-from app.gui.panes import pane
-from app.gui.state import AppState
+from app.gui.commands.command import Outside
+from app.gui.commands.commands import sections
+from app.gui.commands.keys import Keyboard
+from app.gui.state.app_state import AppState
+from app.gui.state.panes import pane
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside, start_live
 from tests.app.gui.ui import (

@@ -12,19 +12,20 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui import actions, menus, recent_commands
-from app.gui.commands import sections
-from app.gui.dialogs import Dialogs
-from app.gui.enhancing import PictureMaker, PictureRequest
-from app.gui.export import Panel, sheet
+from app.gui.actions import actions
+from app.gui.commands import recent_commands
+from app.gui.commands.commands import sections
+from app.gui.frame.dialogs import Dialogs
 from app.gui.legible import legible
-from app.gui.opening import OpenRequest
-from app.gui.panels import overlays
+from app.gui.panels import menus, overlays
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.welcome import draw_welcome
-from app.gui.settings import Settings
-from app.gui.state import AppState
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Settings
+from app.gui.work.enhancing import PictureMaker, PictureRequest
+from app.gui.work.export import Panel, sheet
+from app.gui.work.opening import OpenRequest
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, outside
 from tests.app.gui.ui import NOTHING, Shown, Ui, compare

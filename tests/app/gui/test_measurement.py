@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.gui.measurement import Measurement
+from app.gui.views.measurement import Measurement
 
 A, B = (1.0, 2.0, 50.0), (4.0, 6.0, 50.0)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from app.gui.omissions import Omissions, OmissionsRequest, look
-from app.gui.state import AppState
-from app.gui.update import Channels, update
+from app.gui.state.app_state import AppState
+from app.gui.update.update import Channels, update
+from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started

@@ -10,11 +10,11 @@ import pytest
 
 from app.cli import load
 from app.errors import UserError
-from app.gui import actions
-from app.gui.opening import Opened, OpenRequest, open_path
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
-from app.gui.viewing import draw_view
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
+from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.gui.work.viewing import draw_view
 from app.provenance import version
 from app.run_folder import ClipRecord, RunFolder, RunRecord
 from app.training import TrainRequest

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from imgui_bundle import imgui
 
-from app.gui import actions
-from app.gui.commands import sections
+from app.gui.actions import actions
+from app.gui.commands.commands import sections
 from app.gui.panels import overlays
-from app.gui.state import AppState
+from app.gui.state.app_state import AppState
 from tests.app.gui.conftest import outside
 from tests.app.gui.ui import (
     Draw,

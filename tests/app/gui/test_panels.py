@@ -7,14 +7,14 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import imgui
 
-from app.gui import actions, path_actions
+from app.gui.actions import actions, path_actions
+from app.gui.look.widgets import seconds
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import Openers, draw_welcome
-from app.gui.state import AppState
-from app.gui.widgets import seconds
+from app.gui.state.app_state import AppState
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Progress, Started

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui import actions, camera_actions, path_actions
-from app.gui.opening import Opened
-from app.gui.state import AppState
+from app.gui.actions import actions, camera_actions, path_actions
+from app.gui.state.app_state import AppState
+from app.gui.work.opening import Opened
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, read_cameras, splatting_json
 from renderer.camera_path import Keyframe

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from app.gui.comparison import SIDES
-from app.gui.panes import Pane, pane
-from app.gui.state import AppState
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import SIDES
+from app.gui.state.panes import Pane, pane
 from enhance import EnhanceParams
 from tests.app.gui.ui import (
     Shown,

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from app.gui import actions, preset_actions
-from app.gui.presets import BUILT_IN, load_presets, preset_name, presets_file, save_presets
-from app.gui.state import AppState
+from app.gui.actions import actions, preset_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.presets import BUILT_IN, load_presets, preset_name, presets_file, save_presets
 from app.training import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from app.gui import actions, queue_actions
+from app.gui.actions import actions, queue_actions
 from app.gui.panels.runs import draw_runs
-from app.gui.state import AppState
-from app.gui.update import Channels, update
+from app.gui.state.app_state import AppState
+from app.gui.update.update import Channels, update
 from app.job import Cancelled, Failed
 from app.training import TrainRequest
 from renderer.gaussians import DynamicGaussians

@@ -8,8 +8,8 @@ import glfw
 import pytest
 from imgui_bundle import glfw_utils, imgui
 
-from app.gui import actions
-from app.gui.settings import Places, Settings
+from app.gui.actions import actions
+from app.gui.state.settings import Places, Settings
 from app.job import Failed
 from app.run_folder import RunFolder
 from app.training import TrainRequest, run_training

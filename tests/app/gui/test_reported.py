@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.gui import actions
-from app.gui.opening import OpenRequest, open_path
+from app.gui.actions import actions
 from app.gui.panels.report import draw_report
-from app.gui.reported import LEAST, current, read
-from app.gui.state import AppState
+from app.gui.state.app_state import AppState
+from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.reported import LEAST, current, read
 from app.provenance import provenance, strict_json
 from app.report.section import Plate, Section
 from app.report.work_precision import Diagram, Point

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.gui.picture_view import MAX_ZOOM, MIN_ZOOM, PictureView, Placement
-from app.gui.resample import OVER, SHARP_ZOOM, UNDER, striped, visible
-from app.gui.textures import Textures
+from app.gui.drawing.textures import Textures
+from app.gui.views.picture_view import MAX_ZOOM, MIN_ZOOM, PictureView, Placement
+from app.gui.views.resample import OVER, SHARP_ZOOM, UNDER, striped, visible
 
 PANE = (90.0, 70.0)
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from app.gui import actions, run_actions
+from app.gui.actions import actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
-from app.gui.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
-from app.gui.state import AppState
-from app.gui.update import Channels, update
+from app.gui.state.app_state import AppState
+from app.gui.update.update import Channels, update
+from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
 from app.job import Failed
 from app.run_folder import RunFolder
 from app.run_holder import held

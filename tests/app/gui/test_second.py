@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui import actions, camera_actions, second_actions
-from app.gui.state import AppState
-from app.gui.update import SLOW_VIEW, Channels, update, view_request
-from app.gui.viewing import View
+from app.gui.actions import actions, camera_actions, second_actions
+from app.gui.state.app_state import AppState
+from app.gui.update.update import SLOW_VIEW, Channels, update, view_request
+from app.gui.work.viewing import View
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob

@@ -16,17 +16,17 @@ import pytest
 from imgui_bundle import imgui
 
 from app.errors import UserError
-from app.gui import actions, comparing, session_actions
-from app.gui.comparison import Comparison
-from app.gui.free_view import FreeView
-from app.gui.opening import OpenRequest, open_path
+from app.gui.actions import actions, comparing, session_actions
+from app.gui.actions.session_actions import snapshot
 from app.gui.panels.session import draw_notes, draw_recovery
-from app.gui.picture_view import PictureView
-from app.gui.session_actions import snapshot
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
-from app.gui.tuning import Choice
-from app.gui.update import Channels, update
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import Comparison
+from app.gui.state.settings import Places, Settings
+from app.gui.update.update import Channels, update
+from app.gui.views.free_view import FreeView
+from app.gui.views.picture_view import PictureView
+from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.tuning import Choice
 from app.sessions import FreeCamera, Session, autosave_path, read_session, recoverable, write_session
 from assets import phantom_path
 from enhance import EnhanceParams

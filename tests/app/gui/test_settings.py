@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.gui.settings import RECENT_LIMIT, TEXT_PERCENTS, Places, Settings, load_settings, save_settings
+from app.gui.state.settings import RECENT_LIMIT, TEXT_PERCENTS, Places, Settings, load_settings, save_settings
 
 texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
 

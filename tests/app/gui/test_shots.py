@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui import actions, comparing, export_actions
-from app.gui.export_actions import OFFERS, What
+from app.gui.actions import actions, comparing, export_actions
+from app.gui.actions.export_actions import OFFERS, What
 from app.gui.panels.export import draw_export
-from app.gui.panes import pane
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
-from app.gui.update import Channels, update
+from app.gui.state.app_state import AppState
+from app.gui.state.panes import pane
+from app.gui.state.settings import Places, Settings
+from app.gui.update.update import Channels, update
 from app.pictures import read_image
 from app.provenance import read_provenance, write_png
 from app.replay import replay

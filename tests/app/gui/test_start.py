@@ -12,8 +12,8 @@ from imgui_bundle import immapp
 
 from app.commands import demo
 from app.errors import UserError
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
 from renderer.view_files import Views, views_json
 

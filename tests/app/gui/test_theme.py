@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 from imgui_bundle import ImVec4, imgui
 
-from app.gui import actions, theme
-from app.gui.settings import Places, Settings, Theme, load_settings
-from app.gui.state import AppState
+from app.gui.actions import actions
+from app.gui.look import theme
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings, Theme, load_settings
 from tests.app.gui.test_window import Driver
 from tests.app.gui.ui import Ui
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from app.gui import actions, session_actions
-from app.gui.export import SaveRequest
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
-from app.gui.update import Channels, update
+from app.gui.actions import actions, session_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
+from app.gui.update.update import Channels, update
+from app.gui.work.export import SaveRequest
 from app.job import TrainingJob
 from app.provenance import read_provenance
 from app.run_folder import RunFolder

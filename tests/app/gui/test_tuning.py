@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui import actions, tuning_actions
-from app.gui.enhancing import PictureMaker
-from app.gui.opening import Opened
+from app.gui.actions import actions, tuning_actions
 from app.gui.panels.tuning import draw_tuning
-from app.gui.settings import Places, Settings
-from app.gui.state import AppState
-from app.gui.tuning import Choice
-from app.gui.update import Channels, update
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
+from app.gui.update.update import Channels, update
+from app.gui.work.enhancing import PictureMaker
+from app.gui.work.opening import Opened
+from app.gui.work.tuning import Choice
 from app.tuning import METRICS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui import actions, camera_actions
-from app.gui.background import Channel
-from app.gui.enhancing import PictureRequest, Pictures
-from app.gui.opening import Opened
-from app.gui.state import AppState
-from app.gui.update import PATIENCE, SLOW_VIEW, Channels, update, view_request
-from app.gui.viewing import View
+from app.gui.actions import actions, camera_actions
+from app.gui.state.app_state import AppState
+from app.gui.update.update import PATIENCE, SLOW_VIEW, Channels, update, view_request
+from app.gui.work.background import Channel
+from app.gui.work.enhancing import PictureRequest, Pictures
+from app.gui.work.opening import Opened
+from app.gui.work.viewing import View
 from app.job import Cancelled, Failed, Paused, Resumed
 from enhance import EnhanceParams
 from renderer.clip import Clip, ClipError

@@ -6,12 +6,12 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui import actions, camera_actions, view_actions
-from app.gui.photos import read_photo
-from app.gui.state import AppState
-from app.gui.textures import Textures
-from app.gui.viewing import draw_view
-from app.gui.viewport import GraphicsViewport, ProcessorViewport
+from app.gui.actions import actions, camera_actions, view_actions
+from app.gui.drawing.textures import Textures
+from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
+from app.gui.state.app_state import AppState
+from app.gui.work.photos import read_photo
+from app.gui.work.viewing import draw_view
 from app.views import EXPLAINED, ViewKind, has_scale
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob

@@ -16,13 +16,13 @@ import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
-from app.gui import actions
-from app.gui.clip_settings import load_clips
-from app.gui.presets import load_presets, presets_file
-from app.gui.settings import Places, Settings, load_settings
-from app.gui.state import AppState
-from app.gui.textures import Textures
-from app.gui.viewport import GraphicsViewport
+from app.gui.actions import actions
+from app.gui.drawing.textures import Textures
+from app.gui.drawing.viewport import GraphicsViewport
+from app.gui.state.app_state import AppState
+from app.gui.state.clip_settings import load_clips
+from app.gui.state.presets import load_presets, presets_file
+from app.gui.state.settings import Places, Settings, load_settings
 from app.gui.window import Window
 from app.provenance import read_provenance
 from app.run_folder import RunFolder

@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
-from app.gui.enhancing import Pictures
+from app.gui.drawing.textures import PLAIN, Marks, OnPane
+from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.view3d import PhotoTexture, draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
-from app.gui.picture_view import Placement
-from app.gui.state import AppState
-from app.gui.textures import PLAIN, Marks, OnPane
-from app.gui.viewport import OnScreen
+from app.gui.state.app_state import AppState
+from app.gui.views.picture_view import Placement
+from app.gui.work.enhancing import Pictures
 from renderer.clip import ByteImage
 
 Draw = Callable[[], None]

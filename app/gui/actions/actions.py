@@ -1,0 +1,389 @@
+"""What a person can do, as functions on the state. No ImGui, no OpenGL: tested as plain code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+from typing import TypeVar
+
+from app.errors import UserError
+from app.gui.legible import legible
+from app.gui.state.app_state import AppState, Banner, Job, Reconstruction, Toast, Waiting
+from app.gui.state.camera_list import CameraList
+from app.gui.state.clip_settings import ClipSettings
+from app.gui.state.second import Second
+from app.gui.state.settings import Theme, save_settings
+from app.gui.state.viewer import Viewer
+from app.gui.views.picture_view import PictureView
+from app.gui.work.opening import Opened, OpenRequest, finished_model
+from app.gui.work.origin import origin_of
+from app.gui.work.viewing import ShownModel
+from app.methods import Look
+from app.run_folder import Input, RunFolder
+from app.training import TrainRequest
+from enhance import EnhanceParams
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import middle_distance
+
+TOAST_SECONDS = 6.0
+MakeJob = Callable[[TrainRequest], Job]
+L = TypeVar("L", bound=Look)
+
+
+def say(state: AppState, line: str) -> None:
+    """A line for the log panel."""
+    state.log.append(legible(line))
+
+
+def fail(state: AppState, sentence: str) -> None:
+    """Show what went wrong until it is dismissed."""
+    state.banner = Banner(legible(sentence))
+    say(state, sentence)
+
+
+def announce(state: AppState, sentence: str) -> None:
+    """Show what went well for a few seconds."""
+    state.toast = Toast(legible(sentence), state.now + TOAST_SECONDS)
+    say(state, sentence)
+
+
+def acknowledge(state: AppState) -> None:
+    """The first-start notice has been read."""
+    state.settings = replace(state.settings, acknowledged=True)
+    _save(state)
+
+
+def choose_theme(state: AppState, theme: Theme) -> None:
+    state.settings = replace(state.settings, theme=theme)
+    _save(state)
+
+
+def resize_text(state: AppState, steps: int) -> None:
+    """Larger or smaller by so many steps; 0 for the size as it is at first."""
+    state.settings = state.settings.resized(steps) if steps else replace(state.settings, text_percent=100)
+    _save(state)
+
+
+def remember_recent(state: AppState, remember: bool) -> None:
+    state.settings = state.settings.remembering(remember)
+    _save(state)
+
+
+def _save(state: AppState) -> None:
+    try:
+        save_settings(state.places.settings_file, state.settings)
+    except (OSError, UserError) as error:
+        say(state, f"settings cannot be kept: {error}")
+
+
+# ---- clip and time
+
+
+def open_path(state: AppState, path: Path) -> None:
+    """Ask for a clip or a run; what is open stays until the new one is there, and unsaved edits for good."""
+
+    def go() -> None:
+        state.opening = OpenRequest(path.absolute(), state.clip_options)
+        state.banner = None
+
+    leave(state, go)
+
+
+def leave(state: AppState, go: Callable[[], None]) -> None:
+    """Go on with what ends the edits of a model, after a question where they are not saved."""
+    if state.editing.is_unsaved:
+        state.editing.leaving = go
+    else:
+        go()
+
+
+def show_opened(state: AppState, path: Path, opened: Opened) -> None:
+    """Take over what has been opened: the start of a session with it, but for a report, which joins it."""
+    if opened.report is not None:
+        state.opening, state.report, state.report_asked = None, opened.report, True
+        say(state, f"opened {path.name}")
+        return
+    state.opening, state.opened_path, state.session_path = None, opened.path or path, None
+    if opened.clip is None or state.clip is None or opened.clip.path != state.clip.path:
+        state.cameras = CameraList()
+    state.clip, state.opened_options, state.pictures = opened.clip, opened.options, None
+    state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
+    state.tuning = state.tuning.renewed()
+    state.linked, state.view_time, state.frame_index = True, 0.0, 0
+    state.comparison, state.others, state.difference = state.comparison.renewed(), {}, None
+    state.strip, state.left_out, state.mask_tool = None, None, ""
+    said = state.known_clips.get(str(opened.clip.path)) if opened.clip is not None else None
+    state.clip_settings = said or ClipSettings()
+    if not state.reconstruction.is_alive:
+        _show_run(state, opened)
+    for notice in opened.notices:
+        say(state, notice)
+    say(state, f"opened {path.name}")
+    if opened.warning:
+        fail(state, opened.warning)
+    state.settings = state.settings.opened(path)
+    _save(state)
+
+
+def _show_run(state: AppState, opened: Opened) -> None:
+    draft = state.reconstruction
+    state.reconstruction = Reconstruction(config=draft.config, input=draft.input, d_factor=draft.d_factor)
+    state.model, state.view, state.viewer = opened.splats, None, Viewer()
+    state.second = Second()
+    if opened.run is None:
+        return
+    record, run = opened.run.record, opened.run
+    state.model = run.model
+    state.reconstruction = Reconstruction(
+        config=record.config,
+        input=record.input,
+        clip=opened.clip,
+        request=run.request,
+        status="finished" if run.model else "cancelled",
+        progress=run.progress[-1] if run.progress else None,
+        curve=list(run.progress),
+    )
+
+
+def choose_chart(state: AppState, place: int) -> None:
+    """Of the report, the diagram to show."""
+    state.report_place = place
+
+
+def seek(state: AppState, index: int) -> None:
+    """Go to a frame, kept within the clip."""
+    if state.clip is not None:
+        state.frame_index = min(max(index, 0), len(state.clip) - 1)
+        state.playhead = float(state.frame_index)
+
+
+def step(state: AppState, frames: int) -> None:
+    """One frame on or back, standing still; thaws a frozen picture, which would not show it."""
+    state.playing, state.frozen_index = False, None
+    seek(state, state.frame_index + frames)
+
+
+def toggle_play(state: AppState) -> None:
+    if state.clip is not None and len(state.clip) > 1:
+        state.playing = not state.playing
+        state.playhead = float(state.frame_index)
+
+
+def toggle_freeze(state: AppState) -> None:
+    """Hold the pictures' frame, or let them follow the time again."""
+    if state.clip is not None:
+        state.frozen_index = state.frame_index if state.frozen_index is None else None
+
+
+def seek_view(state: AppState, time: float) -> None:
+    """Time of the 3D view; moves the clip's frame when they are linked."""
+    if state.linked and state.clip is not None:
+        seek(state, round(time * len(state.clip)))
+    else:
+        state.view_time = min(max(time, 0.0), 1.0)
+
+
+def toggle_link(state: AppState) -> None:
+    """Unlinked, the 3D view stays at the time it shows."""
+    state.view_time = state.time
+    state.linked = not state.linked
+
+
+# ---- enhancement
+
+
+def set_params(state: AppState, params: Look) -> None:
+    """Live, while a slider moves; `settle_params` makes it a step of undo."""
+    state.params = params
+
+
+def latest(state: AppState, method: type[L]) -> L:
+    """The parameters of a method, as they were when it was last chosen."""
+    settled = (params for params in (state.params, *reversed(state.past)) if isinstance(params, method))
+    return next(settled, method())
+
+
+def choose_method(state: AppState, method: type[Look]) -> None:
+    """Enhance by this method, with the parameters that it had."""
+    settle_params(state)
+    state.params = latest(state, method)
+
+
+def settle_params(state: AppState) -> None:
+    """Called while no control is held: one drag of a slider is one step of undo."""
+    if state.params != state.past[-1]:
+        state.past.append(state.params)
+        state.future.clear()
+
+
+def undo(state: AppState) -> None:
+    settle_params(state)
+    if len(state.past) > 1:
+        state.future.append(state.past.pop())
+        state.params = state.past[-1]
+
+
+def redo(state: AppState) -> None:
+    if state.future:
+        state.past.append(state.future.pop())
+        state.params = state.past[-1]
+
+
+def reset_params(state: AppState) -> None:
+    state.params = type(state.params)()
+
+
+def toggle_enhancement(state: AppState) -> None:
+    state.enhancing = not state.enhancing
+
+
+def white_light(state: AppState) -> None:
+    """Plain white light on both sides, whatever was on."""
+    state.enhancing = state.peeking = False
+
+
+# ---- reconstruction
+
+
+def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
+    """Make what is chosen, in another process: at once, or when its turn comes."""
+    if state.clip is None:
+        return
+    chosen = state.reconstruction.input
+    inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
+    enqueue(state, make_job, tuple(Waiting(state.clip, _request(state, each)) for each in inputs))
+
+
+def _request(state: AppState, frames: Input) -> TrainRequest:
+    clip, draft = state.clip, state.reconstruction
+    assert clip is not None
+    return TrainRequest(
+        clip_path=clip.path,
+        run_path=_run_path(state, f"-{frames}" if draft.input == "both in turn" else ""),
+        config=draft.config,
+        clip_options=state.opened_options,
+        input=frames,
+        enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
+    )
+
+
+def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
+    """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
+    run = state.reconstruction
+    clip, request = run.clip, run.request
+    if can_continue(state) and clip is not None and request is not None:
+        enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), tuple(run.curve)),))
+
+
+def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
+    """Behind those that wait already; where none is under way the first starts."""
+
+    def go() -> None:
+        state.queue, state.reconstruction.name = state.queue + waiting, ""
+        start_first(state, make_job)
+
+    if state.reconstruction.is_alive:
+        go()
+    else:
+        leave(state, go)
+
+
+def start_first(state: AppState, make_job: MakeJob) -> None:
+    """Start what waits first, unless a reconstruction is under way: never two at once."""
+    if state.reconstruction.is_alive or not state.queue:
+        return
+    first, *later = state.queue
+    state.queue, draft = tuple(later), state.reconstruction
+    job = make_job(first.request)
+    state.reconstruction = Reconstruction(
+        config=draft.config,
+        input=draft.input,
+        d_factor=draft.d_factor,
+        name=draft.name,
+        status="starting",
+        job=job,
+        clip=first.clip,
+        request=first.request,
+        curve=list(first.curve),
+    )
+    job.start()
+    say(state, f"reconstruction of {first.clip.name} started: {first.request.run_path.name}")
+
+
+def _run_path(state: AppState, suffix: str) -> Path:
+    """The name the user gave, or the clip's with the time; never one that is taken or promised."""
+    assert state.clip is not None
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
+    wanted = (state.reconstruction.name.strip() or f"{state.clip.name}-{stamp}") + suffix
+    base = re.sub(r"[^\w.-]+", "-", wanted).strip(".-") or "run"
+    promised = {waiting.request.run_path for waiting in state.queue} | {state.reconstruction.run_path}
+    path, number = state.places.runs / base, 2
+    while path.exists() or path in promised:
+        path, number = state.places.runs / f"{base}-{number}", number + 1
+    return path
+
+
+def pause(state: AppState) -> None:
+    if state.reconstruction.can_pause and state.reconstruction.job:
+        state.reconstruction.job.pause()
+
+
+def resume(state: AppState) -> None:
+    if state.reconstruction.can_resume and state.reconstruction.job:
+        state.reconstruction.job.resume()
+
+
+def cancel(state: AppState) -> None:
+    if state.reconstruction.is_alive and state.reconstruction.job:
+        state.reconstruction.job.cancel()
+
+
+def show_live_model(state: AppState, model: DynamicGaussians) -> None:
+    """The newest copy of the model that is being trained, in the 3D view."""
+    job = state.reconstruction
+    if job.clip is None or job.run_path is None or (state.model and state.model.model is model):
+        return
+    iteration = job.progress.iteration if job.progress else 0
+    first = state.model is None or state.model.cameras != job.clip.cameras
+    distance = middle_distance(model, job.clip.cameras[0])
+    if not first and state.model is not None:
+        # A pivot that follows every preview would make the picture wander.
+        distance = state.model.distance
+    state.model = ShownModel(
+        model,
+        job.clip.cameras,
+        distance,
+        job.run_path.name,
+        iteration,
+        job.iterations,
+        live=True,
+        origin=origin_of(RunFolder(job.run_path)),
+        unit=job.clip.unit,
+    )
+
+
+def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
+    job = state.reconstruction
+    if job.clip is not None and job.run_path is not None:
+        folder = RunFolder(job.run_path)
+        state.model = finished_model(folder, model, job.clip.cameras, job.iterations, job.clip.unit)
+
+
+def can_continue(state: AppState) -> bool:
+    """A run was cut short and its clip is the one that is open."""
+    job = state.reconstruction
+    if job.request is None or job.status not in ("cancelled", "failed"):
+        return False
+    return state.clip is not None and state.clip is job.clip
+
+
+def why_not_reconstruct(state: AppState) -> str:
+    """What a reconstruction still lacks, in a sentence; empty when it can start."""
+    if state.clip is None:
+        return "Open a clip first."
+    if not state.clip.has_depth and state.clip.points is None:
+        return "This clip has no depth to start from. Started with --depth brightness, the app guesses it."
+    return ""

@@ -1,0 +1,86 @@
+"""Trimming and masking a clip, as functions on the state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.errors import UserError
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.clip_settings import ClipSettings, save_clips
+from app.picture_mask import NO_MASK, PictureMask, enclosing
+from enhance.surround import inside
+
+
+def trim_here(state: AppState, *, start: bool) -> None:
+    """The clip begins, or ends, with the present frame; the other end moves along where it must."""
+    if state.clip is None:
+        return
+    first, last = state.span
+    now = state.frame_index
+    first, last = (now, max(now, last)) if start else (min(now, first), now)
+    whole = (first, last) == (0, len(state.clip) - 1)
+    _set(state, replace(state.clip_settings, trim=None if whole else (first, last)))
+
+
+def untrim(state: AppState) -> None:
+    _set(state, replace(state.clip_settings, trim=None))
+
+
+def set_mask(state: AppState, mask: PictureMask) -> None:
+    """Live, while it is drawn; `keep_settings` writes it down."""
+    state.clip_settings = replace(state.clip_settings, mask=mask)
+
+
+def draw_mask(state: AppState, shape: str) -> None:
+    """The next drag over a picture draws this: "text", "view", or nothing for ""."""
+    state.mask_tool = "" if state.mask_tool == shape else shape
+    state.overlay = state.overlay or bool(state.mask_tool)
+
+
+def finish_mask(state: AppState) -> None:
+    """The hand has let go."""
+    state.mask_tool, state.mask_start = "", None
+    keep_settings(state)
+
+
+def round_view(state: AppState) -> None:
+    """The circle of the black surround of the present picture."""
+    if state.pictures is None:
+        return
+    circle = enclosing(inside([state.pictures.photo]))
+    if circle is None:
+        actions.announce(state, "this picture has no black surround")
+        return
+    set_mask(state, replace(state.clip_settings.mask, view=circle))
+    state.overlay = True
+    keep_settings(state)
+
+
+def clear_mask(state: AppState) -> None:
+    set_mask(state, NO_MASK)
+    finish_mask(state)
+
+
+def toggle_overlay(state: AppState) -> None:
+    """Tint tools and what is masked."""
+    state.overlay = not state.overlay
+
+
+def _set(state: AppState, settings: ClipSettings) -> None:
+    state.clip_settings = settings
+    keep_settings(state)
+
+
+def keep_settings(state: AppState) -> None:
+    """For the next time that this clip is opened, where paths are remembered at all."""
+    if state.clip is None:
+        return
+    others = {path: said for path, said in state.known_clips.items() if path != str(state.clip.path)}
+    state.known_clips = {**others, str(state.clip.path): state.clip_settings}
+    if not state.settings.remember_recent:
+        return
+    try:
+        save_clips(state.places.config, state.known_clips)
+    except (OSError, UserError) as error:
+        actions.say(state, f"the clip's settings cannot be kept: {error}")

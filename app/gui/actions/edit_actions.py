@@ -1,0 +1,269 @@
+"""What a person can do to the shown model, as functions on the state. No ImGui."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from app.atomic import write_bytes
+from app.errors import UserError
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.work.editing import (
+    Around,
+    Change,
+    Editing,
+    Limits,
+    Selected,
+    SelectRequest,
+    Tool,
+    edited_model,
+    tinted_model,
+)
+from app.provenance import comment, provenance
+from app.run_edits import save_edits
+from app.run_folder import RunFolder
+from renderer.editing.edits import Combination, Edits
+from renderer.editing.history import History
+from renderer.editing.regions import Lasso, Range, Rectangle, Region
+from renderer.editing.sight import Trait
+from renderer.splat_files.inria_ply import ply_bytes
+
+SHORTEST = 3.0
+"""Pixels: a drag that goes nowhere selects nothing."""
+
+
+def follow(state: AppState) -> None:
+    """Another model has come: editing begins anew with it, and with what was saved of it."""
+    editing, model = state.editing, state.model
+    if model is editing.edited:
+        return
+    if model is None or model.live:
+        state.editing = Editing(edited=model)
+        return
+    edits = model.saved_edits or Edits.none(len(model.model))
+    whole = Edits.none(edits.count).visible
+    state.editing = Editing(
+        model, History(edits), edits, model, whole, tool=editing.tool, how=editing.how, radius=editing.radius
+    )
+    _show(state)
+
+
+def _show(state: AppState) -> None:
+    """The model as the edits leave it."""
+    editing = state.editing
+    assert editing.base is not None
+    edits = editing.edits
+    if edits.visible != editing.drawn:
+        editing.edited, editing.drawn = edited_model(editing.base, edits), edits.visible
+    assert editing.edited is not None
+    state.model = editing.edited
+    editing.tinted = tinted_model(editing.edited, edits) if editing.active else None
+
+
+def toggle(state: AppState) -> None:
+    """Into edit mode and out of it; edits stay, selected Gaussians lose their colour."""
+    editing = state.editing
+    if editing.base is None:
+        return
+    editing.active, editing.stroke = not editing.active, ()
+    _show(state)
+    if editing.active:
+        state.viewer.flying = False
+        _ask(state, None, "replace")
+
+
+def choose_tool(state: AppState, tool: Tool) -> None:
+    if state.editing.active:
+        state.editing.tool, state.editing.stroke = tool, ()
+
+
+# ---- selecting
+
+
+def draw_on(state: AppState, pixel: tuple[float, float]) -> None:
+    """The drag goes on to a position in the view's picture."""
+    editing = state.editing
+    if not editing.stroke:
+        editing.stroke = (pixel,)
+    elif editing.tool == "rectangle":
+        editing.stroke = (editing.stroke[0], pixel)
+    elif editing.tool == "lasso" and _apart(editing.stroke[-1], pixel) >= SHORTEST:
+        editing.stroke = (*editing.stroke, pixel)
+
+
+def end_stroke(state: AppState, how: Combination) -> None:
+    """Select what was drawn around, or pointed at."""
+    editing, stroke = state.editing, state.editing.stroke
+    editing.stroke = ()
+    if not stroke:
+        return
+    if editing.tool == "rectangle" and len(stroke) == 2 and _apart(*stroke) >= SHORTEST:
+        (left, right), (top, bottom) = (sorted(values) for values in zip(*stroke, strict=True))
+        _ask(state, Rectangle(left, top, right, bottom), how)
+    elif editing.tool == "lasso" and len(stroke) > 2:
+        _ask(state, Lasso(stroke), how)
+    elif editing.tool in ("sphere", "box"):
+        pixel = int(stroke[0][0]), int(stroke[0][1])
+        kind: Tool = editing.tool
+        _ask(state, Around(pixel, "box" if kind == "box" else "sphere", _radius(state)), how)
+
+
+def _apart(one: tuple[float, float], other: tuple[float, float]) -> float:
+    return max(abs(one[0] - other[0]), abs(one[1] - other[1]))
+
+
+def _radius(state: AppState) -> float:
+    base = state.editing.base
+    return state.editing.radius * (base.distance if base else 1.0)
+
+
+def select_again(state: AppState) -> None:
+    """The last sphere or box with its present size."""
+    editing = state.editing
+    if editing.center is not None and editing.tool in ("sphere", "box"):
+        around = Around((0, 0), "box" if editing.tool == "box" else "sphere", _radius(state))
+        _ask(state, around.region(editing.center), editing.how)
+
+
+def select_range(state: AppState, trait: Trait, limits: Limits) -> None:
+    _ask(state, Range(trait, *limits), state.editing.how)
+
+
+def _ask(state: AppState, wish: Region | Around | None, how: Combination) -> None:
+    editing, view = state.editing, state.plain_view_request
+    if editing.active and editing.base is not None and view is not None and editing.wish is None:
+        editing.wish = SelectRequest(editing.base, view, wish, how)
+
+
+def take_selected(state: AppState, request: SelectRequest, answer: Selected) -> None:
+    """The answer to a wish, and then what was asked for while it was on its way."""
+    editing = state.editing
+    if request is not editing.wish:
+        return
+    editing.wish, editing.limits = None, answer.limits
+    if answer.center is not None:
+        editing.center = answer.center
+    if answer.mask is not None:
+        mask = answer.mask
+        change(state, lambda edits: edits.selecting(mask, request.how))
+    elif request.wish is not None:
+        actions.announce(state, "No surface is there")
+    for later in drained(editing.waiting):
+        change(state, later)
+
+
+def drained(waiting: list[Change]) -> list[Change]:
+    taken = list(waiting)
+    waiting.clear()
+    return taken
+
+
+# ---- changing
+
+
+def change(state: AppState, how: Change) -> None:
+    """One step of the history; after a selection that is still on its way. None while another model comes."""
+    editing = state.editing
+    if not editing.active or state.opening is not None:
+        return
+    if editing.wish is not None:
+        editing.waiting.append(how)
+        return
+    editing.history = editing.history.then(how(editing.edits))
+    _show(state)
+
+
+def delete(state: AppState) -> None:
+    change(state, Edits.deleting)
+
+
+def crop(state: AppState) -> None:
+    """Without a selection nothing would be left: then nothing happens."""
+    change(state, lambda edits: edits.cropping() if len(edits.selected) else edits)
+
+
+def hide(state: AppState) -> None:
+    change(state, Edits.hiding)
+
+
+def show_hidden(state: AppState) -> None:
+    change(state, Edits.showing)
+
+
+def select_all(state: AppState) -> None:
+    change(state, Edits.selecting_all)
+
+
+def select_none(state: AppState) -> None:
+    change(state, Edits.selecting_none)
+
+
+def invert(state: AppState) -> None:
+    change(state, Edits.inverted)
+
+
+def undo(state: AppState) -> None:
+    """An edit in edit mode, else a parameter."""
+    _step(state, History.undone) if state.editing.active else actions.undo(state)
+
+
+def redo(state: AppState) -> None:
+    _step(state, History.redone) if state.editing.active else actions.redo(state)
+
+
+def _step(state: AppState, way: Callable[[History], History]) -> None:
+    if state.editing.wish is None:
+        state.editing.history = way(state.editing.history)
+        _show(state)
+
+
+# ---- keeping
+
+
+def save(state: AppState) -> bool:
+    """Beside the run; of a file of splats, as another file. False when that failed, which is then said."""
+    editing = state.editing
+    if editing.base is None or editing.run_path is None:
+        return False
+    try:
+        if editing.is_of_run:
+            save_edits(RunFolder(editing.run_path), editing.edits)
+            actions.announce(
+                state, f"edits saved beside {editing.run_path.name}; the trained model is as it was"
+            )
+        else:
+            path = write_splats(state, editing.run_path)
+            actions.announce(state, f"edited splats saved as {path.name}; the file opened is as it was")
+    except (OSError, UserError) as error:
+        actions.fail(state, f"the edits are not saved: {error}")
+        return False
+    editing.saved = editing.edits
+    return True
+
+
+def write_splats(state: AppState, source: Path) -> Path:
+    """What can be seen at the present time, beside its source; never over another file."""
+    editing = state.editing
+    assert editing.edited is not None
+    raw = editing.edited.model.motion.moved(editing.edited.model.raw, state.time)
+    stem = source.name.removesuffix(source.suffix).removesuffix(".compressed")
+    path, number = source.with_name(f"{stem}-edited.ply"), 2
+    while path.exists():
+        path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
+    origin = editing.edited.origin
+    facts = provenance(**(origin.facts if origin else {}), time=state.time)
+    write_bytes(path, ply_bytes(raw, editing.edited.mode, [comment(facts)]))
+    return path
+
+
+def answer(state: AppState, reply: str) -> None:
+    """To "save the edits?": save, discard or stay."""
+    editing, go = state.editing, state.editing.leaving
+    editing.leaving = None
+    if go is None or reply == "stay" or (reply == "save" and not save(state)):
+        return
+    if reply == "discard":
+        editing.history = History(editing.saved)
+        _show(state)
+    go()

@@ -1,0 +1,209 @@
+"""What a person can do with named views and the camera path, as functions on the state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+
+from app.atomic import write_bytes
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.views.free_view import FreeView
+from renderer.camera import Camera
+from renderer.camera_files import CameraFileError, NamedCamera, splatting_json
+from renderer.camera_path import CameraPath, Keyframe
+from renderer.view_files import Views, import_views, views_json
+
+KEYFRAME_STEP = 2.0
+"""Seconds from the last keyframe to one that is added after it."""
+LEAST_STEP = 0.01
+EXPORT_RATE = 15.0
+"""Cameras a second of an exported path."""
+OUR_FORMAT, THEIR_FORMAT = "views", "cameras"
+
+
+def present_camera(state: AppState) -> Camera | None:
+    """What the 3D view is seen through, with the pixels of the clip's photos."""
+    if state.model is None:
+        return None
+    free = state.viewer.free
+    return free.camera if free is not None else state.model.camera_at(state.time)
+
+
+def go_to(state: AppState, camera: Camera) -> None:
+    """The 3D view through a camera; it then turns around what is in the middle of it."""
+    if state.model is not None:
+        viewer = state.viewer
+        state.viewer = replace(viewer, free=FreeView.of(camera), pivot=None, snapped=False, flying=False)
+
+
+def save_view(state: AppState) -> None:
+    """Keep the present view by the name that was typed, or a number."""
+    camera, cameras = present_camera(state), state.cameras
+    if camera is None:
+        return
+    taken = {one.name for one in cameras.views.named}
+    name = cameras.name.strip() or next(
+        text for text in (f"View {number}" for number in range(1, len(taken) + 2)) if text not in taken
+    )
+    cameras.name = ""
+    _change(state, named=(*cameras.views.named, NamedCamera(name, camera)))
+
+
+def rename_view(state: AppState, index: int, name: str) -> None:
+    """An empty name changes nothing."""
+    named = list(state.cameras.views.named)
+    if name.strip():
+        named[index] = NamedCamera(name.strip(), named[index].camera)
+        _change(state, named=tuple(named))
+
+
+def delete_view(state: AppState, index: int) -> None:
+    named = state.cameras.views.named
+    _change(state, named=named[:index] + named[index + 1 :])
+
+
+def add_keyframe(state: AppState) -> None:
+    """The present view and time at the playhead, or after the end when there is one already."""
+    camera, cameras = present_camera(state), state.cameras
+    if camera is None:
+        return
+    path = cameras.views.path
+    free = all(abs(key.seconds - cameras.playhead) >= LEAST_STEP for key in path.keyframes)
+    seconds = cameras.playhead if free else path.end + KEYFRAME_STEP
+    key = Keyframe(seconds, state.time, camera)
+    cameras.playhead, cameras.playing = seconds, False
+    _change_path(state, sorted((*path.keyframes, key), key=lambda one: one.seconds))
+
+
+def replace_keyframe(state: AppState, index: int) -> None:
+    """The keyframe sees what is seen now."""
+    camera = present_camera(state)
+    if camera is not None:
+        keys = list(state.cameras.views.path.keyframes)
+        keys[index] = replace(keys[index], camera=camera, time=state.time)
+        _change_path(state, keys)
+
+
+def move_keyframe(state: AppState, index: int, seconds: float) -> None:
+    """To another moment of the path, between its neighbours."""
+    keys = list(state.cameras.views.path.keyframes)
+    least = keys[index - 1].seconds + LEAST_STEP if index > 0 else 0.0
+    most = keys[index + 1].seconds - LEAST_STEP if index + 1 < len(keys) else float("inf")
+    keys[index] = replace(keys[index], seconds=max(min(seconds, most), least))
+    _change_path(state, keys)
+
+
+def retime_keyframe(state: AppState, index: int, time: float) -> None:
+    """The moment of the clip that it shows, in [0, 1]."""
+    keys = list(state.cameras.views.path.keyframes)
+    keys[index] = replace(keys[index], time=min(max(time, 0.0), 1.0))
+    _change_path(state, keys)
+
+
+def delete_keyframe(state: AppState, index: int) -> None:
+    keys = state.cameras.views.path.keyframes
+    _change_path(state, [*keys[:index], *keys[index + 1 :]])
+
+
+def _change_path(state: AppState, keys: list[Keyframe]) -> None:
+    _change(state, path=CameraPath(tuple(keys)))
+
+
+def _change(state: AppState, **parts: object) -> None:
+    unit = state.model.unit if state.model is not None else state.cameras.views.unit
+    state.cameras.views = replace(state.cameras.views, unit=unit, **parts)  # type: ignore[arg-type]
+
+
+def set_loop(state: AppState, loop: bool) -> None:
+    _change(state, loop=loop)
+
+
+def toggle_path(state: AppState) -> None:
+    """Play the path, from its beginning when it is at its end; or stop."""
+    cameras, path = state.cameras, state.cameras.views.path
+    if state.model is None or len(path.keyframes) < 2:
+        return
+    cameras.playing = not cameras.playing
+    state.playing = False
+    if cameras.playing and not path.start <= cameras.playhead < path.end:
+        cameras.playhead = path.start
+
+
+def seek_path(state: AppState, seconds: float) -> None:
+    """See what the path sees there, at its time of the clip."""
+    cameras = state.cameras
+    cameras.playhead = seconds
+    if cameras.views.path.keyframes:
+        key = cameras.views.path.at(seconds)
+        go_to(state, key.camera)
+        actions.seek_view(state, key.time)
+
+
+def advance_path(state: AppState, elapsed: float) -> None:
+    """On by seconds on the clock; at the end again from the beginning, or still."""
+    cameras, path = state.cameras, state.cameras.views.path
+    if not cameras.playing:
+        return
+    if len(path.keyframes) < 2 or state.model is None or state.view_dragged or state.playing:
+        cameras.playing = False
+        return
+    seconds = cameras.playhead + elapsed
+    if seconds >= path.end and cameras.views.loop:
+        seconds = path.start + (seconds - path.start) % (path.end - path.start)
+    cameras.playing = seconds < path.end
+    seek_path(state, min(seconds, path.end))
+
+
+def load_views(state: AppState, path: Path) -> None:
+    """Add the named views of a file, ours or another program's, and take over its path if it has one."""
+    try:
+        read = import_views(path)
+    except CameraFileError as error:
+        actions.fail(state, str(error))
+        return
+    now = state.cameras.views
+    added = replace(read, named=(*now.named, *read.named))
+    if not read.path.keyframes:
+        added = replace(added, path=now.path, loop=now.loop)
+    state.cameras.views = added
+    keys = f" and a path of {len(read.path.keyframes)} keyframes" if read.path.keyframes else ""
+    actions.announce(state, f"{len(read.named)} views{keys} from {path.name}")
+    if state.model is not None and read.unit not in (Views().unit, state.model.unit):
+        actions.say(state, f"{path.name} is in {read.unit}, this scene in {state.model.unit}")
+
+
+def save_views(state: AppState) -> None:
+    """All named views and the path, for this app and `vesselsplat export --path`."""
+    _write(state, OUR_FORMAT, lambda: views_json(state.cameras.views))
+
+
+def export_clip_cameras(state: AppState) -> None:
+    """Those of the clip as cameras.json, for other programs."""
+    model = state.model
+    if model is not None:
+        named = [NamedCamera(f"frame-{index:06d}", camera) for index, camera in enumerate(model.cameras)]
+        _write(state, THEIR_FORMAT, lambda: splatting_json(named))
+
+
+def export_path_cameras(state: AppState) -> None:
+    """Those along the path as cameras.json."""
+    keys = state.cameras.views.path.moments(EXPORT_RATE) if state.cameras.views.path.keyframes else ()
+    named = [NamedCamera(f"path-{index:06d}", key.camera) for index, key in enumerate(keys)]
+    _write(state, THEIR_FORMAT, lambda: splatting_json(named))
+
+
+def _write(state: AppState, kind: str, content: Callable[[], bytes]) -> None:
+    """A JSON file among the saved pictures, named after what is open and the time."""
+    name = Path(state.model.name).stem if state.model is not None else "vesselsplat"
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
+    path = state.places.pictures / f"{name}-{kind}-{stamp}.json"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(path, content())
+    except OSError as error:
+        actions.fail(state, f"the cameras were not saved: {error}")
+    else:
+        actions.announce(state, f"saved {path.name} in {path.parent.name}/")

@@ -1,0 +1,50 @@
+"""Choosing, keeping and forgetting presets, as functions on the state."""
+
+from __future__ import annotations
+
+from app.errors import UserError
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.presets import BUILT_IN, LONGEST_NAME, load_presets, presets_file, save_presets
+from app.methods import Look
+
+
+def load(state: AppState) -> None:
+    """At the start: own presets of earlier sessions."""
+    state.presets, trouble = load_presets(presets_file(state.places))
+    if trouble:
+        actions.fail(state, trouble)
+
+
+def choose(state: AppState, name: str) -> None:
+    """The preset becomes the present setting; a step of undo."""
+    presets = {**BUILT_IN, **state.presets}
+    if name in presets:
+        actions.settle_params(state)
+        actions.set_params(state, presets[name])
+        state.enhancing = True
+
+
+def keep(state: AppState, name: str) -> None:
+    """The present setting under this name, in place of an own preset of the same name."""
+    name = name.strip()[:LONGEST_NAME]
+    if not name or name in BUILT_IN:
+        actions.fail(state, "expected a name for the preset that is not one of the built-in ones")
+        return
+    _save(state, {**state.presets, name: state.params}, f"kept as preset {name}")
+
+
+def forget(state: AppState, name: str) -> None:
+    """Delete an own preset."""
+    left = {known: look for known, look in state.presets.items() if known != name}
+    _save(state, left, f"preset {name} deleted")
+
+
+def _save(state: AppState, presets: dict[str, Look], done: str) -> None:
+    try:
+        save_presets(presets_file(state.places), presets)
+    except (OSError, UserError) as error:
+        actions.fail(state, f"the presets cannot be kept: {error}")
+        return
+    state.presets = presets
+    actions.announce(state, done)

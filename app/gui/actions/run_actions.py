@@ -1,0 +1,99 @@
+"""What a person can do with the runs of the open clip, as functions on the state. No ImGui."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from app.gui.actions import actions, second_actions
+from app.gui.actions.actions import MakeJob
+from app.gui.state.app_state import AppState, Reconstruction, Waiting
+from app.gui.state.second import Second
+from app.gui.work.background import Failure
+from app.gui.work.run_list import FoundRuns, ListedRun
+from app.run_folder import RunFolder
+
+
+def take_found(state: AppState, answer: FoundRuns | Failure) -> None:
+    """Show what was found for the clip that is open."""
+    if isinstance(answer, FoundRuns):
+        state.found_runs = answer
+    elif state.runs_trouble != answer.message:
+        state.runs_trouble = answer.message
+        actions.fail(state, f"earlier reconstructions cannot be looked for: {answer.message}")
+
+
+def is_present(state: AppState, run: ListedRun) -> bool:
+    """It is the very one that this window makes now."""
+    return state.reconstruction.is_alive and state.reconstruction.run_path == run.path
+
+
+def open_run(state: AppState, run: ListedRun) -> None:
+    """In place of what is shown; while another one is made, a finished one beside it."""
+    if why_not_open(state, run):
+        return
+    if state.reconstruction.is_alive:
+        second_actions.open_second(state, run.path)
+    else:
+        actions.open_path(state, run.path)
+
+
+def why_not_open(state: AppState, run: ListedRun) -> str:
+    """In a sentence; empty when it can be opened."""
+    if is_present(state, run):
+        return "This one is being made now: see Reconstruction."
+    if not state.reconstruction.is_alive:
+        return ""
+    if run.made != "finished":
+        return "It has no finished model to show beside the one that is being made."
+    return "" if state.model is not None else "Wait for the first preview of the one that is being made."
+
+
+def continue_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
+    """Go on with it as it was begun: at once, or when its turn comes."""
+    if state.clip is not None and not why_not_continue(state, run):
+        waiting = Waiting(state.clip, replace(run.request, resume=True), run.curve)
+        actions.enqueue(state, make_job, (waiting,))
+
+
+def why_not_continue(state: AppState, run: ListedRun) -> str:
+    """In a sentence; empty when it can go on."""
+    if run.made == "finished":
+        return "It is finished."
+    if is_present(state, run) or run.made == "being made":
+        return "It is being made now."
+    if any(waiting.request.run_path == run.path for waiting in state.queue):
+        return "It is waiting for its turn."
+    if run.request.clip_options != state.opened_options:
+        return "It was begun with the clip read in another way: open it first."
+    return ""
+
+
+def way_out(run: Reconstruction) -> str:
+    """What can be done with a run that failed, in a sentence."""
+    folder = RunFolder(run.run_path) if run.run_path is not None else None
+    if folder is None or not folder.is_run:
+        return "Nothing of it was kept: change what the sentence above names, and start it again."
+    if folder.has_checkpoint:
+        return "Continue goes on from its last checkpoint; Look at it shows the model as it was last seen."
+    return "It left no checkpoint: Continue makes it again from the start."
+
+
+def has_preview(state: AppState, path: Path | None) -> bool:
+    """The model as it was before this run was cut short is still there."""
+    return state.preview is not None and path is not None and state.preview.name == path.name
+
+
+def look_at_preview(state: AppState) -> None:
+    """At the model as it was last seen before its run was cut short."""
+    preview = state.preview
+    if preview is None:
+        return
+
+    def show() -> None:
+        state.model = preview
+
+    if state.reconstruction.is_alive and state.model is not None:
+        state.second = Second(shown=preview)
+    else:
+        actions.leave(state, show)

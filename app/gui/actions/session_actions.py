@@ -1,0 +1,219 @@
+"""The session: taken from the state, given back to it, saved in passing, and offered after a crash."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from datetime import datetime
+from pathlib import Path
+
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import SOURCES, Comparison
+from app.gui.views.free_view import FreeView
+from app.gui.views.picture_view import PictureView
+from app.gui.work.background import Failure
+from app.gui.work.tuning import Choice
+from app.provenance import digest
+from app.sessions import (
+    MOST_STEPS,
+    SUFFIX,
+    ComparedAs,
+    FreeCamera,
+    Session,
+    SessionSource,
+    Varied,
+    autosave_path,
+    recoverable,
+    write_session,
+)
+from app.tuning import METRICS
+from renderer.camera import Camera
+from renderer.view_files import views_json, views_of
+
+AUTOSAVE_SECONDS = 1.0
+"""At least so long between two sessions that are saved in passing."""
+
+
+@dataclass(frozen=True, eq=False)
+class WriteRequest:
+    """A session to be written."""
+
+    path: Path
+    session: Session
+    in_passing: bool
+    """Without the sources' digests, which take time, and without a word."""
+
+
+def write(request: WriteRequest) -> Iterator[Path]:
+    """Answers a WriteRequest. Raises OSError or UserError."""
+    session, folder = request.session, request.path.parent
+    if not request.in_passing:
+        source, run = _hashed(session.source, folder), _hashed(session.run, folder)
+        session = replace(session, source=source, run=run)
+    write_session(request.path, session)
+    yield request.path
+
+
+def _hashed(source: SessionSource | None, folder: Path) -> SessionSource | None:
+    path = source.found(folder / "session") if source is not None else None
+    return replace(source, sha256=digest(path)) if source is not None and path is not None else source
+
+
+def snapshot(state: AppState, folder: Path) -> Session:
+    """The session as it stands, for a file in `folder`."""
+    free, run, draft = state.viewer.free, state.reconstruction.run_path, state.reconstruction
+    return Session(
+        source=SessionSource.of(state.opened_path, folder) if state.opened_path else None,
+        run=SessionSource.of(run, folder) if run else None,
+        clip_options=state.opened_options,
+        frame=state.frame_index,
+        frozen=state.frozen_index,
+        params=state.params,
+        past=tuple(state.past[-MOST_STEPS:]),
+        scope=state.scope,
+        tissue_only=state.tissue_only,
+        enhancing=state.enhancing,
+        stored=dict(state.stored),
+        comparison=ComparedAs(**vars(state.comparison)),
+        zoom=state.picture_view.zoom,
+        center=state.picture_view.center,
+        linked=state.linked,
+        view_time=state.view_time,
+        free=FreeCamera(free.camera.to_json(), free.down) if free else None,
+        views=json.loads(views_json(state.cameras.views)),
+        view_kind=state.view_kind,
+        snapped=state.viewer.snapped,
+        blend=state.viewer.blend,
+        config=draft.config,
+        input=draft.input,
+        d_factor=draft.d_factor,
+        run_name=draft.name,
+        varied=tuple(Varied(one.name, one.first, one.last, one.count) for one in state.tuning.choices),
+        tuning_shown=state.tuning.shown,
+        sort=state.tuning.sort,
+        notes=state.notes,
+    )
+
+
+def restore(state: AppState, session: Session) -> None:
+    """All of it but the sources, which are open by now."""
+    actions.seek(state, session.frame)
+    last = len(state.clip) - 1 if state.clip is not None else 0
+    state.frozen_index = min(max(session.frozen, 0), last) if session.frozen is not None else None
+    state.params, state.past, state.future = session.params, list(session.past or (session.params,)), []
+    state.scope, state.tissue_only, state.enhancing = session.scope, session.tissue_only, session.enhancing
+    state.stored = dict(session.stored)
+    compared = session.comparison
+    if {compared.left, compared.right} <= set(SOURCES):
+        state.comparison = Comparison(**asdict(compared)).wiped(compared.wipe)
+    state.picture_view = PictureView(session.zoom, session.center)
+    state.linked, state.view_time = session.linked, min(max(session.view_time, 0.0), 1.0)
+    _restore_views(state, session)
+    draft = state.reconstruction
+    draft.name, draft.d_factor = session.run_name, session.d_factor
+    if draft.request is None:
+        draft.config, draft.input = session.config, session.input
+    if len(session.varied) == 2:
+        first, second = (Choice(one.name, one.first, one.last, one.count) for one in session.varied)
+        state.tuning.choices = (first, second)
+    state.tuning.shown = session.tuning_shown
+    state.tuning.sort = session.sort if session.sort in METRICS else ""
+    state.notes = session.notes
+
+
+def _restore_views(state: AppState, session: Session) -> None:
+    """Cameras that make no sense are left out, with a line in the log."""
+    state.view_kind = session.view_kind
+    state.viewer.snapped = session.snapped and state.has_photos
+    state.viewer.blend = min(max(session.blend, 0.0), 1.0)
+    try:
+        if session.free is not None:
+            state.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
+        if session.views is not None:
+            state.cameras.views = views_of(session.views)
+    except (KeyError, TypeError, ValueError) as error:
+        actions.say(state, f"a camera of the session was left out: {error}")
+
+
+def save_request(state: AppState) -> WriteRequest | None:
+    """A file with the pictures, or the one that was opened or saved before; None: nothing is open."""
+    if state.opened_path is None:
+        return None
+    if state.session_path is None:
+        stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
+        state.session_path = state.places.pictures / f"{state.opened_path.stem}-{stamp}{SUFFIX}"
+    path = state.session_path
+    return WriteRequest(path, snapshot(state, path.parent), in_passing=False)
+
+
+def autosave_request(state: AppState) -> WriteRequest | None:
+    """What has changed since it was last saved in passing, once in a while."""
+    if state.opened_path is None or state.now - state.autosaved_at < AUTOSAVE_SECONDS:
+        return None
+    state.autosaved_at = state.now
+    path = autosave_path(state.places.config)
+    session = snapshot(state, path.parent)
+    if session == state.autosaved:
+        return None
+    state.autosaved = session
+    return WriteRequest(path, session, in_passing=True)
+
+
+def take_written(state: AppState, request: WriteRequest, answer: Path | Failure) -> None:
+    """Say how it went; the same trouble with saving in passing is told once."""
+    if isinstance(answer, Path):
+        if request.in_passing:
+            state.autosave_trouble = ""
+        else:
+            actions.announce(state, f"saved {answer.name} in {answer.parent.name}/")
+    elif not request.in_passing:
+        actions.fail(state, f"the session was not saved: {answer.message}")
+    else:
+        state.autosaved = None
+        if state.autosave_trouble != answer.message:
+            state.autosave_trouble = answer.message
+            actions.fail(state, f"the session cannot be saved in passing: {answer.message}")
+
+
+def offer_recovery(state: AppState) -> None:
+    """At the start: whether an earlier session ended without an end."""
+    try:
+        state.recoverable = recoverable(state.places.config)
+    except OSError as error:
+        actions.say(state, f"earlier sessions cannot be looked for: {error}")
+
+
+def recover(state: AppState) -> None:
+    """Open what a crash left; its file goes only when all of it is open."""
+    if state.recoverable is not None:
+        actions.open_path(state, state.recoverable)
+    state.recoverable = None
+
+
+def decline(state: AppState) -> None:
+    """Start afresh; the file is kept under another name, for a second thought."""
+    if state.recoverable is not None:
+        kept = state.recoverable.with_name(f"declined{SUFFIX}")
+        with suppress(OSError):
+            os.replace(state.recoverable, kept)
+            actions.say(state, f"the earlier session was kept as {kept}")
+    state.recoverable = None
+
+
+def taken_up(state: AppState, path: Path) -> None:
+    """A session is open: one on disk is saved there again, one that a crash left is this process's now."""
+    if path.parent == state.places.config:
+        with suppress(OSError):
+            os.replace(path, autosave_path(state.places.config))
+    else:
+        state.session_path = path
+
+
+def end(state: AppState) -> None:
+    """The window closes as it should: nothing needs to be recovered."""
+    with suppress(OSError):
+        autosave_path(state.places.config).unlink()

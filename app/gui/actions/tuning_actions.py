@@ -1,0 +1,80 @@
+"""What a person can do with the tuning grid, as functions on the state."""
+
+from __future__ import annotations
+
+from app.contact_sheet import columns_of
+from app.errors import UserError
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.views.picture_view import PictureView
+from app.gui.work.background import Failure
+from app.gui.work.tuning import CellRequest, Choice, Grid, GridCell
+from app.tuning import Axis, Setting, settings
+
+
+def toggle_tuning(state: AppState) -> None:
+    state.tuning.shown = not state.tuning.shown
+
+
+def choose_axis(state: AppState, place: int, choice: Choice) -> None:
+    """Vary another parameter, or other values of it, with the next grid."""
+    first, second = state.tuning.choices
+    state.tuning.choices = (choice, second) if place == 0 else (first, choice)
+
+
+def start_grid(state: AppState) -> None:
+    """Try the chosen values on the frame that is shown, all else as it is set now."""
+    tuning = state.tuning
+    picture = state.picture_request
+    if picture is None:
+        return
+    try:
+        axes = [_axis(state, choice) for choice in tuning.choices if choice.name]
+        wanted = settings(state.params, axes)
+    except UserError as error:
+        actions.fail(state, str(error).removeprefix("--vary: "))
+        return
+    columns = columns_of([len(one.values) for one in axes], in_order=True)
+    tuning.grid = Grid(picture.with_params(state.params), wanted, columns)
+    tuning.cells, tuning.running, tuning.chosen, tuning.look = {}, True, None, None
+
+
+def _axis(state: AppState, choice: Choice) -> Axis:
+    """Raises UserError: chosen while another method was on."""
+    if not hasattr(state.params, choice.name):
+        raise UserError(f"{choice.name} is no parameter of this method: choose another one to vary")
+    return choice.axis(whole=isinstance(getattr(state.params, choice.name), int))
+
+
+def stop_grid(state: AppState) -> None:
+    """What has been tried stays."""
+    state.tuning.running = False
+
+
+def look_at(state: AppState, setting: Setting | None) -> None:
+    """One cell at 100 %, or all of them again."""
+    state.tuning.chosen, state.tuning.view = setting, PictureView(zoom=1.0)
+
+
+def use_setting(state: AppState, setting: Setting) -> None:
+    """Enhance by this setting from now on; one step of undo."""
+    actions.settle_params(state)
+    actions.set_params(state, setting.params)
+    actions.settle_params(state)
+    state.enhancing = True
+    actions.announce(state, f"using {setting.label}")
+
+
+def take_cell(state: AppState, request: CellRequest, answer: GridCell | Failure) -> None:
+    """A cell has been tried; those of an earlier grid are of no use."""
+    tuning = state.tuning
+    if request.grid is not tuning.grid:
+        return
+    if isinstance(answer, Failure):
+        tuning.running, tuning.chosen = False, None
+        actions.fail(state, f"the grid was stopped: {answer.message}")
+    elif request.whole:
+        tuning.look = answer
+    else:
+        tuning.cells[request.setting] = answer
+        tuning.running = tuning.running and len(tuning.cells) < len(request.grid.settings)

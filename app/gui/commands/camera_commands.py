@@ -1,0 +1,77 @@
+"""The commands of the 3D view, its cameras and its path."""
+
+from __future__ import annotations
+
+from app.gui.actions import camera_actions, path_actions, second_actions, view_actions
+from app.gui.commands import recent_commands
+from app.gui.commands.command import Command, Outside, Section, start
+from app.gui.state.app_state import AppState
+
+BLEND_STEP = 0.1
+
+
+def camera_sections(state: AppState, outside: Outside) -> tuple[Section, ...]:
+    views = (
+        Command("Clip camera", camera_actions.reset_view, ("Home",),
+                text="3D view back to the clip's camera", applies=_has_model),
+        Command("Under its photo", camera_actions.toggle_snap, ("C",),
+                text="3D view to the clip's camera, under its photo",
+                applies=lambda s: s.has_photos, ticked=lambda s: s.viewer.snapped),
+        Command("Less of the photo", lambda s: _blend(s, -BLEND_STEP), ("[",),
+                applies=lambda s: s.viewer.snapped, repeats=True),
+        Command("More of the photo", lambda s: _blend(s, BLEND_STEP), ("]",),
+                applies=lambda s: s.viewer.snapped, repeats=True),
+        Command("Next kind of view", view_actions.next_view, ("N",),
+                text="3D view: colour, depth, normals and on", applies=_has_model),
+        Command("Measure", camera_actions.toggle_measuring, ("M",),
+                text="measure between two clicks on the 3D view",
+                applies=_has_model, ticked=lambda s: s.viewer.measuring),
+        Command("Fly", camera_actions.toggle_flight, ("G",),
+                text="fly through the 3D view and back to turning it",
+                applies=_has_model, ticked=lambda s: s.viewer.flying),
+    )  # fmt: skip
+    path = (
+        Command("Keep this view", path_actions.save_view, ("B",),
+                text="keep this 3D view by a name", applies=_has_model),
+        Command("Add a keyframe", path_actions.add_keyframe, ("I",),
+                text="add this 3D view to the camera path", applies=_has_model),
+        Command("Play the path", path_actions.toggle_path, ("L",), text="play the camera path",
+                applies=lambda s: len(s.cameras.views.path.keyframes) > 1,
+                ticked=lambda s: s.cameras.playing),
+    )  # fmt: skip
+    files = (
+        Command("Import views…", start(outside.import_views), applies=_has_model),
+        Command("Save views and path", path_actions.save_views,
+                applies=lambda s: bool(s.cameras.views.path.keyframes or s.cameras.views.named)),
+        Command("Export the clip's cameras", path_actions.export_clip_cameras, applies=_has_model),
+        Command("Export the path's cameras", path_actions.export_path_cameras,
+                applies=lambda s: bool(s.cameras.views.path.keyframes)),
+    )  # fmt: skip
+    return (
+        Section("Camera", views),
+        Section("Camera", path),
+        Section("Camera", files),
+        Section("Camera", second_commands(state, outside), "Second view"),
+    )
+
+
+def second_commands(state: AppState, outside: Outside) -> tuple[Command, ...]:
+    """What to see beside the first 3D view."""
+    return (
+        Command("Run folder beside…", start(outside.second_run), applies=_has_model),
+        Command("Splat file beside…", start(outside.second_splats), applies=_has_model),
+        *recent_commands.beside(state),
+        Command(
+            "Close the second view",
+            second_actions.close_second,
+            applies=lambda s: s.second.shown is not None,
+        ),
+    )
+
+
+def _blend(state: AppState, by: float) -> None:
+    camera_actions.blend(state, state.viewer.blend + by)
+
+
+def _has_model(state: AppState) -> bool:
+    return state.model is not None

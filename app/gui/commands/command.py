@@ -1,0 +1,73 @@
+"""What a command is: one thing to do, with its name, its keys, and when it applies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.gui.state.app_state import AppState
+
+Act = Callable[[AppState], object]
+Asks = Callable[[AppState], bool]
+
+
+def start(ask: Callable[[], None]) -> Act:
+    """An action that needs nothing of the state."""
+    return lambda state: ask()
+
+
+def always(state: AppState) -> bool:
+    return True
+
+
+def never(state: AppState) -> bool:
+    return False
+
+
+@dataclass(frozen=True)
+class Command:
+    """Menus, keyboard, help and palette are all made from these."""
+
+    label: str
+    act: Act
+    keys: tuple[str, ...] = ()
+    """As a person reads them, "Ctrl+Shift+E"; menus and palette show the first."""
+    text: str = ""
+    """More than the label says: the tooltip, and the line in the help."""
+    applies: Asks = always
+    """Elsewhere its keys do nothing, and menus and palette show it greyed."""
+    ticked: Asks = never
+    repeats: bool = False
+    """A held key counts again."""
+
+    @property
+    def about(self) -> str:
+        """What the help says."""
+        return self.text or self.label
+
+
+@dataclass(frozen=True)
+class Section:
+    """Commands that stand together, between two lines of a menu."""
+
+    menu: str
+    commands: tuple[Command, ...]
+    submenu: str = ""
+
+
+@dataclass(frozen=True)
+class Outside:
+    """What commands can start that needs more than the state."""
+
+    folder: Callable[[], None]
+    file: Callable[[], None]
+    phantom: Callable[[], None]
+    screenshot: Callable[[], None]
+    session: Callable[[], None]
+    import_views: Callable[[], None]
+    second_run: Callable[[], None]
+    second_splats: Callable[[], None]
+    layout: Callable[[], None]
+    quit: Callable[[], None]
+    toggle_panel: Callable[[str], None]
+    panel_shown: Callable[[str], bool]

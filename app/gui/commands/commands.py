@@ -1,0 +1,250 @@
+"""Every command of the window, in the order of the menus."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from imgui_bundle import imgui
+
+from app.gui.actions import actions, clip_actions, comparing, export_actions, tuning_actions
+from app.gui.commands import recent_commands
+from app.gui.commands.camera_commands import camera_sections
+from app.gui.commands.command import Act, Asks, Command, Outside, Section, start
+from app.gui.commands.edit_commands import edit_sections
+from app.gui.commands.view_commands import view_sections
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import MODES, SLOTS, Mode, Slot
+from app.gui.views.picture_view import PictureView
+
+MODE_KEYS = dict(zip(MODES, ("V", "W", "T", "D"), strict=True))
+MODE_TEXTS: dict[Mode, str] = {
+    "side by side": "compare side by side",
+    "wipe": "wipe: one picture with a line to drag",
+    "flip": "one picture: flip between left and right",
+    "difference": "difference: where left and right differ, and by how much",
+}
+
+
+def sections(state: AppState, outside: Outside) -> tuple[Section, ...]:
+    """All commands as they are now: the recent clips are among them."""
+    return (
+        *_file(state, outside),
+        *_picture(),
+        *_compare(),
+        *_clip(),
+        *camera_sections(state, outside),
+        *edit_sections(),
+        *view_sections(outside),
+        *_help(),
+    )
+
+
+def has_clip(state: AppState) -> bool:
+    return state.clip is not None
+
+
+def has_something(state: AppState) -> bool:
+    return state.pictures is not None or state.model is not None
+
+
+def _file(state: AppState, outside: Outside) -> tuple[Section, ...]:
+    opening = (
+        Command("Open folder…", start(outside.folder), ("Ctrl+O",)),
+        Command("Open image, video, session or report…", start(outside.file), ("Ctrl+I",)),
+        Command("Open the built-in phantom", start(outside.phantom)),
+    )
+    remember = Command(
+        "Remember recent",
+        lambda s: actions.remember_recent(s, not s.settings.remember_recent),
+        text="keep a list of what was opened; ending that also forgets it",
+        ticked=lambda s: s.settings.remember_recent,
+    )
+    saving = (
+        Command(
+            "Save picture",
+            start(outside.screenshot),
+            ("S",),
+            text="save a picture of what is shown",
+            applies=has_something,
+        ),
+        Command(
+            "Export…",
+            export_actions.toggle_export,
+            ("Ctrl+Shift+E",),
+            text="export panes, videos and measures",
+            applies=has_something,
+        ),
+        Command(
+            "Save session",
+            start(outside.session),
+            ("Ctrl+S",),
+            text="save what is open, its settings, views and notes; opened again like a clip",
+            applies=lambda s: s.opened_path is not None,
+        ),
+    )
+    return (
+        Section("File", opening),
+        Section("File", recent_commands.opening(state), "Open recent"),
+        Section("File", (remember,)),
+        Section("File", saving),
+        Section("File", (Command("Quit", start(outside.quit), ("Ctrl+Q",)),)),
+    )
+
+
+def _picture() -> tuple[Section, ...]:
+    looks = (
+        Command(
+            "Enhancement",
+            actions.toggle_enhancement,
+            ("E",),
+            text="enhancement on and off",
+            applies=has_clip,
+            ticked=lambda s: s.enhancing,
+        ),
+        Command("Plain white light", actions.white_light, ("Esc",), applies=has_clip),
+        Command(
+            "Freeze",
+            actions.toggle_freeze,
+            ("F",),
+            text="hold this frame in the pictures",
+            applies=has_clip,
+            ticked=lambda s: s.frozen_index is not None,
+        ),
+    )
+    zooms = (
+        Command("Fit", fit_pictures, ("0",), text="fit the whole picture", applies=has_clip),
+        Command("1:1", one_to_one, ("1",), text="show one pixel of the picture for one of the screen",
+                applies=has_clip),
+    )  # fmt: skip
+    parameters = (
+        Command(
+            "Undo",
+            actions.undo,
+            ("Ctrl+Z",),
+            text="undo a parameter",
+            applies=lambda s: len(s.past) > 1 and not s.editing.active,
+            repeats=True,
+        ),
+        Command(
+            "Redo",
+            actions.redo,
+            ("Ctrl+Y",),
+            text="redo a parameter",
+            applies=lambda s: bool(s.future) and not s.editing.active,
+            repeats=True,
+        ),
+        Command("Reset all parameters", actions.reset_params, ("R",)),
+        Command(
+            "Tuning grid",
+            tuning_actions.toggle_tuning,
+            ("Ctrl+T",),
+            text="tuning grid: a range of settings side by side",
+            ticked=lambda s: s.tuning.shown,
+        ),
+    )
+    return Section("Picture", looks), Section("Picture", zooms), Section("Picture", parameters)
+
+
+def _compare() -> tuple[Section, ...]:
+    sides = (
+        Command("Swap left and right", comparing.swap, ("X",), applies=has_clip),
+        Command("Original left, enhanced right", comparing.reset_sources, applies=has_clip),
+        Command("Wipe to the left", _wipe(-1), ("Shift+[",), applies=has_clip, repeats=True),
+        Command("Wipe to the right", _wipe(1), ("Shift+]",), applies=has_clip, repeats=True),
+        Command(
+            "Stripes on clipped pixels",
+            comparing.toggle_zebra,
+            ("Z",),
+            applies=has_clip,
+            ticked=lambda s: s.comparison.zebra,
+        ),
+    )
+    slots = tuple(command for slot in SLOTS for command in _slot(slot))
+    return (
+        Section("Compare", tuple(map(_mode, MODES))),
+        Section("Compare", sides),
+        Section("Compare", slots),
+    )
+
+
+def _mode(mode: Mode) -> Command:
+    act: Act = comparing.flip if mode == "flip" else partial(_choose_mode, mode=mode)
+    ticked: Asks = lambda state: state.comparison.mode == mode  # noqa: E731
+    keys = (MODE_KEYS[mode],)
+    return Command(mode.capitalize(), act, keys, text=MODE_TEXTS[mode], applies=has_clip, ticked=ticked)
+
+
+def _choose_mode(state: AppState, mode: Mode) -> None:
+    comparing.choose_mode(state, mode)
+
+
+def _wipe(steps: int) -> Act:
+    return lambda state: comparing.move_wipe(state, steps * comparing.WIPE_STEP)
+
+
+def _slot(slot: Slot) -> tuple[Command, Command]:
+    return (
+        Command(f"Store setting {slot}", lambda s: comparing.store(s, slot), (f"Shift+{slot}",)),
+        Command(
+            f"Use setting {slot}", lambda s: comparing.recall(s, slot), applies=lambda s: slot in s.stored
+        ),
+    )
+
+
+def _clip() -> tuple[Section, ...]:
+    time = (
+        Command(
+            "Play",
+            actions.toggle_play,
+            ("P", "K"),
+            text="play and pause",
+            applies=lambda s: s.clip is not None and len(s.clip) > 1,
+            ticked=lambda s: s.playing,
+        ),
+        Command("One frame back", partial(actions.step, frames=-1), ("comma",), applies=has_clip,
+                repeats=True),
+        Command("One frame on", partial(actions.step, frames=1), ("full stop",), applies=has_clip,
+                repeats=True),
+    )  # fmt: skip
+    parts = (
+        Command("Begin here", partial(clip_actions.trim_here, start=True), ("Shift+I",),
+                text="the clip begins here", applies=has_clip),
+        Command("End here", partial(clip_actions.trim_here, start=False), ("Shift+O",),
+                text="the clip ends here", applies=has_clip),
+        Command("Whole clip", clip_actions.untrim, text="from its first frame to its last",
+                applies=lambda s: s.clip_settings.trim is not None),
+        Command("Tint what is left out", clip_actions.toggle_overlay, ("Shift+M",),
+                text="tint tools and what is masked", applies=has_clip, ticked=lambda s: s.overlay),
+    )  # fmt: skip
+    return Section("Clip", time), Section("Clip", parts)
+
+
+def _help() -> tuple[Section, ...]:
+    return (
+        Section(
+            "Help",
+            (
+                Command(
+                    "Find a command…", _open_palette, ("Ctrl+Shift+P",), text="find a command by its name"
+                ),
+                Command("Keys and mouse", toggle_help, ("?", "F1"), text="this help"),
+            ),
+        ),
+    )
+
+
+def _open_palette(state: AppState) -> None:
+    state.palette.open()
+
+
+def fit_pictures(state: AppState) -> None:
+    state.picture_view = PictureView()
+
+
+def one_to_one(state: AppState) -> None:
+    """One picture pixel a pixel of the screen, also where the window counts in larger units."""
+    state.picture_view = state.picture_view.one_to_one(1 / imgui.get_io().display_framebuffer_scale.x)
+
+
+def toggle_help(state: AppState) -> None:
+    state.help_open = not state.help_open

@@ -1,0 +1,72 @@
+"""The commands of edit mode."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from app.gui.actions import edit_actions
+from app.gui.commands.command import Command, Section
+from app.gui.state.app_state import AppState
+from app.gui.work.editing import Tool
+
+TOOL_KEYS: dict[Tool, str] = {
+    "look": "Shift+V", "rectangle": "Shift+R", "lasso": "Shift+L", "sphere": "Shift+S", "box": "Shift+K"
+}  # fmt: skip
+
+
+def edit_sections() -> tuple[Section, ...]:
+    """All but the first need edit mode."""
+    mode = Command(
+        "Edit mode",
+        edit_actions.toggle,
+        ("Ctrl+E",),
+        text="edit the reconstruction, and end that",
+        applies=lambda s: s.editing.base is not None,
+        ticked=_active,
+    )
+    select = (
+        Command("Select all", edit_actions.select_all, ("Ctrl+A",), applies=_active),
+        Command("Select none", edit_actions.select_none, ("Ctrl+D",), applies=_some),
+        Command("Invert selection", edit_actions.invert, ("Ctrl+Shift+I",), applies=_active),
+    )
+    change = (
+        Command("Delete", edit_actions.delete, ("Del",), "delete the selected Gaussians", _some),
+        Command("Crop to selection", edit_actions.crop, ("Shift+Del",), "delete all others", _some),
+        Command("Hide", edit_actions.hide, ("H",), "hide the selected Gaussians", _some),
+        Command("Show hidden", edit_actions.show_hidden, ("Shift+H",), applies=_active),
+    )
+    keep = (
+        Command("Undo edit", edit_actions.undo, ("Ctrl+Z",), applies=_can_undo, repeats=True),
+        Command("Redo edit", edit_actions.redo, ("Ctrl+Y",), applies=_can_redo, repeats=True),
+        Command("Save edits", edit_actions.save, ("Ctrl+Shift+S",), applies=lambda s: s.editing.is_unsaved),
+    )
+    return (
+        Section("Edit", (mode,)),
+        Section("Edit", tuple(map(_tool, TOOL_KEYS)), "Tool"),
+        Section("Edit", select),
+        Section("Edit", change),
+        Section("Edit", keep),
+    )
+
+
+def _tool(tool: Tool) -> Command:
+    ticked: Callable[[AppState], bool] = lambda state: state.editing.tool == tool  # noqa: E731
+    choose = partial(edit_actions.choose_tool, tool=tool)
+    return Command(tool.capitalize(), choose, (TOOL_KEYS[tool],), f"edit: {tool}", _active, ticked)
+
+
+def _active(state: AppState) -> bool:
+    return state.editing.active
+
+
+def _some(state: AppState) -> bool:
+    return state.editing.active and len(state.editing.edits.selected) > 0
+
+
+def _can_undo(state: AppState) -> bool:
+    return state.editing.active and bool(state.editing.history.past)
+
+
+def _can_redo(state: AppState) -> bool:
+    return state.editing.active and bool(state.editing.history.future)

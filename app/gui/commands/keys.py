@@ -1,0 +1,97 @@
+"""Keys: which chord a person's name for it is, and what the keyboard does to the state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+
+from imgui_bundle import imgui
+
+from app.gui.actions import camera_actions
+from app.gui.commands.command import Command, Section
+from app.gui.state.app_state import AppState
+
+MODIFIERS = int(imgui.Key.mod_mask_)
+PEEK = imgui.Key.space
+PEEK_TEXT = "hold: the original in every pane"
+FLIGHT = {
+    imgui.Key.a: (-1, 0, 0), imgui.Key.d: (1, 0, 0),
+    imgui.Key.q: (0, 1, 0), imgui.Key.e: (0, -1, 0),
+    imgui.Key.s: (0, 0, -1), imgui.Key.w: (0, 0, 1),
+}  # fmt: skip
+"""Right, down and forward. In flight these keys do nothing else."""
+FLIGHT_TEXT = "in flight: forward and back, left and right, down and up; the wheel sets the speed"
+MOUSE = (
+    ("Wheel", "zoom at the pointer, both pictures or the 3D view"),
+    ("Drag", "move the pictures; turn the 3D view around its centre, in flight on the spot"),
+    ("Right drag", "move the 3D view"),
+    ("Double click", "fit the pictures; turn the 3D view around this point; slider back to its default"),
+    ("Ctrl+click on a slider", "type a value"),
+)
+NAMED = {
+    "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
+    "comma": imgui.Key.comma, "full stop": imgui.Key.period, "?": imgui.Key.mod_shift | imgui.Key.slash,
+    "plus": imgui.Key.equal, "minus": imgui.Key.minus,
+    "keypad plus": imgui.Key.keypad_add, "keypad minus": imgui.Key.keypad_subtract,
+    "[": imgui.Key.left_bracket, "]": imgui.Key.right_bracket, "0": imgui.Key._0, "1": imgui.Key._1,
+}  # fmt: skip
+HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
+
+
+@cache
+def chord(keys: str) -> int:
+    """ImGui's number for keys that are pressed together, "Ctrl+Shift+E".
+
+    Raises KeyError or AttributeError for a name that no key has.
+    """
+    *held, name = keys.split("+")
+    key = NAMED[name] if name in NAMED else getattr(imgui.Key, name.lower())
+    return sum(int(HELD[one]) for one in held) | int(key)
+
+
+class Keyboard:
+    """Acts on the keys of each frame; typing and open dialogs keep theirs."""
+
+    def __init__(self) -> None:
+        self._was_free = True
+
+    def handle(self, state: AppState, sections: Iterable[Section]) -> None:
+        io = imgui.get_io()
+        free = not io.want_text_input and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+        # The key that has just closed a menu or ended typing has done its work.
+        acts, self._was_free = free and self._was_free, free
+        # While controls are walked by keyboard, Space presses the one in focus.
+        state.peeking = acts and not io.nav_visible and imgui.is_key_down(PEEK)
+        flies = state.viewer.flying
+        for command in _pressed(state, sections) if acts else ():
+            command.act(state)
+        held = FLIGHT if acts and flies and not io.key_mods else {}
+        _fly(state, [way for key, way in held.items() if imgui.is_key_down(key)], io.delta_time)
+
+
+def _pressed(state: AppState, sections: Iterable[Section]) -> list[Command]:
+    """Commands that apply and whose keys went down; in flight its own keys do nothing else."""
+    flies = state.viewer.flying
+    return [
+        command
+        for section in sections
+        for command in section.commands
+        for keys in command.keys
+        if _is_pressed(code := chord(keys), command.repeats)
+        and not (flies and code in FLIGHT)
+        and command.applies(state)
+    ]
+
+
+def _is_pressed(code: int, repeats: bool) -> bool:
+    """Exactly this chord; a held key counts again only where that is wanted."""
+    key = imgui.Key(code & ~MODIFIERS)
+    return imgui.get_io().key_mods == code & MODIFIERS and imgui.is_key_pressed(key, repeats)
+
+
+def _fly(state: AppState, ways: list[tuple[int, int, int]], seconds: float) -> None:
+    """Where the held keys together lead."""
+    right, down, forward = (sum(way[axis] for way in ways) for axis in range(3))
+    state.viewer.moving = any((right, down, forward))
+    if state.viewer.moving:
+        camera_actions.fly(state, right, down, forward, seconds)

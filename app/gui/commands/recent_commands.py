@@ -1,0 +1,39 @@
+"""Commands for what was opened lately, which change with the settings."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+from app.gui.actions import actions, second_actions
+from app.gui.commands.command import Command
+from app.gui.legible import legible
+from app.gui.state.app_state import AppState
+
+
+def opening(state: AppState) -> tuple[Command, ...]:
+    """To open it again."""
+    return tuple(
+        Command(label, partial(actions.open_path, path=Path(text)), text=text)
+        for label, text in _named(state)
+    )
+
+
+def beside(state: AppState) -> tuple[Command, ...]:
+    """To see it beside the first 3D view."""
+    return tuple(
+        Command(
+            label,
+            partial(second_actions.open_second, path=Path(text)),
+            text=text,
+            applies=lambda s: s.model is not None,
+        )
+        for label, text in _named(state)
+    )
+
+
+def _named(state: AppState) -> list[tuple[str, str]]:
+    """What the label says and the path; the same name can stand for two paths."""
+    return [
+        (f"{legible(Path(text).name)}##{place}", text) for place, text in enumerate(state.settings.recent)
+    ]

@@ -1,0 +1,49 @@
+"""The commands of the View menu: panels and how the window looks."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from app.gui.actions import actions
+from app.gui.commands.command import Command, Outside, Section, start
+from app.gui.state.settings import TEXT_PERCENTS, Theme
+
+
+def view_sections(outside: Outside) -> tuple[Section, ...]:
+    panels = tuple(
+        Command(
+            name,
+            lambda s, name=name: outside.toggle_panel(name),  # type: ignore[misc]
+            text=text,
+            ticked=lambda s, name=name: outside.panel_shown(name),  # type: ignore[misc]
+        )
+        for name, text in (
+            ("Log", "panel: what happened in this session"),
+            ("Notes", "panel: notes that are saved with the session"),
+            ("Report", "panel: a report of measurements that was opened"),
+        )
+    )
+    layout = Command(
+        "Standard layout", start(outside.layout), text="all panels back where they were at first"
+    )
+    return (
+        Section("View", panels),
+        Section("View", (_theme("dark"), _theme("light"))),
+        Section("View", TEXT_SIZE),
+        Section("View", (layout,)),
+    )
+
+
+def _theme(theme: Theme) -> Command:
+    choose = partial(actions.choose_theme, theme=theme)
+    return Command(f"{theme.capitalize()} theme", choose, ticked=lambda s: s.settings.theme == theme)
+
+
+TEXT_SIZE = (
+    Command("Larger text", partial(actions.resize_text, steps=1), ("Ctrl+plus", "Ctrl+keypad plus"),
+            applies=lambda s: s.settings.text_percent < TEXT_PERCENTS[-1]),
+    Command("Smaller text", partial(actions.resize_text, steps=-1), ("Ctrl+minus", "Ctrl+keypad minus"),
+            applies=lambda s: s.settings.text_percent > TEXT_PERCENTS[0]),
+    Command("Standard text size", partial(actions.resize_text, steps=0), ("Ctrl+0",),
+            applies=lambda s: s.settings.text_percent != 100),
+)  # fmt: skip

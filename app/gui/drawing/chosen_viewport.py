@@ -1,0 +1,78 @@
+"""Which of the two ways draws the 3D view: the graphics card where there is one, else the faster."""
+
+from __future__ import annotations
+
+import moderngl
+
+from app.gui.actions import actions
+from app.gui.drawing.textures import Textures
+from app.gui.drawing.viewport import GraphicsViewport, OnScreen, ProcessorViewport
+from app.gui.state.app_state import AppState
+from app.gui.work.viewing import View
+from renderer.draw.context import is_software, renderer_name
+
+VIEWS = 4
+"""Pictures by the rasteriser before the two are compared: its kernels load with the first."""
+FAILURES = (moderngl.Error, ValueError, MemoryError)
+
+
+class ChosenViewport:
+    """Sets `state.processor_draws`, and says why in `state.drawn_by`.
+
+    On a software driver the numba rasteriser begins; once it has drawn a few pictures of a model, OpenGL
+    draws the last of them, too, and takes over if it is faster. A card that fails gives way to the
+    rasteriser.
+    """
+
+    def __init__(self, ctx: moderngl.Context, textures: Textures, state: AppState) -> None:
+        self._ctx = ctx
+        self._graphics, self._processor = GraphicsViewport(ctx, textures), ProcessorViewport(textures)
+        self._compares = is_software(ctx)
+        self._views: list[View] = []
+        state.processor_draws = self._compares
+        state.drawn_by = f"OpenGL here is {renderer_name(ctx)}."
+
+    def show(self, state: AppState) -> OnScreen | None:
+        if self._compares:
+            self._compare(state)
+        if state.processor_draws:
+            return self._processor.show(state)
+        try:
+            return self._graphics.show(state)
+        except FAILURES as error:
+            self._give_up(state, error)
+            return self._processor.show(state)
+
+    def _compare(self, state: AppState) -> None:
+        """Once, between two frames of the window, as long as one picture takes."""
+        view = state.view
+        if view is None or view.request.kind != "color" or any(view is one for one in self._views):
+            return
+        self._views.append(view)
+        if len(self._views) < VIEWS or view.request.shown.live:
+            return
+        self._compares = False
+        try:
+            card = self._graphics.milliseconds(view.request)
+        except FAILURES as error:
+            self._give_up(state, error)
+            return
+        alike = [one for one in self._views if one.request.reduced == view.request.reduced]
+        own = min(one.milliseconds for one in alike)
+        state.processor_draws = own <= card
+        faster = "the numba rasteriser" if state.processor_draws else "OpenGL"
+        self._say(
+            state, f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms a picture: {faster} draws"
+        )
+
+    def _give_up(self, state: AppState, error: Exception) -> None:
+        state.processor_draws, self._compares = True, False
+        self._say(state, f"OpenGL failed ({error}): the numba rasteriser draws")
+
+    def _say(self, state: AppState, why: str) -> None:
+        state.drawn_by = f"3D view: {why}"
+        actions.say(state, state.drawn_by)
+
+    def release(self) -> None:
+        self._graphics.release()
+        self._processor.release()

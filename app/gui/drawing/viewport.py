@@ -1,0 +1,184 @@
+"""The 3D view as a texture: drawn by the graphics card, or by the numba rasteriser where there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Protocol
+
+import moderngl
+from imgui_bundle import imgui
+
+from app.drawing import Drawn
+from app.gui.drawing.textures import Textures
+from app.gui.state.app_state import AppState
+from app.gui.work.viewing import BACKGROUND, View, ViewRequest
+from app.views import RECOLORED, SHAPES, Composed, Scale, splats_for
+from renderer.draw.keyframes import Keyframes
+from renderer.draw.offscreen import read_layers
+from renderer.draw.splat_view import SplatView
+
+
+@dataclass(frozen=True)
+class OnScreen:
+    """A drawn 3D view, first row at the top of `uv0`."""
+
+    texture: imgui.ImTextureRef
+    uv0: tuple[float, float]
+    uv1: tuple[float, float]
+    request: ViewRequest
+    """What it was drawn from."""
+    scale: Scale | None = None
+    """What its colours mean, where they are values."""
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Which of the two 3D views a viewport shows: its texture, what is wanted of it, what is there for it."""
+
+    slot: str
+    request: Callable[[AppState], ViewRequest | None]
+    view: Callable[[AppState], View | None]
+    """What the processor drew."""
+    keyframes: Callable[[AppState], Keyframes | None]
+
+
+def keyframes_of(state: AppState) -> Keyframes | None:
+    """Of the model that is shown, once they are there."""
+    baked = state.baked
+    return baked.keyframes if baked is not None and baked.request.shown is state.model else None
+
+
+FIRST = Watch("view", lambda state: state.view_request, lambda state: state.view, keyframes_of)
+SECOND = Watch(
+    "second view", lambda state: state.second_request, lambda state: state.second.view, lambda state: None
+)
+
+
+class Viewport(Protocol):
+    def show(self, state: AppState) -> OnScreen | None: ...
+    def release(self) -> None: ...
+
+
+class ProcessorViewport:
+    """Shows the newest picture that background work has drawn."""
+
+    def __init__(self, textures: Textures, watch: Watch = FIRST) -> None:
+        self._textures, self._watch = textures, watch
+
+    def show(self, state: AppState) -> OnScreen | None:
+        view = self._watch.view(state)
+        if view is None or state.model is None:
+            return None
+        texture = self._textures.whole(self._watch.slot, view.image)
+        return OnScreen(texture, (0, 0), (1, 1), view.request, view.scale)
+
+    def release(self) -> None:
+        """The textures are released by their owner."""
+
+
+class GraphicsViewport:
+    """Draws when the request differs from the one on screen; views other than colour by way of arrays."""
+
+    def __init__(self, ctx: moderngl.Context, textures: Textures, watch: Watch = FIRST) -> None:
+        self._ctx, self._textures, self._watch = ctx, textures, watch
+        self._composed: Composed | None = None
+        self._splats: SplatView | None = None
+        self._near = 0.0
+        self._target: moderngl.Framebuffer | None = None
+        self._texture: moderngl.Texture | None = None
+        self._uploaded: object = None
+        """The keyframes, or the model and the time, that are on the card."""
+        self._drawn: ViewRequest | None = None
+
+    def show(self, state: AppState) -> OnScreen | None:
+        request = self._watch.request(state)
+        if request is None:
+            return None
+        if request != self._drawn:
+            self._draw(request, self._watch.keyframes(state))
+        if self._composed is not None:
+            texture = self._textures.whole(self._watch.slot, self._composed.image)
+            return OnScreen(texture, (0, 0), (1, 1), request, self._composed.scale)
+        assert self._texture is not None
+        # OpenGL stores the bottom row first.
+        return OnScreen(imgui.ImTextureRef(self._texture.glo), (0, 1), (1, 0), request)
+
+    def milliseconds(self, request: ViewRequest) -> float:
+        """Of drawing it as after a move of the camera, its splats being there already."""
+        # Shaders are compiled and splats uploaded with a small picture, so that the window waits less.
+        self._draw(request.scaled(0.1), None)
+        assert self._splats is not None
+        self._splats.forget_order()
+        self._ctx.finish()
+        began = perf_counter()
+        self._draw(request, None)
+        self._ctx.finish()
+        return 1000 * (perf_counter() - began)
+
+    def _draw(self, request: ViewRequest, keyframes: Keyframes | None) -> None:
+        _forget_errors(self._ctx)
+        splats = self._upload(request, keyframes)
+        if request.kind != "color":
+            shape, with_depth = SHAPES[request.kind], request.kind == "depth"
+            layers = read_layers(splats, request.camera, shape, with_depth=with_depth)
+            self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
+            self._finish(request)
+            return
+        self._composed = None
+        size = (request.camera.width, request.camera.height)
+        if self._texture is None or self._texture.size != size:
+            self._resize(size)
+        assert self._target is not None
+        splats.draw(request.camera, self._target, background=BACKGROUND)
+        self._finish(request)
+
+    def _finish(self, request: ViewRequest) -> None:
+        """Raises moderngl.Error for a context that is lost, or has run out of memory."""
+        if (error := self._ctx.error) != "GL_NO_ERROR":
+            raise moderngl.Error(error)
+        self._drawn = request
+
+    def _upload(self, request: ViewRequest, keyframes: Keyframes | None) -> SplatView:
+        """What draws, with the splats of the request's moment."""
+        if self._splats is None or self._near != request.near:
+            self._release_splats()
+            self._splats, self._near = SplatView(self._ctx, near=request.near), request.near
+        shown, time, kind = request.shown, request.time, request.kind
+        recolored = (kind, request.camera) if kind in RECOLORED else None
+        wanted = keyframes if keyframes is not None and recolored is None else (shown, time, recolored)
+        if self._uploaded != wanted and isinstance(wanted, Keyframes):
+            self._splats.upload_keyframes(wanted, shown.mode)
+        elif self._uploaded != wanted:
+            splats = splats_for(kind, keyframes or shown.model, time, request.camera)
+            self._splats.upload(splats, shown.mode)
+        self._uploaded = wanted
+        self._splats.seek(time)
+        return self._splats
+
+    def _resize(self, size: tuple[int, int]) -> None:
+        self._release_target()
+        self._texture = self._ctx.texture(size, 4)
+        self._target = self._ctx.framebuffer([self._texture])
+
+    def _release_target(self) -> None:
+        for item in (self._target, self._texture):
+            if item is not None:
+                item.release()
+
+    def _release_splats(self) -> None:
+        if self._splats is not None:
+            self._splats.release()
+        self._splats, self._uploaded = None, None
+
+    def release(self) -> None:
+        self._release_target()
+        self._release_splats()
+
+
+def _forget_errors(ctx: moderngl.Context) -> None:
+    """Of others; a lost context reports its loss for ever."""
+    for _ in range(8):
+        if ctx.error == "GL_NO_ERROR":
+            return

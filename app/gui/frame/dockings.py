@@ -1,0 +1,95 @@
+"""What the runner does with panels and with the window when it is asked to."""
+
+from __future__ import annotations
+
+from imgui_bundle import ImVec2, hello_imgui, imgui
+
+from app.gui.panels.editing import PANEL as EDIT
+from app.gui.state.app_state import AppState
+
+SPLATS = "Splats"
+"""The 3D view of a model without pictures, in their place."""
+Node = imgui.internal.DockNode
+SIDE, MOST = 0.26, 0.45
+"""Share of the window's width that the panels at the side have, and at most with large text."""
+TUNING, REPORT = "Tuning", "Report"
+
+
+def toggle(name: str) -> None:
+    """Show the panel, in front, or hide it."""
+    panel = _docking().dockable_window_of_name(name)
+    panel.is_visible = not panel.is_visible
+    panel.focus_window_at_next_frame = panel.is_visible
+
+
+def is_shown(name: str) -> bool:
+    return bool(_docking().dockable_window_of_name(name).is_visible)
+
+
+def restore() -> None:
+    """Every panel back to where it was at the very start."""
+    _docking().layout_reset = True
+
+
+def quit_app() -> None:
+    hello_imgui.get_runner_params().app_shall_exit = True
+
+
+def splits(text_percent: int) -> list[hello_imgui.DockingSplit]:
+    """How the window is divided at first: pictures, below them the 3D view, two panels at the side."""
+    split = hello_imgui.DockingSplit
+    return [
+        split("MainDockSpace", "Side", imgui.Dir.right, min(SIDE * text_percent / 100, MOST)),
+        split("Side", "SideBelow", imgui.Dir.down, 0.37),
+        split("MainDockSpace", "Below", imgui.Dir.down, 0.44),
+    ]
+
+
+def widen(factor: float) -> None:
+    """The panels at the side, as text grows, so that their controls keep their proportions."""
+    column = _column("Enhancement")
+    if column is not None:
+        width = min(factor * column.size.x, MOST * imgui.get_main_viewport().size.x)
+        imgui.internal.dock_builder_set_node_size(column.id_, ImVec2(width, column.size.y))
+
+
+def _column(name: str) -> Node | None:
+    """Where the panel is docked, with what is above and below it; None where it has no neighbour."""
+    window: imgui.internal.Window | None = imgui.internal.find_window_by_name(name)
+    node = _node_of(window)
+    above = _parent_of(node)
+    if above is not None and above.split_axis == imgui.internal.Axis.y:
+        node, above = above, _parent_of(above)
+    return None if above is None else node
+
+
+def _node_of(window: imgui.internal.Window | None) -> Node | None:
+    return None if window is None else window.dock_node
+
+
+def _parent_of(node: Node | None) -> Node | None:
+    return None if node is None else node.parent_node
+
+
+def follow(state: AppState) -> None:
+    """What has nothing to show leaves its space to the other; what is asked for comes to the front."""
+    panel = _docking().dockable_window_of_name
+    alone = state.is_model_alone
+    panel("3D view").is_visible = state.has_view and not alone
+    panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
+    _show(panel(TUNING), state.tuning.shown)
+    _show(panel(EDIT), state.editing.active)
+    if state.report_asked:
+        # Once in front, it is as the View menu says.
+        panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True
+        state.report_asked = False
+
+
+def _show(window: hello_imgui.DockableWindow, wanted: bool) -> None:
+    """In front when it appears."""
+    window.focus_window_at_next_frame |= wanted and not window.is_visible
+    window.is_visible = wanted
+
+
+def _docking() -> hello_imgui.DockingParams:
+    return hello_imgui.get_runner_params().docking_params

@@ -1,0 +1,177 @@
+"""Colours of the dark and the light theme, spacing and fonts. Greys have no hue: nothing tints tissue."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from imgui_bundle import ImVec2, ImVec4, hello_imgui, imgui, implot
+
+from app.gui.state.settings import Theme
+
+FONT_SIZE = 16.0
+
+
+def grey(level: float, alpha: float = 1.0) -> ImVec4:
+    return ImVec4(level, level, level, alpha)
+
+
+@dataclass(frozen=True)
+class Colors:
+    """Of one theme."""
+
+    mirrored: bool
+    """Greys are turned round: light where the dark theme is dark."""
+    text: ImVec4
+    muted: ImVec4
+    accent: ImVec4
+    lit: ImVec4
+    """A button that is on."""
+    caution: ImVec4
+    """A button that is on and should be noticed."""
+    grab: ImVec4
+    warning: ImVec4
+    danger: ImVec4
+    alarm: ImVec4
+    """Behind an error."""
+
+    def shade(self, level: float, alpha: float = 1.0) -> ImVec4:
+        """The grey that plays the part of `level`, in [0, 1], in the dark theme."""
+        return grey(1.03 - 0.8 * level if self.mirrored else level, alpha)
+
+    def veil(self, alpha: float) -> ImVec4:
+        """A little of the text's colour over whatever is below."""
+        return grey(0.0 if self.mirrored else 1.0, alpha)
+
+
+DARK = Colors(
+    mirrored=False,
+    text=grey(0.90),
+    muted=grey(0.70),
+    accent=ImVec4(0.40, 0.65, 0.92, 1.0),
+    lit=ImVec4(0.23, 0.40, 0.59, 1.0),
+    caution=ImVec4(0.57, 0.34, 0.03, 1.0),
+    grab=ImVec4(0.29, 0.49, 0.71, 1.0),
+    warning=ImVec4(0.95, 0.72, 0.30, 1.0),
+    danger=ImVec4(0.97, 0.50, 0.46, 1.0),
+    alarm=ImVec4(0.30, 0.13, 0.12, 0.98),
+)
+LIGHT = Colors(
+    mirrored=True,
+    text=grey(0.10),
+    muted=grey(0.32),
+    accent=ImVec4(0.09, 0.32, 0.60, 1.0),
+    lit=ImVec4(0.62, 0.78, 0.95, 1.0),
+    caution=ImVec4(0.96, 0.75, 0.36, 1.0),
+    grab=ImVec4(0.35, 0.55, 0.78, 1.0),
+    warning=ImVec4(0.50, 0.29, 0.00, 1.0),
+    danger=ImVec4(0.66, 0.11, 0.09, 1.0),
+    alarm=ImVec4(0.99, 0.86, 0.84, 0.98),
+)
+THEMES: dict[Theme, Colors] = {"dark": DARK, "light": LIGHT}
+
+SURROUND = grey(0.085)
+"""Around pictures, and with them the same in both themes: dark and neutral. So are all marks on pictures."""
+INK = grey(0.97)
+MARK = ImVec4(0.95, 0.72, 0.30, 1.0)
+TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)
+TAG_ENHANCED = ImVec4(0.13, 0.36, 0.60, 0.94)
+TAG_CAUTION = ImVec4(0.58, 0.35, 0.03, 0.96)
+
+
+def now() -> Colors:
+    """Those of the theme that the window wears."""
+    return LIGHT if imgui.get_style().color_(imgui.Col_.window_bg).x > 0.5 else DARK
+
+
+def switch(on: bool, *, caution: bool = False) -> ImVec4:
+    """A button's colour that says whether something is on; `caution`: and that it should be noticed."""
+    if not on:
+        return now().shade(0.25)
+    return now().caution if caution else now().lit
+
+
+def wear(theme: Theme, text_percent: int) -> None:
+    """Give window and plots this theme and size of text; between two frames."""
+    colors, style, plots = THEMES[theme], imgui.get_style(), implot.get_style()
+    style.font_scale_main = text_percent / 100
+    for role, color in (_surfaces(colors) | _controls(colors)).items():
+        style.set_color_(role, color)
+    for part, color in _plots(colors).items():
+        plots.set_color_(part, color)
+
+
+def load_fonts() -> None:
+    """Roboto with icons, from imgui-bundle's own assets (Apache 2.0 and OFL)."""
+    hello_imgui.load_font_ttf_with_font_awesome_icons("fonts/Roboto/Roboto-Regular.ttf", FONT_SIZE)
+
+
+def apply_style() -> None:
+    """Sizes are for one em of 16 pixels; the runner scales them with the screen's density."""
+    style = imgui.get_style()
+    style.window_padding = ImVec2(10, 10)
+    style.frame_padding = ImVec2(8, 3)
+    style.item_spacing = ImVec2(8, 5)
+    style.item_inner_spacing = ImVec2(6, 4)
+    style.scrollbar_size = 12
+    style.grab_min_size = 11
+    style.frame_rounding = style.grab_rounding = style.popup_rounding = 4
+    style.child_rounding = style.scrollbar_rounding = 4
+    style.window_rounding = 0
+    style.tab_rounding = 3
+    style.popup_border_size = style.window_border_size = 1
+    style.frame_border_size = style.tab_border_size = 0
+    style.docking_separator_size = 3
+    style.window_menu_button_position = imgui.Dir.none
+    style.disabled_alpha = 0.45
+
+
+def _surfaces(colors: Colors) -> dict[imgui.Col_, ImVec4]:
+    c, shade = imgui.Col_, colors.shade
+    return {
+        c.text: colors.text, c.text_disabled: colors.muted,
+        c.window_bg: shade(0.135), c.child_bg: grey(0, 0), c.popup_bg: shade(0.17),
+        c.border: shade(0.34), c.border_shadow: grey(0, 0),
+        c.menu_bar_bg: shade(0.11), c.title_bg: shade(0.10), c.title_bg_active: shade(0.10),
+        c.title_bg_collapsed: shade(0.10),
+        c.tab: shade(0.10), c.tab_hovered: shade(0.24), c.tab_selected: shade(0.19),
+        c.tab_selected_overline: colors.accent, c.tab_dimmed: shade(0.10), c.tab_dimmed_selected: shade(0.17),
+        c.tab_dimmed_selected_overline: shade(0.30),
+        c.docking_preview: colors.lit, c.docking_empty_bg: SURROUND,
+        c.modal_window_dim_bg: grey(0, 0.55), c.nav_windowing_dim_bg: grey(0, 0.4),
+        c.table_header_bg: shade(0.17), c.table_row_bg_alt: colors.veil(0.03),
+        c.table_border_strong: shade(0.30), c.table_border_light: shade(0.24), c.table_row_bg: grey(0, 0),
+        c.tree_lines: shade(0.30), c.unsaved_marker: colors.warning,
+        c.plot_lines: colors.accent, c.plot_histogram: colors.lit,
+        c.plot_lines_hovered: colors.warning, c.plot_histogram_hovered: colors.warning,
+    }  # fmt: skip
+
+
+def _controls(colors: Colors) -> dict[imgui.Col_, ImVec4]:
+    c, shade = imgui.Col_, colors.shade
+    return {
+        c.frame_bg: shade(0.21), c.frame_bg_hovered: shade(0.26), c.frame_bg_active: shade(0.30),
+        c.button: shade(0.25), c.button_hovered: shade(0.32), c.button_active: shade(0.38),
+        c.header: shade(0.24), c.header_hovered: shade(0.27), c.header_active: shade(0.29),
+        c.slider_grab: colors.grab, c.slider_grab_active: colors.accent, c.check_mark: colors.accent,
+        c.checkbox_selected_bg: shade(0.21),
+        c.separator: shade(0.24), c.separator_hovered: shade(0.38), c.separator_active: colors.accent,
+        c.resize_grip: shade(0.25), c.resize_grip_hovered: shade(0.35), c.resize_grip_active: colors.accent,
+        c.scrollbar_bg: grey(0, 0), c.scrollbar_grab: shade(0.28), c.scrollbar_grab_hovered: shade(0.36),
+        c.scrollbar_grab_active: shade(0.44),
+        c.nav_cursor: colors.accent, c.drag_drop_target: colors.accent, c.text_selected_bg: colors.lit,
+        c.drag_drop_target_bg: grey(0, 0), c.input_text_cursor: colors.text,
+        c.nav_windowing_highlight: colors.accent, c.text_link: colors.accent,
+    }  # fmt: skip
+
+
+def _plots(colors: Colors) -> dict[implot.Col_, ImVec4]:
+    """As flat as the panels they are in."""
+    c = implot.Col_
+    return {
+        c.frame_bg: grey(0, 0), c.plot_bg: colors.shade(0.10),
+        c.plot_border: colors.shade(0.22), c.axis_grid: colors.veil(0.10),
+    }  # fmt: skip
+
+
+def apply_plot_style() -> None:
+    implot.get_style().plot_padding = ImVec2(4, 4)

@@ -1,0 +1,182 @@
+"""Controls made from the declared fields of parameters, and the small pieces that every panel uses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from annotated_types import Interval
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
+from pydantic.fields import FieldInfo
+
+from app.arguments import marks
+from app.gui.legible import legible
+from app.gui.look import theme
+from app.methods import Look
+from enhance import EnhanceParams
+
+L = TypeVar("L", bound=Look)
+
+
+def em(lines: float = 1.0) -> float:
+    """Pixels of that many font heights: every size on screen follows the font."""
+    return lines * imgui.get_font_size()
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What a field says about itself."""
+
+    lo: float
+    hi: float
+    text: str
+    default: Any
+
+
+def declared(kind: type[Any], name: str) -> Declared:
+    """Range, explanation and default of a pydantic dataclass's field, from its own declaration."""
+    field: FieldInfo = kind.__pydantic_fields__[name]
+    declarations = [*field.metadata, *marks(field.annotation)]
+    interval = next((mark for mark in declarations if isinstance(mark, Interval)), Interval(ge=0, le=1))
+    text = " ".join((field.description or "").split())
+    lo, hi = (float(str(bound)) for bound in (interval.ge, interval.le))
+    return Declared(lo, hi, text, field.default)
+
+
+def row(label: str, tooltip: str) -> None:
+    """The name of a control on a line of its own column; the control follows to its right."""
+    imgui.align_text_to_frame_padding()
+    imgui.text(label)
+    explain(tooltip)
+    imgui.same_line(em(6.2))
+
+
+def explain(text: str) -> None:
+    """A tooltip on the item before, also when that is disabled."""
+    hovered = imgui.is_item_hovered(
+        imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
+    )
+    if text and hovered:
+        with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(em(24)):
+            imgui.text_unformatted(legible(text))
+
+
+def slide(params: L, name: str, label: str, form: str = "%.2f", *, log: bool = False) -> L:
+    """A slider for a number; a double click on it or its reset entry gives the default."""
+    about, value = declared(type(params), name), getattr(params, name)
+    row(label, about.text)
+    imgui.set_next_item_width(-em(0.1))
+    flags = imgui.SliderFlags_.always_clamp | (imgui.SliderFlags_.logarithmic if log else 0)
+    changed, new = slider(f"##{name}", value, about, form, flags)
+    explain(about.text)
+    if wants_default(name):
+        return _with(params, name, about.default)
+    return _with(params, name, new) if changed else params
+
+
+def _with(params: L, name: str, value: Any) -> L:
+    changed: L = replace(params, **{name: value})
+    return changed
+
+
+def slider(label: str, value: Any, about: Declared, form: str, flags: int) -> tuple[bool, Any]:
+    """A whole number or a fraction, within its declared range."""
+    if isinstance(value, int):
+        return imgui.slider_int(label, value, int(about.lo), int(about.hi), form, flags)
+    changed, new = imgui.slider_float(label, value, about.lo, about.hi, form, flags)
+    return changed, round(new, 6)  # The control counts in single precision.
+
+
+def slide_auto(
+    params: EnhanceParams, name: str, label: str, used: float | None, start: float
+) -> EnhanceParams:
+    """A slider with an Auto switch; on automatic it shows the value in use, or else `start`."""
+    about, value = declared(type(params), name), getattr(params, name)
+    automatic = value is None
+    row(label, about.text)
+    shown = used if used is not None and automatic else (start if automatic else float(value))
+    imgui.set_next_item_width(-em(4.3))
+    imgui.begin_disabled(automatic)
+    form = "%.2f" if not automatic or used is not None else "…"
+    changed, new = slider(f"##{name}", shown, about, form, imgui.SliderFlags_.always_clamp)
+    imgui.end_disabled()
+    explain(about.text)
+    reset = wants_default(name)
+    imgui.same_line()
+    switched, automatic = imgui.checkbox(f"Auto##{name}", automatic)
+    explain("From the picture, as in the paper. Off: set it here.")
+    if reset:
+        return _with(params, name, about.default)
+    if switched:
+        return _with(params, name, None if automatic else round(shown, 2))
+    return _with(params, name, new) if changed else params
+
+
+def wants_default(name: str) -> bool:
+    """The item before was double-clicked, or reset from its context menu."""
+    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+        return True
+    if not imgui.begin_popup_context_item(f"reset {name}"):
+        return False
+    chosen = imgui.menu_item_simple("Reset to default")
+    imgui.end_popup()
+    return chosen
+
+
+def tag(text: str, position: ImVec2, color: ImVec4) -> None:
+    """A label on a picture; `position` is its upper left corner."""
+    text = legible(text)
+    pad = ImVec2(em(0.45), em(0.18))
+    size = imgui.calc_text_size(text)
+    corner = ImVec2(position.x + size.x + 2 * pad.x, position.y + size.y + 2 * pad.y)
+    draw = imgui.get_window_draw_list()
+    draw.add_rect_filled(position, corner, imgui.get_color_u32(color), em(0.2))
+    at = ImVec2(position.x + pad.x, position.y + pad.y)
+    draw.add_text(at, imgui.get_color_u32(theme.INK), text)
+
+
+def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2) -> None:
+    """Labels one below the other in a picture's upper left corner."""
+    y = corner.y + em(0.4)
+    for text, color in tags:
+        tag(text, ImVec2(corner.x + em(0.4), y), color)
+        y += imgui.get_text_line_height() + em(0.5)
+
+
+def centered(text: str, color: ImVec4 | None = None) -> None:
+    """A line of text in the middle of the window's width."""
+    text = legible(text)
+    space = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(space / 2, 0))
+    imgui.text_colored(color or theme.now().muted, text)
+
+
+def button(label: str, action: Callable[[], None], *, enabled: bool = True, width: float = 0.0) -> None:
+    """A button that does `action`; `width` in em, 0 = as wide as its text."""
+    imgui.begin_disabled(not enabled)
+    if imgui.button(label, ImVec2(em(width) if width >= 0 else width, 0)):
+        action()
+    imgui.end_disabled()
+
+
+def seconds(duration: float) -> str:
+    """A duration as a person says it: 42 s, 3 min 05 s, 1 h 12 min."""
+    whole = round(duration)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60:02d} s"
+    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+
+
+@contextmanager
+def question(title: str, width: float) -> Iterator[bool]:
+    """A window of `width` text heights in the middle, which everything waits for; whether it is drawn."""
+    imgui.open_popup(title)
+    imgui.set_next_window_pos(imgui.get_main_viewport().get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
+    imgui.set_next_window_size(ImVec2(em(width), 0))
+    flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    with imgui_ctx.begin_popup_modal(title, flags) as opened:
+        yield bool(opened)

@@ -1,0 +1,72 @@
+"""The menu bar and the status bar."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from imgui_bundle import imgui, imgui_ctx
+
+from app.gui.commands.command import Command, Section
+from app.gui.legible import legible
+from app.gui.look import theme
+from app.gui.look.widgets import em, explain
+from app.gui.panels.overlays import LONG_NOTICE
+from app.gui.state.app_state import AppState
+
+
+def draw_menus(state: AppState, sections: tuple[Section, ...]) -> None:
+    """Every command, for those who look rather than remember."""
+    for name, grouped in groupby(sections, lambda section: section.menu):
+        together = tuple(grouped)
+        with imgui_ctx.begin_menu(name) as menu:
+            if menu:
+                _draw_menu(state, together)
+
+
+def _draw_menu(state: AppState, sections: tuple[Section, ...]) -> None:
+    """A line between two sections; a submenu belongs to the section before it."""
+    for place, section in enumerate(sections):
+        if section.submenu:
+            enabled = any(command.applies(state) for command in section.commands)
+            with imgui_ctx.begin_menu(section.submenu, enabled) as menu:
+                if menu:
+                    draw_commands(state, section.commands)
+            continue
+        if place > 0:
+            imgui.separator()
+        draw_commands(state, section.commands)
+
+
+def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
+    """One entry each; those that do not apply are greyed."""
+    for command in commands:
+        keys = command.keys[0] if command.keys else ""
+        if imgui.menu_item_simple(command.label, keys, command.ticked(state), command.applies(state)):
+            command.act(state)
+        explain(command.text)
+
+
+def draw_status(state: AppState) -> None:
+    """The notice on the left, always; what is open and how fast things are on the right."""
+    imgui.text_colored(theme.now().warning, LONG_NOTICE)
+    text = "   ·   ".join(_facts(state))
+    x = imgui.get_window_width() - imgui.calc_text_size(text).x - em(1)
+    if x > imgui.calc_text_size(LONG_NOTICE).x + em(3):
+        imgui.same_line(x)
+        imgui.text_colored(theme.now().muted, text)
+        if state.model is not None:
+            explain(state.drawn_by)
+
+
+def _facts(state: AppState) -> list[str]:
+    facts = []
+    if state.clip is not None:
+        width, height = state.clip.size
+        facts.append(f"{legible(state.clip.name)}  {width}×{height}")
+    if state.pictures is not None and state.pictures.enhanced is not None:
+        facts.append(f"enhanced in {state.pictures.milliseconds:.0f} ms")
+    if state.model is not None:
+        who = "by the processor" if state.processor_draws else "by OpenGL"
+        took = f" in {state.view.milliseconds:.0f} ms" if state.view and state.processor_draws else ""
+        facts.append(f"3D drawn {who}{took}")
+    return facts

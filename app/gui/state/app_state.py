@@ -1,0 +1,390 @@
+"""Everything that the user can see or has chosen. Plain values: no ImGui, no OpenGL."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, Protocol
+
+from app.gui.state.camera_list import CameraList
+from app.gui.state.clip_settings import ClipSettings
+from app.gui.state.comparison import Comparison, Side
+from app.gui.state.palette import Palette
+from app.gui.state.second import Second
+from app.gui.state.settings import Places, Settings
+from app.gui.state.viewer import Viewer
+from app.gui.views.picture_view import PictureView
+from app.gui.work.baking import Baked
+from app.gui.work.editing import Editing
+from app.gui.work.enhancing import PictureRequest, Pictures, Scope
+from app.gui.work.measuring import Measured
+from app.gui.work.omissions import Omissions, OmissionsRequest
+from app.gui.work.opening import OpenRequest
+from app.gui.work.others import Difference, Other
+from app.gui.work.photos import Photo, PhotoRequest
+from app.gui.work.reported import Reported
+from app.gui.work.run_list import FoundRuns, RunsRequest
+from app.gui.work.shots import Exporting
+from app.gui.work.strip import LeftOut, Strip
+from app.gui.work.tuning import Tuning
+from app.gui.work.viewing import ShownModel, View, ViewRequest
+from app.methods import Look
+from app.sessions import Session
+from app.training import RECONSTRUCTION_PARAMS, TrainRequest
+from app.views import ViewKind
+from enhance import EnhanceParams
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Omission, Progress, Started
+
+JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
+InputKind = Literal["original", "enhanced", "both in turn"]
+Closing = Literal["no", "asked", "agreed"]
+"""Whether the window shall close although reconstructions are under way."""
+LOG_LINES = 500
+LOOK_AGAIN = 4.0
+"""Seconds after which a shown list of runs is made again."""
+
+
+class Job(Protocol):
+    """A reconstruction in another process, as far as the window needs it."""
+
+    def start(self) -> None: ...
+    def poll(self) -> Sequence[object]: ...
+    def latest_model(self) -> DynamicGaussians | None: ...
+    def pause(self) -> None: ...
+    def resume(self) -> None: ...
+    def cancel(self) -> None: ...
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class Banner:
+    """What went wrong, in one sentence, until it is dismissed."""
+
+    message: str
+
+
+@dataclass(frozen=True)
+class Toast:
+    """Good news that goes away by itself."""
+
+    message: str
+    until: float
+    """On the window's clock, seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Waiting:
+    """A reconstruction whose turn has not come yet, by value: what is chosen later does not change it."""
+
+    clip: Clip
+    request: TrainRequest
+    curve: tuple[Progress, ...] = ()
+    """Of a run that goes on: what it has said so far."""
+
+
+@dataclass
+class Reconstruction:
+    """What the user chose for the next job, and what the present one has said."""
+
+    config: TrainConfig = field(default_factory=TrainConfig)
+    input: InputKind = "original"
+    d_factor: float = RECONSTRUCTION_PARAMS.d_factor
+    """Of the frames that are enhanced for the reconstruction."""
+    name: str = ""
+    """Folder name of the next run; empty: made from the clip's name and the time."""
+
+    status: JobStatus = "none"
+    job: Job | None = None
+    clip: Clip | None = None
+    request: TrainRequest | None = None
+    """What the run was begun with."""
+    started: Started | None = None
+    progress: Progress | None = None
+    curve: list[Progress] = field(default_factory=list)
+    """All of them, also of the run's earlier processes."""
+    evaluated: list[Evaluated] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    failure: str = ""
+    way_out: str = ""
+    """What can be done after a failure."""
+
+    @property
+    def run_path(self) -> Path | None:
+        return self.request.run_path if self.request else None
+
+    @property
+    def iterations(self) -> int:
+        """Of the run that is shown, else of the next one."""
+        return self.request.config.iterations if self.request else self.config.iterations
+
+    @property
+    def omitted(self) -> tuple[Omission, ...]:
+        return self.started.omitted if self.started else ()
+
+    @property
+    def is_alive(self) -> bool:
+        return self.status in ("starting", "running", "paused")
+
+    @property
+    def can_pause(self) -> bool:
+        return self.status == "running"
+
+    @property
+    def can_resume(self) -> bool:
+        return self.status == "paused"
+
+
+@dataclass
+class AppState:
+    """The one mutable value of the window; actions change it, drawing reads it."""
+
+    places: Places
+    settings: Settings = field(default_factory=Settings)
+    clip_options: ClipOptions = DEFAULTS
+    """How clips are read, as said at the start."""
+
+    opening: OpenRequest | None = None
+    opened_path: Path | None = None
+    """The clip, run or file of splats that was opened last."""
+    clip: Clip | None = None
+    opened_options: ClipOptions = DEFAULTS
+    """How `clip` was read."""
+    frame_index: int = 0
+    frozen_index: int | None = None
+    """The frame that the pictures hold while the clip's time goes on."""
+    clip_settings: ClipSettings = field(default_factory=ClipSettings)
+    """Trim and mask of the open clip."""
+    known_clips: dict[str, ClipSettings] = field(default_factory=dict)
+    """Those of all clips, by path."""
+    strip: Strip | None = None
+    strip_count: int = 0
+    """Small pictures that fit into the frame strip, as last laid out."""
+    overlay: bool = False
+    """Tools and what is masked are tinted in the pictures."""
+    left_out: LeftOut | None = None
+    mask_tool: str = ""
+    """What the next drag over a picture draws: "text", "view" or nothing."""
+    mask_start: tuple[float, float] | None = None
+    """Where in the picture that drag began."""
+    playing: bool = False
+    playhead: float = 0.0
+    """Position in frames while playing; frame_index is its whole part."""
+
+    params: Look = field(default_factory=EnhanceParams)
+    """Of the method that is chosen."""
+    scope: Scope = "image"
+    tissue_only: bool = False
+    """Statistics without tools and black surround."""
+    enhancing: bool = True
+    """False: plain white light on both sides."""
+    peeking: bool = False
+    """The original is shown in the enhanced pane while a key is held."""
+    past: list[Look] = field(default_factory=lambda: [EnhanceParams()])
+    """Settled parameters; the last is the present one. Undo goes back in it."""
+    future: list[Look] = field(default_factory=list)
+
+    pictures: Pictures | None = None
+    asked_at: float = 0.0
+    """When the newest pictures were asked for, on the window's clock."""
+    comparison: Comparison = field(default_factory=Comparison)
+    stored: dict[str, Look] = field(default_factory=dict)
+    """Settings kept as "A" and "B", to compare with."""
+    presets: dict[str, Look] = field(default_factory=dict)
+    """A person's own, by name."""
+    preset_draft: str = ""
+    """Name that is being typed for one."""
+    measured: Measured | None = None
+    others: dict[Side, Other] = field(default_factory=dict)
+    """The newest pictures of each side that are neither photo nor present setting."""
+    difference: Difference | None = None
+    panes_wait: bool = False
+    """A picture of `others` is being made."""
+    pointer: tuple[int, int] | None = None
+    """Column and row of the picture under the pointer."""
+    picture_view: PictureView = field(default_factory=PictureView)
+    zoom: float = 1.0
+    """Screen pixels per picture pixel, as last laid out."""
+
+    reconstruction: Reconstruction = field(default_factory=Reconstruction)
+    queue: tuple[Waiting, ...] = ()
+    """Reconstructions to be made after the present one, the next one first."""
+    closing: Closing = "no"
+    preview: ShownModel | None = None
+    """The model as it was last seen, of the newest run that was cut short."""
+    asks_for_runs: bool = False
+    """The list of the clip's runs was drawn in the last frame."""
+    found_runs: FoundRuns | None = None
+    """The newest such list."""
+    runs_trouble: str = ""
+    asks_for_omissions: bool = False
+    """The list of what the next reconstruction leaves out is unfolded."""
+    omissions: Omissions | None = None
+    """The newest such list."""
+    model: ShownModel | None = None
+    view: View | None = None
+    editing: Editing = field(default_factory=Editing)
+    baked: Baked | None = None
+    """Keyframes for the graphics card, of `model` or of one before it; more to come while they are None."""
+    view_kind: ViewKind = "color"
+    view_size: tuple[int, int] = (0, 0)
+    """Pixels of the 3D view, as last laid out; (0, 0) while it is hidden."""
+    view_dragged: bool = False
+    viewer: Viewer = field(default_factory=Viewer)
+    cameras: CameraList = field(default_factory=CameraList)
+    second: Second = field(default_factory=Second)
+    linked: bool = True
+    """The 3D view follows the clip's frame."""
+    view_time: float = 0.0
+    """In [0, 1]; used when not linked."""
+
+    tuning: Tuning = field(default_factory=Tuning)
+    export_open: bool = False
+    export_scale: int = 1
+    exporting: Exporting | None = None
+
+    report: Reported | None = None
+    report_place: int = 0
+    """Which diagram of it is shown."""
+    report_asked: bool = False
+    """Its panel is to come to the front."""
+
+    notes: str = ""
+    session_path: Path | None = None
+    """Where the session was opened from or saved to."""
+    recoverable: Path | None = None
+    """A session that ended unexpectedly, until it is restored or declined."""
+    autosaved: Session | None = None
+    """The newest that was saved in passing, or is about to be."""
+    autosaved_at: float = 0.0
+    autosave_trouble: str = ""
+
+    now: float = 0.0
+    """The window's clock, seconds."""
+    banner: Banner | None = None
+    toast: Toast | None = None
+    log: deque[str] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
+    help_open: bool = False
+    palette: Palette = field(default_factory=Palette)
+    processor_draws: bool = True
+    """The numba rasteriser draws the 3D view, since there is no graphics card, or OpenGL is slower."""
+    drawn_by: str = ""
+    """Why, for the tooltip."""
+
+    @property
+    def shown_index(self) -> int:
+        """Frame of the two pictures."""
+        return self.frame_index if self.frozen_index is None else self.frozen_index
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """First and last frame that count."""
+        return self.clip_settings.span(1 if self.clip is None else len(self.clip))
+
+    @property
+    def time(self) -> float:
+        """Time of the 3D view in [0, 1]."""
+        if self.linked and self.clip is not None:
+            return self.frame_index / len(self.clip)
+        return self.view_time
+
+    @property
+    def picture_request(self) -> PictureRequest | None:
+        """What the two pictures should show now."""
+        if self.clip is None:
+            return None
+        params = self.params if self.enhancing else None
+        mask = self.clip_settings.mask
+        span = self.span if self.clip_settings.trim else None
+        return PictureRequest(self.clip, self.shown_index, params, self.scope, self.tissue_only, mask, span)
+
+    @property
+    def pictures_are_stale(self) -> bool:
+        return self.pictures is not None and self.pictures.request != self.picture_request
+
+    @property
+    def pictures_wait(self) -> bool:
+        return self.pictures_are_stale or self.panes_wait
+
+    @property
+    def has_view(self) -> bool:
+        """There is, or soon will be, something to see in 3D."""
+        return self.model is not None or self.reconstruction.is_alive
+
+    @property
+    def is_model_alone(self) -> bool:
+        """A reconstruction without pictures: splats of a file, or a run whose clip is gone."""
+        return self.model is not None and self.clip is None
+
+    @property
+    def is_busy(self) -> bool:
+        """Something goes on that the window should follow closely."""
+        return (
+            self.reconstruction.is_alive
+            or self.opening is not None
+            or self.pictures_wait
+            or self.tuning.request is not None
+            or self.editing.wish is not None
+            or self.exporting is not None
+        )
+
+    @property
+    def view_request(self) -> ViewRequest | None:
+        """What the 3D view should show now; None without a model or while it is hidden."""
+        return self._view_of(self.editing.tinted or self.model)
+
+    @property
+    def omissions_request(self) -> OmissionsRequest | None:
+        """What the unfolded list should be of."""
+        if not self.asks_for_omissions or self.clip is None or self.reconstruction.is_alive:
+            return None
+        config = replace(self.reconstruction.config, iterations=TrainConfig().iterations)
+        return OmissionsRequest(self.clip, config)
+
+    @property
+    def runs_request(self) -> RunsRequest | None:
+        """Which runs should be listed now; None while the list is not on screen."""
+        if not self.asks_for_runs or self.clip is None:
+            return None
+        return RunsRequest(self.places.runs, self.clip, int(self.now / LOOK_AGAIN))
+
+    @property
+    def plain_view_request(self) -> ViewRequest | None:
+        """The same with no selection in colour: for everything but the eye."""
+        return self._view_of(self.model)
+
+    def _view_of(self, model: ShownModel | None) -> ViewRequest | None:
+        if model is None or min(self.view_size) < 1:
+            return None
+        if self.viewer.snapped:
+            return model.snapped(self.time).of_kind(self.view_kind, self.photo)
+        return model.view(self.time, self.viewer.free, self.view_size).of_kind(self.view_kind)
+
+    @property
+    def second_request(self) -> ViewRequest | None:
+        """What the second 3D view should show now: the first one's moment through its camera."""
+        first, shown = self.plain_view_request, self.second.shown
+        return None if first is None or shown is None else replace(first, shown=shown)
+
+    @property
+    def has_photos(self) -> bool:
+        """The open clip is the one that the 3D view is of."""
+        return self.model is not None and self.clip is not None and self.model.cameras == self.clip.cameras
+
+    @property
+    def photo(self) -> Photo | None:
+        """Of the very frame that a snapped view shows; None while it is being read, or without one."""
+        photo = self.viewer.photo
+        return photo if photo is not None and photo.request == self.photo_request else None
+
+    @property
+    def photo_request(self) -> PhotoRequest | None:
+        """The photo that should lie over the 3D view now; None without one."""
+        if self.model is None or self.clip is None or not self.viewer.snapped or not self.has_photos:
+            return None
+        return PhotoRequest(self.clip, self.model.frame_at(self.time))

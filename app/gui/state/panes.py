@@ -1,0 +1,211 @@
+"""What each pane shows and says of itself, worked out from the state. No ImGui, no OpenGL."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from app.gui.legible import legible
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import ENHANCED, ORIGINAL, RENDER, SIDES, Mode, Side
+from app.gui.work.enhancing import Pictures
+from app.gui.work.export import describe
+from app.gui.work.others import Difference, DifferenceRequest, Other, OtherRequest
+from app.gui.work.viewing import ShownModel
+from app.methods import PAPER, VESSEL, Look
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from renderer.clip import BoolImage, ByteImage
+
+Tone = Literal["plain", "enhanced", "caution"]
+STALE_SECONDS = 0.15
+"""Younger than this, an update on its way is not worth a flashing tag."""
+
+
+@dataclass(frozen=True)
+class Tag:
+    """One line over a picture; the tone says how loud."""
+
+    text: str
+    tone: Tone = "plain"
+
+
+@dataclass(frozen=True, eq=False)
+class Pane:
+    """A picture with what it is called."""
+
+    image: ByteImage
+    tags: tuple[Tag, ...]
+    stale: bool = False
+    """Not yet what was asked for."""
+
+
+def shown_mode(state: AppState) -> Mode:
+    """As chosen; white light has no difference to itself."""
+    mode = state.comparison.mode
+    return "side by side" if mode == "difference" and not state.enhancing else mode
+
+
+def why_not(state: AppState, source: str) -> str:
+    """What a source still lacks, in a sentence; empty when it can be shown."""
+    if source in ("A", "B") and source not in state.stored:
+        return f"No setting is stored as {source} yet: Shift+{source} stores the present one."
+    if source == RENDER and not _renders(state):
+        return "No reconstruction of this clip is open."
+    return ""
+
+
+def _renders(state: AppState) -> bool:
+    """The open model was made through this clip's cameras."""
+    model, clip = state.model, state.clip
+    if model is None or clip is None or len(model.cameras) != len(clip):
+        return False
+    camera = model.cameras[0]
+    return (camera.width, camera.height) == clip.size
+
+
+def other_request(state: AppState, side: Side) -> OtherRequest | None:
+    """What is to be made for a side; None where the photo or the present setting is shown."""
+    source, pictures = state.comparison.source(side), state.picture_request
+    if source in (ORIGINAL, ENHANCED) or pictures is None or not state.enhancing or why_not(state, source):
+        return None
+    photo = replace(pictures, params=None)
+    if source == RENDER:
+        assert state.model is not None
+        return OtherRequest(replace(photo, scope="image", tissue_only=False), state.model)
+    look = _look(state, source)
+    if look is None:
+        return OtherRequest(replace(photo, scope="image", tissue_only=False), source)
+    return OtherRequest(photo, look)
+
+
+def _look(state: AppState, source: str) -> Look | None:
+    """The parameters behind a source, None for a method without."""
+    defaults: dict[str, Look] = {PAPER: EnhanceParams(), VESSEL: VesselParams()}
+    return state.stored[source] if source in ("A", "B") else defaults.get(source)
+
+
+def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
+    """What a side shows now; it never looks enhanced without saying so, nor the reverse."""
+    image, head, stale = _content(state, pictures, side)
+    return Pane(image, (*head, *_state_tags(state, stale)), stale)
+
+
+def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
+    source, photo = state.comparison.source(side), pictures.photo
+    stale = state.pictures_are_stale
+    original = Tag("ORIGINAL")
+    if not state.enhancing:
+        said = original if side == "left" else Tag("WHITE LIGHT · enhancement off", "caution")
+        return photo, (said,), stale
+    if source == ORIGINAL:
+        return photo, (original,), stale
+    if state.peeking:
+        return photo, (Tag("ORIGINAL · peek", "caution"),), stale
+    if source == ENHANCED:
+        if pictures.enhanced is None:
+            return photo, (Tag("PREPARING… original shown", "caution"),), stale
+        return pictures.enhanced, (Tag("ENHANCED", "enhanced"), Tag(describe(pictures))), stale
+    if reason := why_not(state, source):
+        return photo, (Tag("ORIGINAL · nothing else to show", "caution"), Tag(reason)), stale
+    return _other(state, photo, side)
+
+
+def _other(state: AppState, photo: ByteImage, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
+    wanted = other_request(state, side)
+    made = next((other for other in state.others.values() if other.request == wanted), state.others.get(side))
+    if made is None or wanted is None or not _is_earlier(made.request, wanted):
+        return photo, (Tag("PREPARING… original shown", "caution"),), True
+    return made.image, _named(state, side, made), made.request != wanted
+
+
+def _is_earlier(made: OtherRequest, wanted: OtherRequest) -> bool:
+    """The same thing at another moment of the clip or of the training."""
+    if made.photo.clip is not wanted.photo.clip:
+        return False
+    now, then = wanted.by, made.by
+    if isinstance(now, ShownModel) and isinstance(then, ShownModel):
+        return now.name == then.name
+    return now == then
+
+
+def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
+    source, model = state.comparison.source(side), state.model
+    if source == RENDER and model is not None:
+        frames = model.origin.facts.get("input", "") if model.origin else ""
+        what = f"RENDER · {legible(model.name)}" + (f" · of {frames} frames" if frames else "")
+        live = (Tag(f"LIVE PREVIEW · iteration {model.iteration}", "caution"),) if model.live else ()
+        return Tag(what, "enhanced"), *live
+    if made.made is None:
+        return (Tag(f"METHOD {source}", "enhanced"),)
+    head = f"STORED {source}" if source in ("A", "B") else f"METHOD {source}, defaults"
+    return Tag(head, "enhanced"), Tag(describe(made.made))
+
+
+def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
+    tags = []
+    if state.frozen_index is not None:
+        tags.append(Tag(f"FROZEN · frame {state.frozen_index + 1}", "caution"))
+    if tinted(state) is not None:
+        tags.append(Tag("TINTED · tools and mask", "caution"))
+    if stale and not state.playing and state.now - state.asked_at > STALE_SECONDS:
+        tags.append(Tag("UPDATING…", "caution"))
+    return tuple(tags)
+
+
+def tinted(state: AppState) -> BoolImage | None:
+    """(H, W), True where the pictures on screen are to be tinted as left out."""
+    masked = state.left_out
+    if not state.overlay or masked is None or masked.request.clip is not state.clip:
+        return None
+    return masked.pixels if masked.request.frame_index == state.shown_index else None
+
+
+def difference_request(state: AppState) -> DifferenceRequest | None:
+    """The two pictures whose difference is to be shown; None in other modes, or where they have two sizes."""
+    if state.pictures is None or shown_mode(state) != "difference":
+        return None
+    left, right = (pane(state, state.pictures, side).image for side in SIDES)
+    return DifferenceRequest(left, right) if left.shape == right.shape else None
+
+
+def difference_pane(state: AppState, pictures: Pictures, difference: Difference) -> Pane:
+    """The heat map, with both names."""
+    sides = [pane(state, pictures, side) for side in SIDES]
+    names = " − ".join(side.tags[0].text for side in sides)
+    others = tuple(tag for tag in sides[1].tags[1:] if tag.tone == "caution")
+    said = Tag(f"largest of R, G, B · mean {difference.mean:.1f} grey levels")
+    stale = difference.request != difference_request(state) or any(side.stale for side in sides)
+    return Pane(difference.heat, (Tag(f"DIFFERENCE · {names}", "caution"), said, *others), stale)
+
+
+@dataclass(frozen=True)
+class Pixel:
+    """One pixel of a picture in grey levels, with its V and S of HSV."""
+
+    rgb: tuple[int, int, int]
+
+    @property
+    def value(self) -> int:
+        """V, 0 to 255."""
+        return max(self.rgb)
+
+    @property
+    def saturation(self) -> float:
+        """S in [0, 1]; 0 at black."""
+        return (self.value - min(self.rgb)) / self.value if self.value else 0.0
+
+    def __str__(self) -> str:
+        red, green, blue = self.rgb
+        return f"RGB {red:3d} {green:3d} {blue:3d}   V {self.value:3d}   S {self.saturation:.2f}"
+
+
+def pixel(image: ByteImage, at: tuple[int, int]) -> Pixel | None:
+    """The pixel in column and row `at`; None outside the picture."""
+    x, y = at
+    if not (0 <= y < image.shape[0] and 0 <= x < image.shape[1]):
+        return None
+    red, green, blue = np.asarray(image[y, x]).tolist()
+    return Pixel((red, green, blue))

@@ -1,0 +1,25 @@
+"""How good a reconstruction shall be, in words, and how long it takes where that was measured."""
+
+from __future__ import annotations
+
+from app.gui.state.app_state import Reconstruction
+
+QUALITIES = {"Draft": 500, "Standard": 3000, "Fine": 6000}
+"""Iterations: enough to look at, the default, and twice that."""
+OWN = "Own"
+
+
+def quality_of(iterations: int) -> str:
+    """The word for a number of iterations; OWN for one without a word."""
+    return next((name for name, steps in QUALITIES.items() if steps == iterations), OWN)
+
+
+def expected_seconds(run: Reconstruction) -> float | None:
+    """Training time of what is chosen, at the pace of the run shown; None where that is of another method or
+    has none."""
+    begun, progress = run.request, run.progress
+    if begun is None or progress is None or progress.iteration < 1:
+        return None
+    if (begun.config.method, begun.config.n_gaussians) != (run.config.method, run.config.n_gaussians):
+        return None
+    return progress.seconds / progress.iteration * run.config.iterations

@@ -1,0 +1,18 @@
+"""The second 3D view: another reconstruction with the first one's camera and time. A part of the state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.gui.work.opening import OpenRequest
+from app.gui.work.viewing import ShownModel, View
+
+
+@dataclass
+class Second:
+    """Second actions change it; drawing reads it."""
+
+    opening: OpenRequest | None = None
+    shown: ShownModel | None = None
+    view: View | None = None
+    """The newest picture of it that the processor drew."""

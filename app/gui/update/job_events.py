@@ -1,0 +1,56 @@
+"""What the messages of a reconstruction's process change in the state."""
+
+from __future__ import annotations
+
+from app.gui.actions import actions, run_actions
+from app.gui.state.app_state import AppState
+from app.job import Cancelled, Failed, Paused, Resumed
+from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
+
+
+def follow_job(state: AppState) -> None:
+    """Once a frame: hear what it says; when it has ended, give it back."""
+    job = state.reconstruction.job
+    if job is None:
+        return
+    for event in job.poll():
+        _hear(state, event)
+    if not state.reconstruction.is_alive:
+        if state.model is not None and state.model.live:
+            state.preview = state.model
+        job.close()
+        state.reconstruction.job = None
+    elif (model := job.latest_model()) is not None:
+        actions.show_live_model(state, model)
+
+
+def _hear(state: AppState, event: object) -> None:
+    """What one message of the job changes."""
+    run = state.reconstruction
+    match event:
+        case Started():
+            run.started, run.status = event, "running"
+            # What was done after the checkpoint is done again.
+            run.curve = [point for point in run.curve if point.iteration <= event.iteration]
+        case Progress():
+            run.progress = event
+            run.curve.append(event)
+        case Evaluated():
+            run.evaluated.append(event)
+        case Warned():
+            run.warnings.append(event.message)
+            actions.say(state, event.message)
+        case Paused():
+            run.status = "paused"
+        case Resumed():
+            run.status = "running"
+        case Finished():
+            run.status = "finished"
+            actions.show_finished_model(state, event.model)
+            actions.announce(state, f"reconstruction finished in {event.seconds:.0f} s")
+        case Cancelled():
+            run.status = "cancelled"
+            actions.announce(state, "reconstruction cancelled; Continue goes on from its last checkpoint")
+        case Failed():
+            run.status, run.failure, run.way_out = "failed", event.reason, run_actions.way_out(run)
+            actions.fail(state, f"the reconstruction stopped: {event.reason}")

@@ -1,0 +1,46 @@
+"""Measuring in a thread of its own, once the hand rests: it never makes a slider wait."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.work.background import Channel, Failure
+from app.gui.work.enhancing import Pictures
+from app.gui.work.measuring import Measured, Measurer
+
+REST = 0.25
+"""Seconds without a new picture before it is measured."""
+
+
+@dataclass
+class MeasureWork:
+    """What needs neither numba nor OpenGL."""
+
+    measures: Channel[Pictures, Measured] = field(default_factory=lambda: Channel(Measurer().measure))
+
+    @property
+    def all(self) -> Sequence[Channel[Any, Any]]:
+        return (self.measures,)
+
+    def take(self, state: AppState) -> None:
+        """Show what has been measured since the last frame."""
+        taken = self.measures.take()
+        if taken is None:
+            return
+        if isinstance(taken[1], Failure):
+            actions.say(state, f"the picture cannot be measured: {taken[1].message}")
+        else:
+            state.measured = taken[1]
+
+    def ask(self, state: AppState) -> None:
+        """Ask for what is not there."""
+        pictures = state.pictures
+        if pictures is None or pictures.enhanced is None or self.measures.asked is pictures:
+            return
+        rests = not state.playing and not state.pictures_are_stale and state.now - state.asked_at >= REST
+        if rests:
+            self.measures.ask(pictures)

@@ -1,0 +1,318 @@
+"""Once a frame, before drawing: take what background work has finished, ask for what the state now needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from app.gui.actions import (
+    actions,
+    camera_actions,
+    edit_actions,
+    export_actions,
+    path_actions,
+    run_actions,
+    second_actions,
+    session_actions,
+    tuning_actions,
+)
+from app.gui.actions.session_actions import WriteRequest, write
+from app.gui.state.app_state import AppState
+from app.gui.update.answered import answered
+from app.gui.update.compare_work import CompareWork
+from app.gui.update.job_events import follow_job
+from app.gui.update.measure_work import MeasureWork
+from app.gui.update.strip_work import StripWork
+from app.gui.work.background import Channel, Failure, SteppedChannel
+from app.gui.work.baking import Baked, BakeRequest, bake, can_bake
+from app.gui.work.editing import Selected, Selector, SelectRequest
+from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
+from app.gui.work.export import Saved, SaveRequest, save_picture
+from app.gui.work.omissions import Omissions, OmissionsRequest, look
+from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.gui.work.photos import Photo, PhotoRequest, read_photo
+from app.gui.work.picking import Picked, PickRequest, pick
+from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
+from app.gui.work.shots import ExportRequest, Step, export
+from app.gui.work.tuning import CellMaker, CellRequest, GridCell
+from app.gui.work.viewing import View, ViewRequest, draw_view
+from app.moments import FRAMES_PER_SECOND
+
+PATIENCE = 0.3
+"""Seconds before a new frame's photo is shown without its enhanced partner."""
+SLOW_VIEW = 60.0
+"""Milliseconds above which the 3D view is drawn smaller while it moves."""
+REDUCED = 0.5
+
+
+@dataclass
+class Channels:
+    """The kinds of background work, in the order in which the worker serves them."""
+
+    opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
+    pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
+    picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
+    selecting: Channel[SelectRequest, Selected] = field(default_factory=lambda: Channel(Selector().select))
+    photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
+    view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    second: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    second_opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
+    bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
+    saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
+    cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
+    compare: CompareWork = field(default_factory=CompareWork)
+    sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
+    omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
+    measure: MeasureWork = field(default_factory=MeasureWork)
+    runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
+    exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
+    strip: StripWork = field(default_factory=StripWork)
+    photo: Pictures | None = None
+    """A photo whose enhanced partner is being made."""
+
+    @property
+    def beside(self) -> Sequence[Channel[Any, Any]]:
+        """What a second worker does: work without numba, which no picture waits for."""
+        return (*self.measure.all, *self.strip.all, self.omissions, self.runs)
+
+    @property
+    def all(self) -> Sequence[Channel[Any, Any]]:
+        first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
+        views = (self.view, self.second, self.second_opening, self.bakes)
+        last = (self.saving, self.cells, self.sessions, self.exports)
+        return (*first, *self.compare.all, *views, *last)
+
+
+def update(state: AppState, channels: Channels, now: float) -> None:
+    """Advance to `now`, seconds on the window's clock."""
+    elapsed, state.now = now - state.now, now
+    if state.toast is not None and now > state.toast.until:
+        state.toast = None
+    _take_opened(state, channels)
+    _take_pictures(state, channels)
+    _take_pick(state, channels)
+    _take_photo(state, channels)
+    channels.compare.take(state)
+    channels.measure.take(state)
+    channels.strip.take(state)
+    _take_omissions(state, channels)
+    if (found := channels.runs.take()) is not None:
+        run_actions.take_found(state, found[1])
+    edit_actions.follow(state)
+    _take_selected(state, channels)
+    _take_view(state, channels)
+    _take_second(state, channels)
+    _take_baked(state, channels)
+    _take_saved(state, channels)
+    _take_cell(state, channels)
+    _take_written(state, channels)
+    _take_step(state, channels)
+    follow_job(state)
+    _play(state, elapsed)
+    path_actions.advance_path(state, elapsed)
+    _ask(state, channels)
+
+
+def _take_opened(state: AppState, channels: Channels) -> None:
+    taken = channels.opening.take()
+    if taken is None or taken[0] is not state.opening:
+        return
+    request, answer = taken
+    if isinstance(answer, Failure):
+        state.opening = None
+        actions.fail(state, answer.message)
+    else:
+        actions.show_opened(state, request.path, answer)
+        if answer.session is not None:
+            session_actions.restore(state, answer.session)
+            session_actions.taken_up(state, request.path)
+
+
+def _take_pictures(state: AppState, channels: Channels) -> None:
+    taken = channels.pictures.take()
+    if taken is not None and taken[0].clip is state.clip:
+        request, answer = taken
+        if isinstance(answer, Pictures):
+            channels.photo = answer
+        elif request == state.picture_request:
+            state.playing = False
+            actions.fail(state, answer.message)
+    if channels.photo is not None and _may_show(state, channels.photo):
+        state.pictures, channels.photo = channels.photo, None
+
+
+def _may_show(state: AppState, pictures: Pictures) -> bool:
+    """A photo and its enhanced partner appear together; alone only where it would be long in coming."""
+    if pictures.request.clip is not state.clip:
+        return False
+    if pictures.enhanced is not None or pictures.request.params is None or state.pictures is None:
+        return True
+    same_frame = state.pictures.request.frame_index == pictures.request.frame_index
+    return not same_frame and state.now - state.asked_at > PATIENCE
+
+
+def _take_pick(state: AppState, channels: Channels) -> None:
+    if (taken := answered(state, channels.picks, "the point cannot be found")) is not None:
+        camera_actions.take_point(state, *taken)
+
+
+def _take_omissions(state: AppState, channels: Channels) -> None:
+    if (taken := answered(state, channels.omissions, "what is left out cannot be told")) is not None:
+        state.omissions = taken[1]
+
+
+def _take_selected(state: AppState, channels: Channels) -> None:
+    taken = channels.selecting.take()
+    if taken is None:
+        return
+    request, answer = taken
+    if isinstance(answer, Failure):
+        state.editing.wish = None
+        actions.fail(state, f"nothing was selected: {answer.message}")
+    else:
+        edit_actions.take_selected(state, request, answer)
+
+
+def _take_photo(state: AppState, channels: Channels) -> None:
+    if (taken := answered(state, channels.photos, "the photo cannot be read")) is not None:
+        state.viewer.photo = taken[1]
+
+
+def _take_view(state: AppState, channels: Channels) -> None:
+    taken = channels.view.take()
+    if taken is None or state.model is None:
+        return
+    if isinstance(taken[1], Failure):
+        actions.fail(state, f"the 3D view cannot be drawn: {taken[1].message}")
+    else:
+        state.view = taken[1]
+
+
+def _take_second(state: AppState, channels: Channels) -> None:
+    opened, drawn = channels.second_opening.take(), channels.second.take()
+    if opened is not None:
+        request, answer = opened
+        if isinstance(answer, Failure):
+            second_actions.refuse_second(state, request, answer.message)
+        else:
+            second_actions.take_second(state, request, answer)
+    if drawn is None or drawn[0].shown is not state.second.shown:
+        return
+    if isinstance(drawn[1], Failure):
+        actions.fail(state, f"the second 3D view cannot be drawn: {drawn[1].message}")
+    else:
+        state.second.view = drawn[1]
+
+
+def _take_baked(state: AppState, channels: Channels) -> None:
+    taken = channels.bakes.take()
+    if taken is None or taken[0].shown is not state.model:
+        return
+    if isinstance(taken[1], Failure):
+        actions.say(state, f"the 3D view does without keyframes: {taken[1].message}")
+        return
+    state.baked = taken[1]
+    if state.baked.said:
+        actions.say(state, state.baked.said)
+
+
+def _take_saved(state: AppState, channels: Channels) -> None:
+    while (taken := channels.saving.take()) is not None:
+        answer = taken[1]
+        if isinstance(answer, Failure):
+            actions.fail(state, f"the picture was not saved: {answer.message}")
+        else:
+            actions.announce(state, f"saved {answer.path.name} in {answer.path.parent.name}/")
+
+
+def _take_cell(state: AppState, channels: Channels) -> None:
+    if (taken := channels.cells.take()) is not None:
+        tuning_actions.take_cell(state, *taken)
+
+
+def _take_written(state: AppState, channels: Channels) -> None:
+    while (taken := channels.sessions.take()) is not None:
+        session_actions.take_written(state, *taken)
+
+
+def _take_step(state: AppState, channels: Channels) -> None:
+    while (taken := channels.exports.take()) is not None:
+        export_actions.take_step(state, *taken)
+
+
+def _play(state: AppState, elapsed: float) -> None:
+    """Time goes on only when what it needs is on screen: a slow machine plays slower, never out of step."""
+    if not state.playing or state.clip is None or _waits(state):
+        return
+    rate = state.clip.frames_per_second or FRAMES_PER_SECOND
+    first, last = state.span
+    onward = state.playhead + min(elapsed, 0.25) * rate
+    within = first <= state.playhead < last + 1
+    state.playhead = first + (onward - first) % (last + 1 - first) if within else float(first)
+    state.frame_index = int(state.playhead)
+
+
+def _waits(state: AppState) -> bool:
+    return state.frozen_index is None and state.pictures_wait
+
+
+def view_request(state: AppState) -> ViewRequest | None:
+    """What the 3D view should show, smaller while it moves when a whole one takes long."""
+    request = state.view_request
+    moving = state.view_dragged or state.viewer.moving or state.playing or state.cameras.playing
+    if request is None or not moving or not is_slow(state.view, state.second.view):
+        return request
+    return request.scaled(REDUCED)
+
+
+def is_slow(*views: View | None) -> bool:
+    """Whether the last pictures together would have taken long at full size."""
+    shares = [(view.milliseconds, view.request.reduced) for view in views if view is not None]
+    return sum(spent / REDUCED**2 if reduced else spent for spent, reduced in shares) > SLOW_VIEW
+
+
+def _ask(state: AppState, channels: Channels) -> None:
+    channels.opening.want(state.opening)
+    pictures = state.picture_request
+    if pictures is not None and channels.pictures.asked != pictures:
+        state.asked_at = state.now
+        channels.pictures.ask(pictures)
+    channels.picks.want(state.viewer.pick)
+    channels.selecting.want(state.editing.wish)
+    channels.photos.want(state.photo_request)
+    _ask_for_keyframes(state, channels)
+    channels.cells.want(state.tuning.request)
+    if (session := session_actions.autosave_request(state)) is not None:
+        channels.sessions.ask(session)
+    channels.compare.ask(state)
+    channels.measure.ask(state)
+    channels.strip.ask(state)
+    channels.runs.want(state.runs_request)
+    state.asks_for_runs = False
+    channels.omissions.want(state.omissions_request)
+    view = view_request(state)
+    if state.processor_draws:
+        channels.view.want(view)
+    _ask_second(state, channels, view)
+
+
+def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) -> None:
+    """The second 3D view is of the first one's moment, camera and size."""
+    second = state.second
+    channels.second_opening.want(second.opening)
+    if first is None or second.shown is None or not state.processor_draws:
+        return
+    channels.second.want(replace(first, shown=second.shown))
+
+
+def _ask_for_keyframes(state: AppState, channels: Channels) -> None:
+    """Part by part, so that pictures are made between them."""
+    shown, asked, baked = state.model, channels.bakes.asked, state.baked
+    if shown is None or state.processor_draws or not can_bake(shown):
+        return
+    if asked is None or asked.shown is not shown:
+        channels.bakes.ask(BakeRequest(shown))
+    elif baked is not None and baked.request is asked and baked.keyframes is None:
+        channels.bakes.ask(BakeRequest(shown, baked.baker))

@@ -1,0 +1,102 @@
+"""The visible part of a picture, one array pixel for each pixel of the screen.
+
+The window system's own sampling knows no averaging, so that thin vessels of a picture shown smaller would
+flicker; here both panes are sampled alike, by a filter that follows from the zoom.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from app.gui.views.picture_view import Placement
+from renderer.clip import BoolImage, ByteImage
+
+SHARP_ZOOM = 3.0
+"""From here on pixels are shown as squares."""
+
+
+STRIPE = 8
+"""Screen pixels from one stripe of the zebra to the next."""
+OVER, UNDER = (255, 0, 255), (0, 190, 255)
+"""Stripes on clipped highlights and shadows: colours that tissue does not have."""
+
+
+TINT, TINT_SHARE = (40, 200, 170), 0.45
+"""Over tools and what is masked."""
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """Screen pixels (H, W, 3) to be drawn with their upper left corner at (x, y) in the pane."""
+
+    pixels: ByteImage
+    x: int
+    y: int
+
+
+def visible(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Patch | None:
+    """The part of an (H, W, 3) or (H, W) image that a pane of (width, height) pixels shows; None: nothing."""
+    columns = _span(place.offset_x, place.zoom, image.shape[1], pane[0])
+    rows = _span(place.offset_y, place.zoom, image.shape[0], pane[1])
+    if columns is None or rows is None:
+        return None
+    part = image[rows[0] : rows[1], columns[0] : columns[1]]
+    x, width = _target(columns, place.offset_x, place.zoom)
+    y, height = _target(rows, place.offset_y, place.zoom)
+    if (width, height) == (part.shape[1], part.shape[0]):
+        return Patch(np.ascontiguousarray(part), x, y)
+    sampled = cv2.resize(part, (width, height), interpolation=_filter(place.zoom))
+    return Patch(np.asarray(sampled, dtype=np.uint8), x, y)
+
+
+def tinted(patch: Patch, left_out: BoolImage, place: Placement, pane: tuple[float, float]) -> Patch:
+    """A patch of a picture with the True pixels of a mask (H, W) tinted."""
+    share = visible(left_out.astype(np.uint8) * 255, place, pane)
+    if share is None or share.pixels.shape != patch.pixels.shape[:2]:
+        return patch
+    weight = share.pixels[..., None].astype(np.float32) * (TINT_SHARE / 255)
+    mixed = patch.pixels + weight * (np.array(TINT, np.float32) - patch.pixels)
+    return Patch(np.asarray(mixed, dtype=np.uint8), patch.x, patch.y)
+
+
+def striped(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Patch | None:
+    """As `visible`, with stripes where any channel is at 255, or all are at 0.
+
+    A pixel of the screen is striped as soon as a quarter of what it shows is clipped.
+    """
+    patch = visible(image, place, pane)
+    if patch is None:
+        return None
+    over = 255 - np.asarray(cv2.inRange(image, (0, 0, 0), (254, 254, 254)))
+    under = np.asarray(cv2.inRange(image, (0, 0, 0), (0, 0, 0)))
+    clipped = visible(np.dstack((over, under)).astype(np.uint8), place, pane)
+    assert clipped is not None
+    rows, columns = np.ogrid[: patch.pixels.shape[0], : patch.pixels.shape[1]]
+    stripes = (rows + patch.y + columns + patch.x) % STRIPE < STRIPE // 2
+    pixels = patch.pixels.copy()
+    for channel, color in enumerate((OVER, UNDER)):
+        pixels[stripes & (clipped.pixels[..., channel] >= 64)] = color
+    return Patch(pixels, patch.x, patch.y)
+
+
+def _span(offset: float, zoom: float, size: int, pane: float) -> tuple[int, int] | None:
+    """First and one past the last picture pixel that the pane shows along one axis."""
+    first = max(0, math.floor(-offset / zoom))
+    last = min(size, math.ceil((pane - offset) / zoom))
+    return (first, last) if first < last else None
+
+
+def _target(span: tuple[int, int], offset: float, zoom: float) -> tuple[int, int]:
+    """Where the span starts in the pane and how many pixels it takes there."""
+    start, end = (round(offset + zoom * edge) for edge in span)
+    return start, max(end - start, 1)
+
+
+def _filter(zoom: float) -> int:
+    if zoom < 1:
+        return cv2.INTER_AREA
+    return cv2.INTER_LINEAR if zoom < SHARP_ZOOM else cv2.INTER_NEAREST

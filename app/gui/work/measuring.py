@@ -1,0 +1,105 @@
+"""Visibility of what is on screen in numbers, and how its grey levels are spread: off the window's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.gui.work.enhancing import Pictures
+from app.methods import Look
+from app.tuning import Measures, measured
+from enhance import EnhanceParams, Statistics
+from enhance.brightness import brighten, z_from_level
+from enhance.saturation import Saturation, stretch
+from enhance.vesselness import field_of_view, vessel_mask
+from renderer.clip import BoolImage, ByteImage
+
+BINS = 64
+POINTS = 65
+"""Of a transfer curve."""
+Shares = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """How V and S of a picture are spread: (BINS,) shares of its pixels, relative to the fullest bin."""
+
+    value: Shares
+    saturation: Shares
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Of the photo and of the enhanced picture on screen."""
+
+    pictures: Pictures
+    before: Measures
+    after: Measures
+    photo: Spread
+    enhanced: Spread
+
+
+class Measurer:
+    """Measures pictures; remembers what follows from the photo alone."""
+
+    def __init__(self) -> None:
+        self._photo: ByteImage | None = None
+        self._masks: tuple[BoolImage, BoolImage] | None = None
+        self._before: tuple[Measures, Spread] | None = None
+
+    def measure(self, pictures: Pictures) -> Iterator[Measured]:
+        """Raises ImageError."""
+        photo, enhanced = pictures.photo, pictures.enhanced
+        if enhanced is None:
+            return
+        if self._photo is not photo or self._masks is None or self._before is None:
+            view = field_of_view(photo)
+            self._photo, self._masks = photo, (vessel_mask(photo, tissue_mask=view), view)
+            self._before = measured(photo, photo, *self._masks, 0.0), spread(photo)
+        after = measured(enhanced, photo, *self._masks, pictures.milliseconds)
+        yield Measured(pictures, self._before[0], after, self._before[1], spread(enhanced))
+
+
+def spread(image: ByteImage) -> Spread:
+    """Of an (H, W, 3) picture."""
+    hsv = np.asarray(cv2.cvtColor(image, cv2.COLOR_RGB2HSV))
+    return Spread(*(_shares(hsv[..., channel]) for channel in (2, 1)))
+
+
+def _shares(levels: NDArray[Any]) -> Shares:
+    counts = np.bincount(levels.ravel() // (256 // BINS), minlength=BINS).astype(np.float64)
+    return np.asarray(counts / max(counts.max(), 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """(POINTS,) V and S after the global stages, for V and S from 0 to 1."""
+
+    given: NDArray[np.float64]
+    value: NDArray[np.float64]
+    saturation: NDArray[np.float64]
+
+
+@lru_cache(maxsize=16)
+def curves(look: Look, used: Statistics) -> Curves:
+    """Eq 1 and Eqs 11-12 with the statistics in use; of `vessel` with its own part of them.
+
+    Local detail, which depends on the neighbourhood, is no part of them.
+    """
+    given = np.linspace(0, 1, POINTS)
+    stretched = _stretched(given, used.saturation_mean, look.d_factor)
+    if isinstance(look, EnhanceParams):
+        return Curves(given, brighten(given, used.z), stretched)
+    value = brighten(given, 1 - (1 - z_from_level(used.level)) * look.lift) ** look.gamma
+    return Curves(given, value, np.clip(stretched, given, np.minimum(look.most_color * given, 1)))
+
+
+def _stretched(given: NDArray[np.float64], mean: float, d_factor: float) -> NDArray[np.float64]:
+    single = given.astype(np.float32)[None]
+    return np.asarray(stretch(Saturation(single, 1 - single), mean, d_factor)[0], dtype=np.float64)

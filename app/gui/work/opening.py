@@ -1,0 +1,188 @@
+"""Opens what a person points at: a clip, a run with its clip and model, or splats; off the main thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+from app.errors import UserError
+from app.gui.work.origin import Origin, origin_of
+from app.gui.work.reported import Reported, read
+from app.gui.work.viewing import ShownModel
+from app.provenance import digest
+from app.report.saved import is_report
+from app.run_edits import read_edits
+from app.run_folder import RunFolder, RunRecord
+from app.scene import is_splat_file, splat_scene
+from app.sessions import SUFFIX, Session, read_session
+from app.training import RECONSTRUCTION_PARAMS, TrainRequest
+from renderer.camera import Camera
+from renderer.clip import Clip, ClipError
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import middle_distance
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.sources import open_clip
+from renderer.train.events import Progress
+
+
+@dataclass(frozen=True, eq=False)
+class OpenRequest:
+    """One wish to open something; a second wish for the same path is another request."""
+
+    path: Path
+    options: ClipOptions = DEFAULTS
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedRun:
+    """A run folder with what can be shown of it."""
+
+    path: Path
+    record: RunRecord
+    request: TrainRequest
+    """What it was begun with."""
+    model: ShownModel | None
+    """None for a run that is not finished."""
+    progress: tuple[Progress, ...]
+    """Every step of it that was logged."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A clip, a run, a run with its clip, or a file of splats."""
+
+    clip: Clip | None
+    run: OpenedRun | None = None
+    splats: ShownModel | None = None
+    """Of a file of splats."""
+    notices: tuple[str, ...] = ()
+    options: ClipOptions = DEFAULTS
+    """How the clip was read."""
+    session: Session | None = None
+    """To take up, of a session file."""
+    path: Path | None = None
+    """What was opened: of a session file, its source."""
+    report: Reported | None = None
+    """Nothing else is opened with one."""
+    warning: str = ""
+    """What could not be opened of it."""
+
+
+def open_path(request: OpenRequest) -> Iterator[Opened]:
+    """Raises ClipError or UserError: one line for the banner."""
+    if request.path.suffix == SUFFIX:
+        yield _open_session(request.path)
+        return
+    if is_report(request.path):
+        yield Opened(None, report=read(request.path))
+        return
+    if is_splat_file(request.path):
+        yield _open_splats(request.path)
+        return
+    folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
+    run = RunFolder(folder)
+    if run.is_run or request.path.suffix == ".safetensors":
+        yield _open_run(run)
+        return
+    clip = open_clip(request.path, request.options)
+    # A folder that lists but does not decode is found out here, not in the middle of a session.
+    clip.read_image(0)
+    yield Opened(clip, notices=clip.notices, options=request.options)
+
+
+def _open_session(path: Path) -> Opened:
+    """Its run where that can be opened, else its clip or file of splats."""
+    session = read_session(path)
+    run = session.run.found(path) if session.run else None
+    wanted, place = session.source, session.source.found(path) if session.source else None
+    if session.run is not None and run is not None and RunFolder(run).is_run:
+        wanted, place = session.run, run
+    if wanted is None or place is None:
+        name = Path(wanted.path).name if wanted else "a source"
+        raise UserError(f"expected {name} where it was or beside the session, found it nowhere: {path}")
+    (opened,) = open_path(OpenRequest(place, session.clip_options))
+    notices = opened.notices
+    if wanted.sha256 is not None and digest(place) != wanted.sha256:
+        notices = (*notices, f"{place.name} has changed since the session was saved")
+    return replace(opened, session=session, path=place, notices=notices)
+
+
+def _open_splats(path: Path) -> Opened:
+    scene = splat_scene(path)
+    distance, origin = middle_distance(scene.model, scene.cameras[0]), Origin(scene.facts, path)
+    shown = ShownModel(
+        scene.model, scene.cameras, distance, scene.name, 0, 0, live=False, origin=origin, mode=scene.mode
+    )
+    return Opened(None, splats=shown, notices=scene.notices)
+
+
+def _open_run(folder: RunFolder) -> Opened:
+    record = folder.record()
+    clip, notices = _clip_of(record)
+    model, warning = shown_model(folder, record) if folder.is_finished else None, ""
+    if model is not None:
+        if clip is not None and clip.cameras == model.cameras:
+            # The same objects, so that comparing them is quick; it is done in every frame.
+            model = replace(model, cameras=clip.cameras)
+        try:
+            model = replace(model, saved_edits=read_edits(folder, len(model.model)))
+        except UserError as error:
+            warning = f"the model is shown as trained: {error}"
+    else:
+        notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
+    run = OpenedRun(folder.path, record, request_of(folder, record), model, logged(folder))
+    return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
+
+
+def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
+    """The request that made the run, so that Continue asks for the same again."""
+    params = record.enhancement.params if record.enhancement else RECONSTRUCTION_PARAMS
+    return TrainRequest(
+        clip_path=Path(record.clip.path),
+        run_path=folder.path,
+        config=record.config,
+        clip_options=record.clip.options,
+        input=record.input,
+        enhance_params=params,
+    )
+
+
+def logged(folder: RunFolder) -> tuple[Progress, ...]:
+    """What of events.jsonl the curves show; lines of another version are passed over."""
+    names = {item.name for item in fields(Progress)}
+    events = [event for event in folder.events() if event["event"] == "Progress"]
+    plain = [{name: value for name, value in event.items() if name in names} for event in events]
+    return tuple(Progress(**values) for values in plain if values.keys() == names)
+
+
+def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
+    try:
+        clip = open_clip(Path(record.clip.path), record.clip.options)
+        return clip, clip.notices
+    except ClipError as error:
+        return None, (f"the run's clip cannot be opened, only its model is shown: {error}",)
+
+
+def shown_model(folder: RunFolder, record: RunRecord) -> ShownModel:
+    """The finished model of a run, ready to be looked at through its clip's cameras."""
+    cameras = tuple(record.camera(index) for index in range(record.clip.frames))
+    return finished_model(folder, folder.model(), cameras, record.config.iterations, record.clip.unit)
+
+
+def finished_model(
+    folder: RunFolder, model: DynamicGaussians, cameras: tuple[Camera, ...], iterations: int, unit: str
+) -> ShownModel:
+    """The model of a run that has ended."""
+    distance, origin = middle_distance(model, cameras[0]), origin_of(folder)
+    return ShownModel(
+        model,
+        cameras,
+        distance,
+        folder.path.name,
+        iterations,
+        iterations,
+        live=False,
+        origin=origin,
+        unit=unit,
+    )

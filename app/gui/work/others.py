@@ -1,0 +1,125 @@
+"""What a pane can show besides the photo and the present setting: made off the window's thread, by value."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+
+import cv2
+import numpy as np
+
+from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
+from app.gui.work.viewing import ShownModel, draw_view
+from app.methods import Look
+from enhance.baselines import BASELINES
+from renderer.clip import ByteImage
+
+KEPT_BYTES = 64 << 20
+"""Of pictures that are kept, the last used ones."""
+SCALES = (8, 16, 32, 64, 128, 255)
+"""Grey levels that the top of the heat map can stand for."""
+SHARE_WITHIN = 0.995
+"""Of the pixels, whose difference the scale of the heat map holds."""
+
+
+@dataclass(frozen=True)
+class OtherRequest:
+    """A picture of the same frame: by a setting, by a method without parameters, or by a model."""
+
+    photo: PictureRequest
+    """The frame; its own params do not matter and are None."""
+    by: Look | str | ShownModel
+
+
+@dataclass(frozen=True, eq=False)
+class Other:
+    """The picture with what it was made from."""
+
+    request: OtherRequest
+    image: ByteImage
+    made: Pictures | None = None
+    """Of a setting: with what it measured."""
+
+
+class OtherMaker:
+    """Answers OtherRequests; remembers the last pictures, so that going back and forth costs nothing."""
+
+    def __init__(self) -> None:
+        self._pictures = PictureMaker()
+        self._kept: OrderedDict[OtherRequest, Other] = OrderedDict()
+
+    def make(self, request: OtherRequest) -> Iterator[Other]:
+        """Raises ClipError or ImageError."""
+        if request not in self._kept:
+            self._kept[request] = self._made(request)
+        self._kept.move_to_end(request)
+        while sum(other.image.nbytes for other in self._kept.values()) > KEPT_BYTES and len(self._kept) > 1:
+            self._kept.popitem(last=False)
+        yield self._kept[request]
+
+    def _made(self, request: OtherRequest) -> Other:
+        by, photo = request.by, request.photo
+        if isinstance(by, ShownModel):
+            return Other(request, _render(by, photo.frame_index))
+        if isinstance(by, str):
+            return Other(request, BASELINES[by](photo.clip.read_image(photo.frame_index)))
+        *_, made = self._pictures.make(replace(photo, params=by))
+        assert made.enhanced is not None
+        return Other(request, made.enhanced, made)
+
+
+def _render(shown: ShownModel, index: int) -> ByteImage:
+    """The model through the clip's own camera of that frame."""
+    (view,) = draw_view(shown.of_frame(index))
+    return view.image
+
+
+@dataclass(frozen=True, eq=False)
+class DifferenceRequest:
+    """Two pictures of one size; they are compared by identity, as they never change."""
+
+    left: ByteImage
+    right: ByteImage
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, DifferenceRequest):
+            return NotImplemented
+        return other.left is self.left and other.right is self.right
+
+    def __hash__(self) -> int:
+        return hash((id(self.left), id(self.right)))
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """Where and by how much two pictures differ."""
+
+    request: DifferenceRequest
+    heat: ByteImage
+    """(H, W, 3): black where they agree, through red to yellow."""
+    top: int
+    """Grey levels that the brightest colour stands for, and all above."""
+    mean: float
+    """Grey levels, of the largest channel."""
+
+
+def heat_map(request: DifferenceRequest) -> Iterator[Difference]:
+    """The largest difference of R, G and B at each pixel, on a scale that holds nearly all of them."""
+    apart = np.asarray(cv2.absdiff(request.left, request.right))
+    red, green, blue = cv2.split(apart)
+    largest = np.asarray(cv2.max(cv2.max(red, green), blue))
+    below = np.cumsum(np.bincount(largest.ravel(), minlength=256)) / largest.size
+    top = next(scale for scale in SCALES if below[scale] >= SHARE_WITHIN)
+    levels = np.minimum(np.arange(256) * (255 / top), 255).astype(np.uint8)
+    heat = np.asarray(heat_colors()[levels[largest]], dtype=np.uint8)
+    yield Difference(request, heat, top, float(largest.mean()))
+
+
+@cache
+def heat_colors() -> ByteImage:
+    """(256, 3) RGB of the heat map, from no difference to the top of its scale."""
+    ramp = np.arange(256, dtype=np.uint8)[:, None]
+    colors = cv2.cvtColor(cv2.applyColorMap(ramp, cv2.COLORMAP_INFERNO), cv2.COLOR_BGR2RGB)
+    return np.asarray(colors[:, 0], dtype=np.uint8)

@@ -1,0 +1,129 @@
+"""The reconstructions of a clip that lie on disk, found off the window's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from app.errors import UserError
+from app.gui.work.opening import logged, request_of
+from app.provenance import digest
+from app.run_folder import RunFolder, RunRecord
+from app.run_holder import holder
+from app.training import TrainRequest
+from renderer.clip import Clip
+from renderer.train.events import Progress
+
+Made = Literal["finished", "unfinished", "being made"]
+
+
+@dataclass(frozen=True)
+class RunsRequest:
+    """Which runs are wanted; `moment` grows when they are to be looked for again."""
+
+    folder: Path
+    clip: Clip
+    moment: int
+
+
+@dataclass(frozen=True, eq=False)
+class ListedRun:
+    """A run folder as the list shows it."""
+
+    path: Path
+    created: str
+    """UTC, ISO 8601."""
+    request: TrainRequest
+    """What goes on with it, from where the clip lies now."""
+    made: Made
+    """"being made": some process trains it at this moment."""
+    has_checkpoint: bool
+    psnr: float | None
+    """dB: of held-out frames where that was measured, else the newest of the training frames."""
+    curve: tuple[Progress, ...]
+    """Of an unfinished run: what it has said so far."""
+
+    @property
+    def iteration(self) -> int:
+        """Steps that are known to be done."""
+        if self.made == "finished":
+            return self.request.config.iterations
+        return self.curve[-1].iteration if self.curve else 0
+
+
+@dataclass(frozen=True, eq=False)
+class FoundRuns:
+    """The answer: the newest run first."""
+
+    request: RunsRequest
+    runs: tuple[ListedRun, ...]
+    unreadable: int
+    """Run folders that cannot be read."""
+
+
+@dataclass
+class RunFinder:
+    """Answers RunsRequests; reads again only what has changed."""
+
+    _read: dict[tuple[Any, ...], tuple[RunRecord, ListedRun]] = field(default_factory=dict)
+    _digests: dict[Path, str] = field(default_factory=dict)
+
+    def find(self, request: RunsRequest) -> Iterator[FoundRuns]:
+        """Raises OSError: the folder of all runs cannot be listed."""
+        folders = sorted(request.folder.iterdir()) if request.folder.is_dir() else []
+        runs, unreadable = [], 0
+        kept: dict[tuple[Any, ...], tuple[RunRecord, ListedRun]] = {}
+        for run in (RunFolder(path) for path in folders):
+            if not run.is_run:
+                continue
+            try:
+                key = _key(run)
+                kept[key] = record, listed = self._read.get(key) or _listed(run)
+                if self._is_of(record, request.clip):
+                    moved = replace(listed.request, clip_path=request.clip.path)
+                    runs.append(replace(listed, request=moved, made=_made(run)))
+            except (UserError, OSError):
+                unreadable += 1
+        self._read = kept
+        runs.sort(key=lambda run: run.created, reverse=True)
+        yield FoundRuns(request, tuple(runs), unreadable)
+
+    def _is_of(self, record: RunRecord, clip: Clip) -> bool:
+        """By its place, or where that differs by its bytes, which training compares before it goes on."""
+        if Path(record.clip.path) == clip.path.absolute():
+            return True
+        if (record.clip.name, record.clip.frames) != (clip.name, len(clip)):
+            return False
+        if clip.path not in self._digests:
+            self._digests = {clip.path: digest(clip.path)}
+        return self._digests[clip.path] == record.clip.sha256
+
+
+def _key(run: RunFolder) -> tuple[Any, ...]:
+    """Changes with what is read of the run."""
+    stat = run.events_path.stat() if run.events_path.exists() else None
+    said = (stat.st_size, stat.st_mtime_ns) if stat else None
+    return run.path, run.record_path.stat().st_mtime_ns, run.is_finished, run.has_checkpoint, said
+
+
+def _made(run: RunFolder) -> Made:
+    if run.is_finished:
+        return "finished"
+    return "unfinished" if holder(run.path) is None else "being made"
+
+
+def _listed(run: RunFolder) -> tuple[RunRecord, ListedRun]:
+    record, curve = run.record(), logged(run)
+    measured = [event.get("psnr") for event in run.events() if event["event"] == "Evaluated"]
+    psnr = measured[-1] if measured else (curve[-1].psnr if curve else None)
+    return record, ListedRun(
+        path=run.path,
+        created=record.created,
+        request=request_of(run, record),
+        made=_made(run),
+        has_checkpoint=run.has_checkpoint,
+        psnr=float(psnr) if psnr is not None else None,
+        curve=() if run.is_finished else curve,
+    )

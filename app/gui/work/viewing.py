@@ -1,0 +1,126 @@
+"""The 3D view as a request by value and its answer, and the drawing of it by the numba rasteriser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+from app.drawing import Drawn, draw_on_cpu
+from app.gui.views.free_view import FreeView
+from app.gui.work.origin import Origin
+from app.gui.work.photos import Photo
+from app.views import SCENE_UNITS, SHAPES, Composed, Scale, ViewKind, composed, splats_for
+from renderer.camera import Camera
+from renderer.clip import ByteImage
+from renderer.editing.edits import Edits
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import NEAR_SHARE
+from renderer.splats import RenderMode
+
+BACKGROUND = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ShownModel:
+    """A model with what is needed to look at it and to say what it is."""
+
+    model: DynamicGaussians
+    cameras: tuple[Camera, ...]
+    """Of its clip, one a frame."""
+    distance: float
+    """From the first camera to the middle of the tissue, along its axis."""
+    name: str
+    iteration: int
+    iterations: int
+    """0 for a file of splats."""
+    live: bool
+    """Still being trained."""
+    origin: Origin | None = None
+    """The run or file it comes from; None when that left nothing to read."""
+    mode: RenderMode = "default"
+    unit: str = SCENE_UNITS
+    """Of lengths."""
+    saved_edits: Edits | None = None
+    """What was saved of edits of `model`, which is without them."""
+
+    def frame_at(self, time: float) -> int:
+        """The frame of the clip that is nearest to `time` in [0, 1]."""
+        return min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)
+
+    def camera_at(self, time: float) -> Camera:
+        """The clip's own, of the frame nearest to `time`."""
+        return self.cameras[self.frame_at(time)]
+
+    def snapped(self, time: float) -> ViewRequest:
+        """The frame nearest to `time` as the clip's camera took it: moment, pose, lens, pixels."""
+        return self.of_frame(self.frame_at(time))
+
+    def of_frame(self, frame: int) -> ViewRequest:
+        """That frame as the clip's camera took it."""
+        return ViewRequest(self, frame / len(self.cameras), self.cameras[frame])
+
+    def view(self, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:
+        """The view of (width, height) pixels at `time` in [0, 1]: the free one, or that of the clip's camera.
+
+        The photo's whole field stays in view, whatever the shape of the view.
+        """
+        camera = self.camera_at(time) if free is None else free.camera
+        return ViewRequest(self, time, camera.fitted(*size))
+
+
+@dataclass(frozen=True)
+class ViewRequest:
+    """Everything that the 3D picture depends on."""
+
+    shown: ShownModel
+    time: float
+    camera: Camera
+    reduced: bool = False
+    """Drawn with fewer pixels than the screen has, to keep up with the hand."""
+    kind: ViewKind = "color"
+    photo: Photo | None = None
+    """Of the same frame, where the view is the difference to it."""
+
+    @property
+    def near(self) -> float:
+        """The near plane in scene units, the same share of the scene as in training."""
+        return NEAR_SHARE * self.shown.distance
+
+    def of_kind(self, kind: ViewKind, photo: Photo | None = None) -> ViewRequest:
+        """The same camera and time shown otherwise; a difference without its photo stays in colour."""
+        if kind == "difference":
+            return self if photo is None else replace(self, kind=kind, photo=photo)
+        return replace(self, kind=kind)
+
+    def composed(self, drawn: Drawn) -> Composed:
+        """The picture that is asked for, of its splats drawn in their shape."""
+        return composed(self.kind, drawn, self.shown.unit, self.photo.image if self.photo else None)
+
+    def scaled(self, scale: float) -> ViewRequest:
+        """The same view with fewer pixels."""
+        width = max(1, round(self.camera.width * scale))
+        height = max(1, round(self.camera.height * scale))
+        return replace(self, camera=self.camera.resized(width, height), reduced=True)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """The 3D picture on screen, with the request it was made from."""
+
+    request: ViewRequest
+    image: ByteImage
+    """(H, W, 3)."""
+    milliseconds: float
+    scale: Scale | None = None
+    """What its colours mean, where they are values."""
+
+
+def draw_view(request: ViewRequest) -> Iterator[View]:
+    """Answers a ViewRequest with the numba rasteriser."""
+    start = perf_counter()
+    shown = request.shown
+    splats = splats_for(request.kind, shown.model, request.time, request.camera)
+    drawn = draw_on_cpu(splats, request.camera, request.near, shown.mode, SHAPES[request.kind])
+    picture = request.composed(drawn)
+    yield View(request, picture.image, 1000 * (perf_counter() - start), picture.scale)
