@@ -1,0 +1,98 @@
+"""The window used for a long time by a script, at a bounded rate: what grows, leaks or fails.
+
+xvfb-run -a python -m tests.benchmarks.gui_soak CLIP --minutes 60 [--rate 8] [--seed 0]
+
+Every minute it comes to rest and prints resident memory, processor share, open files, threads, child
+processes and OpenGL objects. It exits with 1 when memory has grown by more than 5 % from minute 5 to the
+end, or after any OpenGL error, exception, logged warning or process that outlives its job.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from imgui_bundle import imgui
+from imgui_bundle.immapp import testing
+
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
+from app.gui.window import Window
+from tests.benchmarks.soak_deeds import DEEDS, Context, Person
+from tests.benchmarks.soak_health import Health, children
+
+FOREVER = 1e9
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("clip", type=Path)
+    parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--rate", type=float, default=8.0, help="acts a second, at most")
+    parser.add_argument("--seed", type=int, default=0)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        kept = soak(given.clip, Path(folder), given.minutes, given.rate, given.seed)
+    sys.exit(0 if kept else 1)
+
+
+def soak(clip: Path, folder: Path, minutes: float, rate: float, seed: int) -> bool:
+    """Whether every bar was kept."""
+    places = Places(folder / "config", folder / "runs", folder / "pictures")
+    for path in vars(places).values():
+        path.mkdir()
+    window = Window(AppState(places, Settings(acknowledged=True)))
+    health = Health()
+    health.watch()
+    params = window.runner_params()
+    params.ini_disable = True
+    params.callbacks.before_swap = health.after_frame
+
+    def drive(ctx: Context) -> None:
+        quieten(ctx)
+        person = Person(ctx, window, clip, random.Random(seed), rate)
+        while health.minutes < minutes and not ctx.is_error():
+            one_minute(person, health)
+        print(f"{person.acts} acts")
+
+    try:
+        testing.run(test_function=drive, runner_params=params, add_ons_params=window.add_ons())
+    except Exception as error:
+        told = [line for line in str(error).splitlines() if "Error" in line] or [repr(error)]
+        health.troubles.append(f"the script ended: {told[-1]}")
+    time.sleep(1)
+    return health.report(children())
+
+
+def one_minute(person: Person, health: Health) -> None:
+    """Deeds, then rest and a reading."""
+    rng, end, done = person.rng, health.minutes + 1, []
+    person.rest()
+    while health.minutes < end and not person.ctx.is_error():
+        (deed,) = rng.choices([*DEEDS], [*DEEDS.values()])
+        done.append(deed.__name__)
+        deed(person)
+        if person.state.banner is not None:
+            health.troubles.append(f"{deed.__name__}: {person.state.banner.message}")
+            person.state.banner = None
+    person.rest()
+    if left := children():
+        health.troubles.append(f"{len(left)} processes at rest after {', '.join(done)}")
+    health.due = True
+    person.wait(lambda: not health.due, "a frame")
+    print(health.readings[-1], " ", " ".join(done), flush=True)
+
+
+def quieten(ctx: Context) -> None:
+    """The engine keeps no log, which would grow, and no watch, which would end a long test."""
+    io = ctx.engine_io
+    io.config_verbose_level = io.config_verbose_level_on_error = imgui.test_engine.TestVerboseLevel.error
+    io.config_watchdog_warning = io.config_watchdog_kill_test = io.config_watchdog_kill_app = FOREVER
+
+
+if __name__ == "__main__":
+    main()

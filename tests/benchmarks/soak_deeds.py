@@ -1,0 +1,366 @@
+"""What a person does with the window, at random and again and again: a deed ends where any may begin."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from imgui_bundle import ImVec2, imgui
+
+from app.gui.actions import actions, second_actions, tuning_actions
+from app.gui.frame import dockings
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places
+from app.gui.window import Window
+from app.gui.work.tuning import Choice
+from app.job import TrainingJob
+from assets import phantom_path
+
+Context = imgui.test_engine.TestContext
+STEPS = 50
+PATIENCE = 180.0
+"""Seconds after which the window is said to hang."""
+KEEP_FILES = 12
+K = imgui.Key
+CTRL, SHIFT = K.mod_ctrl, K.mod_shift
+
+
+@dataclass
+class Person:
+    """Drives the window, not faster than `rate` acts a second."""
+
+    ctx: Context
+    window: Window
+    clip: Path
+    rng: random.Random
+    rate: float
+    acts: int = 0
+    run: Path | None = None
+    """A reconstruction of the clip that has been finished."""
+
+    @property
+    def state(self) -> AppState:
+        return self.window.state
+
+    @property
+    def places(self) -> Places:
+        return self.state.places
+
+    # ---- the hand
+
+    def pace(self) -> None:
+        self.acts += 1
+        self.ctx.yield_(2)
+        time.sleep(1 / self.rate)
+
+    def press(self, key: int) -> None:
+        self.ctx.key_press(key)
+        self.pace()
+
+    def click(self, item: str) -> None:
+        self.ctx.item_click(item)
+        self.pace()
+
+    def choose(self, panel: str, combo: str, entry: str) -> None:
+        self.ctx.set_ref(panel)
+        self.ctx.combo_click(f"{combo}/{entry}")
+        self.ctx.set_ref("")
+        self.pace()
+
+    def drag(self, item: str, start: tuple[float, float], end: tuple[float, float], button: int = 0) -> None:
+        """From one point of an item to another, both in shares of its size."""
+        box = self.ctx.item_info(item).rect_full
+        size = (box.max.x - box.min.x, box.max.y - box.min.y)
+        at = [ImVec2(box.min.x + x * size[0], box.min.y + y * size[1]) for x, y in (start, end)]
+        self.ctx.mouse_move_to_pos(at[0])
+        self.ctx.mouse_down(button)
+        self.ctx.mouse_move_to_pos(at[1])
+        self.ctx.mouse_up(button)
+        self.pace()
+
+    def wheel(self, item: str, steps: float) -> None:
+        self.ctx.mouse_move(item)
+        self.ctx.mouse_wheel_y(steps)
+        self.pace()
+
+    def wait(self, until: Callable[[], bool], what: str) -> None:
+        end = time.monotonic() + PATIENCE
+        while not until():
+            if time.monotonic() > end:
+                raise TimeoutError(f"waited {PATIENCE:.0f} s for {what}")
+            self.ctx.yield_()
+            time.sleep(0.03)
+
+    # ---- where every deed begins and ends
+
+    def settled(self) -> bool:
+        state = self.state
+        return state.pictures is not None and not state.pictures_wait and state.opening is None
+
+    def open(self, path: Path) -> None:
+        actions.open_path(self.state, path)
+        self.wait(lambda: self.state.opening is None, f"{path.name} to open")
+        if self.state.clip is not None:
+            self.wait(self.settled, f"the pictures of {path.name}")
+        self.pace()
+
+    def rest(self) -> None:
+        """The clip alone, in its first state, with nothing under way: what memory is measured at."""
+        state = self.state
+        if state.reconstruction.is_alive:
+            actions.cancel(state)
+            self.wait(lambda: not state.reconstruction.is_alive, "the cancelled job")
+        state.banner, state.help_open, state.export_open = None, False, False
+        if state.tuning.shown:
+            tuning_actions.toggle_tuning(state)
+        self.open(self.clip)
+        self.ctx.key_press(K._0)
+        tidy(self.places)
+        self.wait(lambda: not state.is_busy, "rest")
+        self.ctx.yield_(5)
+
+
+def tidy(places: Places) -> None:
+    """What was exported and reconstructed, but for the newest: the disk is not what is tried here."""
+    for folder, keep in ((places.pictures, KEEP_FILES), (places.runs, 4)):
+        found = sorted(folder.glob("*"), key=lambda path: path.stat().st_mtime)
+        for path in found[:-keep]:
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def slide(person: Person) -> None:
+    for _ in range(4):
+        name = person.rng.choice(["d_factor"] * 2 + ["z", "p"])
+        person.choose("//Enhancement", "##preset", "Paper, d 1 (pictures)")
+        if name != "d_factor":
+            person.click(f"//Enhancement/Auto##{name}")
+        for _ in range(5):
+            person.ctx.item_input_value(f"//Enhancement/##{name}", round(person.rng.uniform(0.1, 0.9), 2))
+            person.pace()
+    person.wait(person.settled, "the new setting")
+    person.press(CTRL | K.z)
+    person.press(CTRL | K.y)
+    for tab in ("Curves", "Measures", "###windows"):
+        person.click(f"//Enhancement/details/{tab}")
+    person.press(K.r)
+
+
+def compare(person: Person) -> None:
+    sides = person.rng.sample(["Method: clahe", "Stored setting A", "Enhanced (this setting)", "Original"], 2)
+    person.press(SHIFT | K.a)
+    for side, entry in zip(("left", "right"), sides, strict=True):
+        person.choose("//Pictures", f"##{side}", entry)
+    for key in person.rng.sample([K.v, K.w, K.t, K.d, K.z, K.x], 6):
+        person.press(key)
+        person.wait(person.settled, "a way of comparing")
+    person.press(K.v)
+    person.press(K.w)
+    person.ctx.item_drag_with_delta("//Pictures/line", ImVec2(person.rng.uniform(-120, 120), 0))
+    person.pace()
+    person.press(K.v)
+    person.wheel("//Pictures/left", 3)
+    person.drag("//Pictures/left", (0.5, 0.5), (0.3, 0.6))
+    person.press(K._1)
+    person.press(K._0)
+    if person.state.comparison.zebra:
+        person.press(K.z)
+    person.state.comparison = person.state.comparison.renewed()
+
+
+def play(person: Person) -> None:
+    for _ in range(3):
+        person.drag("//**/strip", (person.rng.random(), 0.5), (person.rng.random(), 0.5))
+        person.wait(person.settled, "the frame")
+    person.press(K.p)
+    end = time.monotonic() + 4
+    while time.monotonic() < end:
+        person.ctx.yield_()
+        time.sleep(0.04)
+    person.press(K.p)
+    for key in (K.comma, K.period, K.f, K.f):
+        person.press(key)
+    person.press(SHIFT | K.m)
+    person.press(SHIFT | K.m)
+
+
+def look_around(person: Person) -> None:
+    if not with_run(person):
+        return
+    view, rng = "//3D view/view", person.rng
+    for _ in range(6):
+        person.drag(view, (rng.random(), rng.random()), (rng.random(), rng.random()), rng.choice([0, 1]))
+    for steps in (2, -1):
+        person.wheel(view, steps)
+    for _ in range(7):
+        person.press(K.n)
+    person.press(K.home)
+    person.press(K.c)
+    person.press(K.right_bracket)
+    person.press(K.c)
+    person.press(K.m)
+    person.drag(view, (0.5, 0.5), (0.5, 0.5))
+    person.press(K.m)
+    person.press(K.home)
+    person.drag("//**/strip", (0.1, 0.5), (0.9, 0.5))
+
+
+def fly_a_path(person: Person) -> None:
+    if not with_run(person):
+        return
+    for key in (K.b, K.i):
+        person.press(key)
+    person.drag("//3D view/view", (0.4, 0.5), (0.6, 0.6))
+    person.press(K.i)
+    person.press(K.l)
+    end = time.monotonic() + 3
+    while time.monotonic() < end:
+        person.ctx.yield_()
+        time.sleep(0.04)
+    if person.state.cameras.playing:
+        person.press(K.l)
+    person.press(K.g)
+    person.press(K.g)
+    person.press(K.home)
+
+
+def look_at_two(person: Person) -> None:
+    if not with_run(person):
+        return
+    assert person.run is not None
+    second_actions.open_second(person.state, person.run)
+    person.wait(lambda: person.state.second.view is not None, "the second view")
+    for _ in range(3):
+        person.drag("//3D view/view", (person.rng.random(), 0.5), (person.rng.random(), 0.6))
+    second_actions.close_second(person.state)
+    person.pace()
+
+
+def edit(person: Person) -> None:
+    if not with_run(person):
+        return
+    state = person.state
+    idle = lambda: state.editing.wish is None and not state.editing.stroke  # noqa: E731
+    person.press(CTRL | K.e)
+    person.wait(lambda: state.editing.active and idle(), "edit mode")
+    for key in (K.r, K.l):
+        person.press(SHIFT | key)
+        person.drag("//3D view/view", (0.1, 0.1), (person.rng.uniform(0.3, 0.9), 0.9))
+        person.wait(idle, "the selection")
+    person.press(K.delete)
+    person.press(CTRL | K.a)
+    person.press(K.h)
+    while state.editing.history.past:
+        person.press(CTRL | K.z)
+        person.wait(idle, "an edit undone")
+    person.press(CTRL | K.e)
+
+
+def tune(person: Person) -> None:
+    person.press(CTRL | K.t)
+    tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, person.rng.uniform(1, 5), 3))
+    tuning_actions.choose_axis(person.state, 1, Choice("p", 0.2, person.rng.uniform(0.5, 1), 3))
+    person.pace()
+    person.click("//Tuning/###try")
+    person.wait(lambda: not person.state.tuning.running, "the grid")
+    person.choose("//Tuning", "##order", "vessel contrast")
+    grid = person.state.tuning.grid
+    assert grid is not None
+    tuning_actions.look_at(person.state, person.rng.choice(grid.settings))
+    person.wait(lambda: person.state.tuning.request is None, "the cell")
+    person.click("//Tuning/###back")
+    person.choose("//Tuning", "##order", "as varied")
+    person.press(CTRL | K.t)
+
+
+def export(person: Person) -> None:
+    person.press(K.s)
+    person.press(CTRL | SHIFT | K.e)
+    for what in person.rng.sample(["left pane", "right pane", "both panes"], 2):
+        person.click(f"//Export/###{what}")
+        person.wait(lambda: person.state.exporting is None, "the export")
+    person.click("//Export/###video of both panes")
+    person.wait(lambda: person.state.exporting is None or person.state.exporting.done > 3, "a few frames")
+    person.window.cancel_export()
+    person.wait(lambda: person.state.exporting is None, "the cancelled export")
+    person.press(CTRL | SHIFT | K.e)
+
+
+def reconstruct(person: Person) -> None:
+    """Fifty steps, to the end or until it is cancelled."""
+    state, finish = person.state, person.run is None or person.rng.random() < 0.4
+    state.reconstruction.config = replace(state.reconstruction.config, iterations=STEPS)
+    actions.start_reconstruction(state, TrainingJob)
+    begun = state.reconstruction
+    person.wait(lambda: state.reconstruction is not begun or begun.progress is not None
+                or not begun.is_alive, "the first step")  # fmt: skip
+    if finish:
+        person.wait(lambda: not state.reconstruction.is_alive, "the reconstruction")
+        if state.reconstruction.status == "finished":
+            person.run = state.reconstruction.run_path
+    else:
+        person.click("//Reconstruction/###pause")
+        person.wait(
+            lambda: not state.reconstruction.is_alive or state.reconstruction.status == "paused", "a pause"
+        )
+        actions.cancel(state)
+        person.wait(lambda: not state.reconstruction.is_alive, "the cancelled job")
+    person.pace()
+
+
+def go_elsewhere(person: Person) -> None:
+    person.open(phantom_path())
+    person.press(K.e)
+    person.press(K.e)
+
+
+def keep_session(person: Person) -> None:
+    state = person.state
+    state.notes = f"after {person.acts} acts"
+    person.press(CTRL | K.s)
+    person.wait(lambda: state.session_path is not None and state.session_path.is_file(), "the session")
+    assert state.session_path is not None
+    person.open(state.session_path)
+
+
+def look_at_panels(person: Person) -> None:
+    for panel in ("Log", "Notes"):
+        for _ in range(2):
+            dockings.toggle(panel)
+            person.pace()
+    person.press(K.f1)
+    person.press(K.f1)
+    person.press(CTRL | SHIFT | K.p)
+    person.ctx.key_chars("theme")
+    person.pace()
+    person.press(K.escape)
+    for theme in ("light", "dark"):
+        actions.choose_theme(person.state, theme)
+        person.pace()
+    for steps in (1, 0):
+        actions.resize_text(person.state, steps)
+        person.pace()
+
+
+def with_run(person: Person) -> bool:
+    """Opened, with its view on screen."""
+    if person.run is None or not person.run.is_dir():
+        person.run = None
+        reconstruct(person)
+    if person.run is None:
+        return False
+    person.run.touch()  # The newest are kept.
+    person.open(person.run)
+    person.wait(lambda: person.state.view is not None, "the 3D view")
+    person.ctx.yield_(3)
+    return True
+
+
+DEEDS: dict[Callable[[Person], None], float] = {
+    slide: 5, compare: 4, play: 3, look_around: 3, fly_a_path: 2, look_at_two: 1, edit: 2, tune: 2,
+    export: 2, reconstruct: 1, go_elsewhere: 2, keep_session: 1, look_at_panels: 1,
+}  # fmt: skip
+"""Each with its weight."""
