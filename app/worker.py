@@ -64,7 +64,7 @@ def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> N
     Ends quietly, at its next step, when the process at the other end of the pipe is gone.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C in a terminal reaches both; the parent decides.
-    psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else 10)
+    psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else 19)
     try:
         last = _run(pipe, SlotWriter(slot), steps, request)
     except (BrokenPipeError, EOFError):

@@ -200,6 +200,7 @@ class Window:
         # | 3D view          | recon-    |
         # |__________________|_struct____|
         layout = hello_imgui.DockingParams()
+        layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
         layout.docking_splits = dockings.splits(self.state.settings.text_percent)
         panels: list[tuple[str, str, Callable[[], None]]] = [
             ("Pictures", "MainDockSpace", self._draw_pictures),
@@ -252,6 +253,7 @@ class Window:
         params = hello_imgui.get_runner_params()
         self._wear(params)
         dockings.follow(self.state)
+        dockings.spare_ground()
         idling = params.fps_idling
         moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing
         idling.enable_idling = not moves
@@ -268,7 +270,7 @@ class Window:
         self._worn = chosen
         theme.wear(*chosen)
         params.docking_params.docking_splits = dockings.splits(chosen[1])
-        params.imgui_window_params.background_color = theme.now().shade(0.11)
+        params.imgui_window_params.background_color = theme.now().ground
         self._add_timeline(params)
 
     def _draw_pictures(self) -> None:

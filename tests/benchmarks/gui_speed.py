@@ -76,7 +76,7 @@ def drag(window: Window, *, train: bool) -> None:
     state, swaps, waits = window.state, [], []
     params = window.runner_params()
     params.ini_disable = True
-    params.callbacks.before_swap = lambda: swaps.append(time.perf_counter())
+    params.callbacks.after_swap = lambda: swaps.append(time.perf_counter())
 
     def drive(ctx: Context) -> None:
         wait(ctx, lambda: state.pictures is not None and state.pictures.enhanced is not None)
@@ -94,8 +94,8 @@ def drag(window: Window, *, train: bool) -> None:
         began = time.perf_counter()
         actions.set_params(state, EnhanceParams(z=z))
         wait(ctx, lambda: state.pictures is not None and state.pictures.request.params == EnhanceParams(z=z))
-        ctx.yield_()
-        return time.perf_counter() - began
+        ctx.yield_()  # The frame that draws it has been swapped when this returns.
+        return swaps[-1] - began
 
     testing.run(test_function=drive, runner_params=params, add_ons_params=window.add_ons())
     under = "under a job" if train else "without a job"

@@ -85,8 +85,9 @@ def _pressed(state: AppState, sections: Iterable[Section]) -> list[Command]:
 
 def _is_pressed(code: int, repeats: bool) -> bool:
     """Exactly this chord; a held key counts again only where that is wanted."""
-    key = imgui.Key(code & ~MODIFIERS)
-    return imgui.get_io().key_mods == code & MODIFIERS and imgui.is_key_pressed(key, repeats)
+    if imgui.get_io().key_mods != code & MODIFIERS:
+        return False
+    return imgui.is_key_pressed(imgui.Key(code & ~MODIFIERS), repeats)
 
 
 def _fly(state: AppState, ways: list[tuple[int, int, int]], seconds: float) -> None:

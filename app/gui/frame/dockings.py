@@ -71,6 +71,21 @@ def _parent_of(node: Node | None) -> Node | None:
     return None if node is None else node.parent_node
 
 
+def spare_ground() -> None:
+    """A docked panel is as the window is behind it: a software driver is spared painting that once more."""
+    for panel in _docking().dockable_windows:
+        window: imgui.internal.Window | None = imgui.internal.find_window_by_name(panel.label)
+        docked = _in_window(_node_of(window))
+        panel.imgui_window_flags = imgui.WindowFlags_.no_background if docked else imgui.WindowFlags_.none
+
+
+def _in_window(node: Node | None) -> bool:
+    """Whether what is docked there has the window behind it, not a panel that floats over others."""
+    while (above := _parent_of(node)) is not None:
+        node = above
+    return node is not None and node.is_dock_space()
+
+
 def follow(state: AppState) -> None:
     """What has nothing to show leaves its space to the other; what is asked for comes to the front."""
     panel = _docking().dockable_window_of_name

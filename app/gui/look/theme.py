@@ -38,6 +38,11 @@ class Colors:
         """The grey that plays the part of `level`, in [0, 1], in the dark theme."""
         return grey(1.03 - 0.8 * level if self.mirrored else level, alpha)
 
+    @property
+    def ground(self) -> ImVec4:
+        """Of panels."""
+        return self.shade(0.135)
+
     def veil(self, alpha: float) -> ImVec4:
         """A little of the text's colour over whatever is below."""
         return grey(0.0 if self.mirrored else 1.0, alpha)
@@ -129,7 +134,7 @@ def _surfaces(colors: Colors) -> dict[imgui.Col_, ImVec4]:
     c, shade = imgui.Col_, colors.shade
     return {
         c.text: colors.text, c.text_disabled: colors.muted,
-        c.window_bg: shade(0.135), c.child_bg: grey(0, 0), c.popup_bg: shade(0.17),
+        c.window_bg: colors.ground, c.child_bg: grey(0, 0), c.popup_bg: shade(0.17),
         c.border: shade(0.34), c.border_shadow: grey(0, 0),
         c.menu_bar_bg: shade(0.11), c.title_bg: shade(0.10), c.title_bg_active: shade(0.10),
         c.title_bg_collapsed: shade(0.10),

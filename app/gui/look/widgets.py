@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, TypeVar
 
 from annotated_types import Interval
@@ -18,6 +19,23 @@ from app.methods import Look
 from enhance import EnhanceParams
 
 L = TypeVar("L", bound=Look)
+EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
+
+
+def fill_around(corner: ImVec2, end: ImVec2, low: ImVec2, high: ImVec2, color: ImVec4) -> None:
+    """The rectangle from `corner` to `end` without the one from `low` to `high`, which a picture covers.
+
+    Each pixel that is painted twice costs a software driver as much as one that is painted once.
+    """
+    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(color)
+    for first, last in (
+        (corner, ImVec2(end.x, low.y)),
+        (ImVec2(corner.x, high.y), end),
+        (ImVec2(corner.x, low.y), ImVec2(low.x, high.y)),
+        (ImVec2(high.x, low.y), ImVec2(end.x, high.y)),
+    ):
+        if last.x > first.x and last.y > first.y:
+            draw.add_rect_filled(first, last, ink)
 
 
 def em(lines: float = 1.0) -> float:
@@ -37,6 +55,12 @@ class Declared:
 
 def declared(kind: type[Any], name: str) -> Declared:
     """Range, explanation and default of a pydantic dataclass's field, from its own declaration."""
+    a_class: Any = kind  # A class can be hashed also where what it makes cannot.
+    return _declared(a_class, name)
+
+
+@cache
+def _declared(kind: type[Any], name: str) -> Declared:
     field: FieldInfo = kind.__pydantic_fields__[name]
     declarations = [*field.metadata, *marks(field.annotation)]
     interval = next((mark for mark in declarations if isinstance(mark, Interval)), Interval(ge=0, le=1))
@@ -55,10 +79,7 @@ def row(label: str, tooltip: str) -> None:
 
 def explain(text: str) -> None:
     """A tooltip on the item before, also when that is disabled."""
-    hovered = imgui.is_item_hovered(
-        imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
-    )
-    if text and hovered:
+    if text and imgui.is_item_hovered(EXPLAINED):
         with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(em(24)):
             imgui.text_unformatted(legible(text))
 

@@ -11,7 +11,7 @@ from app.gui.actions import clip_actions
 from app.gui.commands.commands import fit_pictures
 from app.gui.drawing.textures import Marks, ShowsPictures
 from app.gui.look import theme
-from app.gui.look.widgets import em, stack_tags, tag
+from app.gui.look.widgets import em, fill_around, stack_tags, tag
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Side
 from app.gui.state.panes import Pane, Tag, pixel, tinted
@@ -51,7 +51,7 @@ class Area:
 def draw_side(state: AppState, textures: ShowsPictures, side: Side, pane: Pane, area: Area) -> Pointer | None:
     """One of two panes; the picture position under the mouse if that is here."""
     pointer = _button(state, side, pane.image, area)
-    _begin(area)
+    imgui.get_window_draw_list().push_clip_rect(area.corner, area.end, True)
     _draw_image(state, textures, side, pane.image, area)
     if pointer is None:
         _draw_cross(state, pane.image, area)
@@ -66,7 +66,7 @@ def draw_single(
 ) -> Pointer | None:
     """One picture in all the space; the values of both under the pointer."""
     pointer = _button(state, "single", pane.image, area)
-    _begin(area)
+    imgui.get_window_draw_list().push_clip_rect(area.corner, area.end, True)
     _draw_image(state, textures, "single", pane.image, area)
     _draw_tags(pane.tags, area.corner)
     _draw_readout(state, pair, area)
@@ -80,8 +80,8 @@ def draw_divider(
     """Left and right of a line that can be dragged; each side has its own tags."""
     pointer = _button(state, "wipe", left.image, area, allow_overlap=True)
     x = _drag_line(state, area)
-    _begin(area)
     draw = imgui.get_window_draw_list()
+    draw.push_clip_rect(area.corner, area.end, True)
     for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
         draw.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True)
         _draw_image(state, textures, side, pane.image, area)
@@ -181,22 +181,19 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
         clip_actions.finish_mask(state)
 
 
-def _begin(area: Area) -> None:
-    draw = imgui.get_window_draw_list()
-    draw.push_clip_rect(area.corner, area.end, True)
-    draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
-
-
 def _draw_image(state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, area: Area) -> None:
     """Sampled and placed in whole pixels of the screen, which a window may count in larger units."""
     scale = imgui.get_io().display_framebuffer_scale.x
     pane = (area.size.x * scale, area.size.y * scale)
     place = state.picture_view.scaled(scale).place((image.shape[1], image.shape[0]), pane)
     shown = textures.part(slot, image, place, pane, Marks(state.comparison.zebra, tinted(state)))
-    if shown is not None:
-        x, y = round(area.corner.x) + shown.x / scale, round(area.corner.y) + shown.y / scale
-        end = ImVec2(x + shown.width / scale, y + shown.height / scale)
-        imgui.get_window_draw_list().add_image(shown.texture, ImVec2(x, y), end)
+    if shown is None:
+        fill_around(area.corner, area.end, area.end, area.end, theme.SURROUND)
+        return
+    x, y = round(area.corner.x) + shown.x / scale, round(area.corner.y) + shown.y / scale
+    low, high = ImVec2(x, y), ImVec2(x + shown.width / scale, y + shown.height / scale)
+    fill_around(area.corner, area.end, low, high, theme.SURROUND)
+    imgui.get_window_draw_list().add_image(shown.texture, low, high)
 
 
 def _draw_tags(tags: Sequence[Tag], corner: ImVec2) -> None:

@@ -40,6 +40,9 @@ from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.gui.work.viewing import View, ViewRequest, draw_view
 from app.moments import FRAMES_PER_SECOND
 
+PROMPT = 0.012
+"""Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown a
+frame or two earlier than when they are looked for at the next one."""
 PATIENCE = 0.3
 """Seconds before a new frame's photo is shown without its enhanced partner."""
 SLOW_VIEW = 60.0
@@ -130,7 +133,18 @@ def _take_opened(state: AppState, channels: Channels) -> None:
             session_actions.taken_up(state, request.path)
 
 
+def ask_for_pictures(state: AppState, channels: Channels) -> None:
+    """Also as soon as a frame has been laid out, so that a moved setting is worked on while it is drawn."""
+    pictures = state.picture_request
+    if pictures is not None and channels.pictures.asked != pictures:
+        state.asked_at = state.now
+        channels.pictures.ask(pictures)
+
+
 def _take_pictures(state: AppState, channels: Channels) -> None:
+    ask_for_pictures(state, channels)
+    if _may_come_at_once(state):
+        channels.pictures.wait(PROMPT)
     taken = channels.pictures.take()
     if taken is not None and taken[0].clip is state.clip:
         request, answer = taken
@@ -141,6 +155,15 @@ def _take_pictures(state: AppState, channels: Channels) -> None:
             actions.fail(state, answer.message)
     if channels.photo is not None and _may_show(state, channels.photo):
         state.pictures, channels.photo = channels.photo, None
+
+
+def _may_come_at_once(state: AppState) -> bool:
+    """Another setting for the frame on screen, where the last one took little time."""
+    shown, request = state.pictures, state.picture_request
+    if shown is None or shown.enhanced is None or request is None or shown.request == request:
+        return False
+    same = replace(shown.request, params=None) == replace(request, params=None)
+    return same and request.params is not None and shown.milliseconds < 1000 * PROMPT
 
 
 def _may_show(state: AppState, pictures: Pictures) -> bool:
@@ -275,10 +298,7 @@ def is_slow(*views: View | None) -> bool:
 
 def _ask(state: AppState, channels: Channels) -> None:
     channels.opening.want(state.opening)
-    pictures = state.picture_request
-    if pictures is not None and channels.pictures.asked != pictures:
-        state.asked_at = state.now
-        channels.pictures.ask(pictures)
+    ask_for_pictures(state, channels)
     channels.picks.want(state.viewer.pick)
     channels.selecting.want(state.editing.wish)
     channels.photos.want(state.photo_request)

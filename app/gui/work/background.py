@@ -44,6 +44,7 @@ class Channel(Generic[Request, Answer]):
         self._waiting: deque[Request] = deque(maxlen=depth)
         self._answers: deque[tuple[Request, Answer | Failure]] = deque(maxlen=depth)
         self._wake: Callable[[], None] = lambda: None
+        self._done = threading.Event()
         self.asked: Request | None = None
         """The newest request, answered or not."""
 
@@ -51,7 +52,12 @@ class Channel(Generic[Request, Answer]):
         with self._lock:
             self.asked = request
             self._waiting.append(request)
+            self._done.clear()
         self._wake()
+
+    def wait(self, seconds: float) -> None:
+        """Return as soon as the newest request has its last answer, or after that many seconds."""
+        self._done.wait(seconds)
 
     def want(self, request: Request | None) -> None:
         """Ask, unless there is nothing to ask for or it is what was asked last."""
@@ -83,6 +89,9 @@ class Channel(Generic[Request, Answer]):
             log.debug("request failed", exc_info=True)
             self._put(request, Failure(error))
             on_answer()
+        with self._lock:
+            if not self._waiting:
+                self._done.set()
         return True
 
     def _put(self, request: Request, answer: Answer | Failure) -> None:

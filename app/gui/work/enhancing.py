@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import tee
@@ -90,6 +91,8 @@ class PictureMaker:
         if type(params) not in self._loaded:
             self._loaded.add(type(params))
             load_kernels(params, photo)
+            # A search for garbage through all that numba keeps would stop the window for a tenth of a second.
+            gc.freeze()
 
     def _show(self, request: PictureRequest) -> ByteImage:
         """The photo, read once for as long as only parameters move."""

@@ -92,3 +92,23 @@ def test_the_worker_serves_in_its_own_thread_and_wakes_the_window() -> None:
         assert channel.take() == (7, 7)
     worker.close()
     assert set(threads) == {"vesselsplat-worker"}
+
+
+def test_waiting_ends_with_the_last_answer_of_the_newest_request() -> None:
+    allowed = threading.Event()
+
+    def work(request: int) -> Iterator[str]:
+        yield f"{request} rough"
+        allowed.wait(SECONDS)
+        yield f"{request} fine"
+
+    channel = Channel(work)
+    worker = Worker((channel,), lambda: None)
+    channel.ask(1)
+    channel.wait(0.05)
+    taken = channel.take()
+    assert taken is None or taken == (1, "1 rough")  # Given up: the fine one is not there yet.
+    allowed.set()
+    channel.wait(SECONDS)
+    assert channel.take() == (1, "1 fine")
+    worker.close()

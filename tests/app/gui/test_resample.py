@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import moderngl
 import numpy as np
 import pytest
@@ -29,6 +30,17 @@ def test_enlarged_pixels_are_squares(image: np.ndarray) -> None:
     patch = visible(image, Placement(8.0, 0.0, 0.0), PANE)
     assert patch is not None
     np.testing.assert_array_equal(patch.pixels, image[:9, :12].repeat(8, axis=0).repeat(8, axis=1))
+
+
+def test_averaging_in_two_steps_is_averaging(image: np.ndarray) -> None:
+    """A picture shown at less than half its size keeps its mean, and each part its own."""
+    big = image.repeat(4, axis=0).repeat(4, axis=1)
+    patch = visible(big, Placement(0.375, 0.0, 0.0), PANE)
+    assert patch is not None
+    assert patch.pixels.shape == (60, 90, 3)
+    exact = cv2.resize(big.astype(np.float64), (90, 60), interpolation=cv2.INTER_AREA)
+    assert abs(patch.pixels.mean() - exact.mean()) < 0.1
+    assert np.abs(patch.pixels - exact).mean() < 4.0  # Of noise that spans all 256 levels.
 
 
 def test_a_thin_line_keeps_its_share_when_made_smaller() -> None:

@@ -10,7 +10,7 @@ import pytest
 from app.gui.actions import actions, camera_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import PATIENCE, SLOW_VIEW, Channels, update, view_request
-from app.gui.work.background import Channel
+from app.gui.work.background import Channel, Worker
 from app.gui.work.enhancing import PictureRequest, Pictures
 from app.gui.work.opening import Opened
 from app.gui.work.viewing import View
@@ -62,6 +62,30 @@ def test_a_slider_changes_the_enhanced_picture_alone(state: AppState, channels: 
     np.testing.assert_array_equal(before.photo, after.photo)
     assert not np.array_equal(before.enhanced, after.enhanced)
     assert after.request.params == EnhanceParams(z=0.0)
+
+
+def test_a_quick_picture_is_shown_by_the_frame_after_the_slider_moved(
+    state: AppState, channels: Channels, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settle(state, channels)
+    monkeypatch.setattr("app.gui.update.update.PROMPT", 10.0)
+    worker = Worker(channels.all, lambda: None)
+    actions.set_params(state, EnhanceParams(z=0.0))
+    update(state, channels, 0.1)
+    worker.close()
+    assert not state.pictures_are_stale
+    assert state.pictures is not None
+    assert state.pictures.enhanced is not None
+
+
+def test_a_slow_picture_holds_no_frame(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    assert state.pictures is not None
+    state.pictures = replace(state.pictures, milliseconds=500.0)
+    actions.set_params(state, EnhanceParams(z=0.0))
+    channels.pictures.wait = lambda seconds: pytest.fail("the frame waits")  # type: ignore[method-assign]
+    update(state, channels, 0.1)
+    assert state.pictures_are_stale
 
 
 def test_clip_statistics_are_the_same_for_every_frame(state: AppState, channels: Channels) -> None:
