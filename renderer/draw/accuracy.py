@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -63,6 +64,8 @@ class Row:
     """Of the absolute error of the picture over black, in grey levels of 255."""
     p999: float
     most: float
+    psnr: float
+    """In dB; infinite where nothing differs."""
     milliseconds: float
     """Median of a picture whose time or camera is new, finished by the driver."""
     spread: float
@@ -79,7 +82,7 @@ def opengl(
     camera: Camera,
     near: float,
     truth: NDArray[np.float64],
-    repeats: int = 9,
+    repeats: int = 5,
 ) -> Iterator[Row]:
     """Rows for one view; `truth` (H, W, 3) is the float64 picture over black. Pictures take turns, and every
     one is uploaded and sorted."""
@@ -103,7 +106,7 @@ def keyframes(
     times: Sequence[float],
     near: float,
     pixel: float,
-    repeats: int = 5,
+    repeats: int = 2,
 ) -> Iterator[Row]:
     """Rows for a model over the clip's `times`; `pixel` is the size of one at its distance, in scene units.
 
@@ -146,14 +149,14 @@ def _drawn(
 
 
 def _times(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
-    """(works, repeats) milliseconds, in turns."""
-    taken = np.empty((repeats + 1, len(works)))
+    """(works, repeats) milliseconds, in turns; each must have been done before."""
+    taken = np.empty((repeats, len(works)))
     for row in taken:
         for place, work in enumerate(works):
             start = perf_counter()
             work()
             row[place] = 1000 * (perf_counter() - start)
-    return np.asarray(taken[1:].T)
+    return np.asarray(taken.T)
 
 
 def _over(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
@@ -170,12 +173,14 @@ def _row(
     baking: float | None = None,
 ) -> Row:
     low, middle, high = np.percentile(milliseconds, (25, 50, 75))
+    squared = float(np.mean(np.square(errors))) / 255**2
     return Row(
         group=group,
         setting=setting,
         mean=float(np.mean(errors)),
         p999=float(np.quantile(np.stack(errors), 0.999)),
         most=float(np.max(errors)),
+        psnr=-10 * math.log10(squared) if squared else math.inf,
         milliseconds=float(middle),
         spread=float(high - low) / 2,
         megabytes=megabytes,

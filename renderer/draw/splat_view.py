@@ -27,6 +27,10 @@ Precision = Literal["byte", "half", "float"]
 """The target in which colour is blended: 16 bits for the screen, 32 for exports; 8 lose a level or two."""
 _FORMATS: dict[Precision, str] = {"byte": "f1", "half": "f2", "float": "f4"}
 
+Rgb = tuple[float, float, float]
+_NO_PIVOT: Rgb = (0.0, 0.0, 0.0)
+_OVER = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
+"""Source and destination of colour, then of transmittance."""
 _GUARD_BAND = 0.3
 _BODIES: dict[Shape, int] = {"soft": 0, "ellipsoid": 1, "point": 2}
 
@@ -70,14 +74,13 @@ class SplatView:
         self._near, self._cut = near, cut
         self._state = StateGuard(ctx)
         self._program = ctx.program(_shader("splat.vert"), _shader("splat.frag"))
-        self._resolve_color = ctx.program(_shader("screen.vert"), _shader("resolve_color.frag"))
-        self._resolve_depth = ctx.program(_shader("screen.vert"), _shader("resolve_depth.frag"))
-        self._color_screen = ctx.vertex_array(self._resolve_color, [])
-        self._depth_screen = ctx.vertex_array(self._resolve_depth, [])
+        self._resolve_program = ctx.program(_shader("screen.vert"), _shader("resolve_color.frag"))
+        self._screen = ctx.vertex_array(self._resolve_program, [])
         self._targets: dict[Precision, _Target] = {}
         self._storage: Storage | None = None
         self._keyframes = Keyframes(_NO_SPLATS)
         self._time = 0.0
+        self._mean_color = _NO_PIVOT
         self._mode: RenderMode = "default"
         self._sorted_along: FloatArray | None = None
         self._visible = 0
@@ -103,6 +106,7 @@ class SplatView:
             self._storage.release()
         self._storage, self._keyframes, self._mode = storage, keyframes, mode
         self._time, self._sorted_along = float(keyframes.times[0]), None
+        self._mean_color = _mean_color(keyframes.rest)
 
     def seek(self, time: float) -> None:
         """Draw the splats of `time` in [0, 1] from now on; nothing is uploaded but a new order."""
@@ -119,37 +123,16 @@ class SplatView:
         camera: Camera,
         framebuffer: moderngl.Framebuffer,
         *,
-        background: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        background: Rgb = (0.0, 0.0, 0.0),
     ) -> None:
         """Fill the framebuffer's viewport with the view of `camera`, resampled to its size, alpha 1.
 
         The picture is stored as OpenGL stores images, bottom row first; background is RGB.
         """
         with self._state.preserved():
-            target = self._accumulate(_fitted(camera, framebuffer), self._precision, depth_as_color=False)
-            self._resolve_color["background"] = background
-            self._resolve(target, self._color_screen, framebuffer)
-
-    def draw_depth(
-        self,
-        camera: Camera,
-        framebuffer: moderngl.Framebuffer,
-        *,
-        depth_range: tuple[float, float],
-        background: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    ) -> None:
-        """As `draw`, with expected depth in grey: the first of `depth_range` is white, the second black.
-
-        Raises:
-            ValueError: a range that is empty.
-        """
-        if depth_range[0] == depth_range[1]:
-            raise ValueError(f"depth_range needs two different depths, got {depth_range}")
-        with self._state.preserved():
-            target = self._accumulate(_fitted(camera, framebuffer), "float", depth_as_color=True)
-            self._resolve_depth["background"] = background
-            self._resolve_depth["depth_range"] = depth_range
-            self._resolve(target, self._depth_screen, framebuffer)
+            pivot = self._mean_color if self._precision == "half" else _NO_PIVOT
+            target = self._accumulate(_fitted(camera, framebuffer), self._precision, pivot=pivot)
+            self._resolve(target, framebuffer, background, pivot)
 
     def read_color(self, camera: Camera, shape: Shape = "soft") -> Float32Array:
         """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first."""
@@ -165,9 +148,12 @@ class SplatView:
         return depth
 
     def _read(self, camera: Camera, *, depth_as_color: bool, shape: Shape) -> Float32Array:
+        """Sums of colour or depth, and alpha."""
         target = self._accumulate(camera, "float", depth_as_color=depth_as_color, shape=shape)
         raw = target.framebuffer.read(components=4, dtype="f4")
-        return np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4)
+        sums = np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4).copy()
+        np.subtract(1, sums[..., 3], out=sums[..., 3])
+        return sums
 
     def release(self) -> None:
         """Give the OpenGL objects back; the view cannot be used afterwards."""
@@ -175,26 +161,31 @@ class SplatView:
             target.release()
         if self._storage is not None:
             self._storage.release()
-        for screen in (self._color_screen, self._depth_screen):
-            screen.release()
-        for program in (self._program, self._resolve_color, self._resolve_depth):
+        self._screen.release()
+        for program in (self._program, self._resolve_program):
             program.release()
 
     def _accumulate(
-        self, camera: Camera, precision: Precision, *, depth_as_color: bool, shape: Shape = "soft"
+        self,
+        camera: Camera,
+        precision: Precision,
+        *,
+        depth_as_color: bool = False,
+        shape: Shape = "soft",
+        pivot: Rgb = _NO_PIVOT,
     ) -> _Target:
-        """Blend the splats, their colour or depth times alpha, into the owned target of that precision."""
+        """Blend the splats, their colour from `pivot` or depth times alpha, into the owned target."""
         target = self._target((camera.width, camera.height), precision)
         target.framebuffer.use()
-        target.framebuffer.clear()
+        target.framebuffer.clear(alpha=1.0)
         if self._storage is None:
             return target
         self._sort(camera, self._storage)
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
-        self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self._ctx.blend_func = _OVER  # type: ignore[assignment]
         self._aim(camera)
-        self._program["depth_as_color"] = depth_as_color
+        self._program["depth_as_color"], self._program["pivot"] = depth_as_color, pivot
         self._program["compensated"] = self._mode == "mip"
         self._program["body"] = _BODIES[shape]
         self._program["widest"], self._program["faintest"] = self._cut.widest, self._cut.faintest
@@ -232,13 +223,14 @@ class SplatView:
         self._program["size"] = (camera.width, camera.height)
 
     def _resolve(
-        self, target: _Target, screen: moderngl.VertexArray, framebuffer: moderngl.Framebuffer
+        self, target: _Target, framebuffer: moderngl.Framebuffer, background: Rgb, pivot: Rgb
     ) -> None:
         framebuffer.use()
         self._ctx.enable_only(moderngl.NOTHING)
-        screen.program["origin"] = framebuffer.viewport[:2]
+        self._resolve_program["background"], self._resolve_program["pivot"] = background, pivot
+        self._resolve_program["origin"] = framebuffer.viewport[:2]
         target.texture.use(0)
-        screen.render(moderngl.TRIANGLES, vertices=3)
+        self._screen.render(moderngl.TRIANGLES, vertices=3)
 
     def _target(self, size: tuple[int, int], precision: Precision) -> _Target:
         """The owned target of that precision, made anew when the size changed."""
@@ -251,7 +243,12 @@ class SplatView:
 
 
 class _Target:
-    """Premultiplied RGBA in which the splats are blended, top row first."""
+    """Where splats are blended, top row first: premultiplied colours, told from a pivot, and transmittance.
+
+    Half floats, which some drivers cut off instead of rounding, have their finest steps near zero: there are
+    the colours about their mean, and what is left of the light where splats cover the picture. Summed up from
+    black to alpha, half a step lost at each of a hundred splats comes to a grey level and more.
+    """
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], precision: Precision) -> None:
         self.texture = ctx.texture(size, 4, dtype=_FORMATS[precision])
@@ -284,6 +281,11 @@ def _require_finite(keyframes: Keyframes) -> None:
     for offsets in keyframes.offsets.values():
         if not np.isfinite(offsets).all():
             raise ValueError("expected splats that stay finite at every keyframe, got some that do not")
+
+
+def _mean_color(splats: Splats) -> Rgb:
+    red, green, blue = splats.colors.mean(axis=0).tolist() if len(splats) else _NO_PIVOT
+    return red, green, blue
 
 
 def _no_splats() -> Splats:

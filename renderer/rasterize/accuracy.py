@@ -95,12 +95,12 @@ def accuracy(
 
 
 def exact(splats: Splats, camera: Camera, near: float) -> NDArray[np.float64]:
-    """The float64 picture (H, W, 3) over black; splats below the cut add nothing and are passed over."""
+    """The float64 picture (H, W, 3) over black."""
     import torch
 
     from renderer.rasterize.reference import rasterize_reference
 
-    seen = _chosen(splats, splats.opacities >= ALPHA_CUT)
+    seen = splats.seen_from(camera.position)
     means, quats, scales, opacities, colors = (
         torch.from_numpy(value.astype(np.float64))
         for value in (seen.means, seen.quats, seen.scales, seen.opacities, seen.colors)

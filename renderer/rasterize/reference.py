@@ -1,13 +1,16 @@
 """The literal float64 reading of projection (paper Eqs 13-15) and blending (Eq 16): slow, the oracle.
 
-Every pixel looks at every splat; there are no tiles, no bounds and no fast exponential. The faster
-rasterisers and the OpenGL drawing are judged against it, values and gradients alike.
+`blend` is the statement: every pixel looks at every splat, with no bounds and no fast exponential. A
+picture asks it for one window after another, each with the splats whose alpha can reach the cut-off
+there, since the others would add exact zeros. The faster rasterisers and the OpenGL drawing are judged
+against it, values and gradients alike.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Final
 
 import torch
 from torch import Tensor
@@ -24,7 +27,10 @@ STOP = 1e-4
 GUARD_BAND = 0.3
 """How far outside the image the Jacobian still follows the mean, in half widths of the image."""
 
-_ENTRIES_PER_CHUNK = 1 << 21
+_ENTRIES_PER_WINDOW: Final = 1 << 16
+"""Pairs of a pixel and a splat that are blended at once: float64 arrays of them stay in the cache."""
+_ROUNDING: Final = 1e-6
+"""Of a reach, and pixels beyond it: far more than float64 loses, and splats too many cost time alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +58,10 @@ class Projected:
     covariances: Tensor
     determinants: Tensor
     sharp_determinants: Tensor
+
+    def among(self, rows: Tensor) -> Projected:
+        """Those of `rows` alone, in their order."""
+        return Projected(*(getattr(self, item.name)[rows] for item in fields(self)))
 
 
 def rasterize_reference(
@@ -84,16 +94,9 @@ def rasterize_reference(
     opaque = opacities.double()[front]
     if mode == "mip":
         opaque = opaque * (projected.sharp_determinants / projected.determinants).sqrt()
-    splats = (projected, opaque, colors.double()[front])
-    rows_per_chunk = max(1, _ENTRIES_PER_CHUNK // (camera.width * max(1, len(front))))
-    rows = torch.arange(camera.height, dtype=torch.float64, device=means.device) + 0.5
-    columns = torch.arange(camera.width, dtype=torch.float64, device=means.device) + 0.5
-    chunks = [_blend(*splats, chunk, columns, behind) for chunk in torch.split(rows, rows_per_chunk)]
-    return Rendered(
-        image=torch.cat([chunk.image for chunk in chunks]),
-        alpha=torch.cat([chunk.alpha for chunk in chunks]),
-        depth=torch.cat([chunk.depth for chunk in chunks]),
-    )
+    splats = _Sorted(projected, opaque, colors.double()[front], _reach(projected, opaque))
+    everything = torch.arange(len(front), device=means.device)
+    return splats.picture(_Window(0, 0, camera.width, camera.height), everything, behind)
 
 
 def project(means: Tensor, quats: Tensor, scales: Tensor, camera: Camera, *, near: float = 0.01) -> Projected:
@@ -144,7 +147,72 @@ def _jacobians(local: Tensor, camera: Camera) -> Tensor:
     return torch.stack([along_x, along_y], dim=1)
 
 
-def _blend(
+@dataclass(frozen=True)
+class _Window:
+    """Pixels of the picture."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+    @property
+    def halves(self) -> tuple[_Window, _Window]:
+        """Side by side where it is wide, one above the other where it is high."""
+        if self.width >= self.height:
+            half = self.width // 2
+            rest = replace(self, left=self.left + half, width=self.width - half)
+            return replace(self, width=half), rest
+        half = self.height // 2
+        rest = replace(self, top=self.top + half, height=self.height - half)
+        return replace(self, height=half), rest
+
+    def centers(self, device: torch.device) -> tuple[Tensor, Tensor]:
+        """y (height,) and x (width,) of its pixels."""
+        down = torch.arange(self.top, self.top + self.height, dtype=torch.float64, device=device)
+        across = torch.arange(self.left, self.left + self.width, dtype=torch.float64, device=device)
+        return down + 0.5, across + 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Sorted:
+    """Splats, nearest first, with what `blend` takes of each and how far it reaches (M, 2)."""
+
+    projected: Projected
+    opacities: Tensor
+    colors: Tensor
+    reach: Tensor
+
+    def picture(self, window: _Window, rows: Tensor, background: Tensor) -> Rendered:
+        """Of the splats `rows`, in their order; in halves where the window has too many entries."""
+        down, across = window.centers(rows.device)
+        rows = rows[~self._misses(rows, down, across)]
+        pixels = window.width * window.height
+        if pixels > 1 and pixels * len(rows) > _ENTRIES_PER_WINDOW:
+            halves = [self.picture(half, rows, background) for half in window.halves]
+            side = int(window.width >= window.height)
+            parts = [[getattr(half, item.name) for half in halves] for item in fields(Rendered)]
+            return Rendered(*(torch.cat(pair, side) for pair in parts))
+        chosen = self.projected.among(rows)
+        return blend(chosen, self.opacities[rows], self.colors[rows], down, across, background)
+
+    def _misses(self, rows: Tensor, down: Tensor, across: Tensor) -> Tensor:
+        """(rows,) whether alpha is below the cut-off at all these pixels; a broken splat misses none."""
+        first, last = torch.stack([across[0], down[0]]), torch.stack([across[-1], down[-1]])
+        centers, reach = self.projected.centers.detach()[rows], self.reach[rows]
+        return ((first - centers > reach) | (centers - last > reach)).any(1)
+
+
+def _reach(projected: Projected, opacities: Tensor) -> Tensor:
+    """(M, 2) pixels along x and y from the centre to the farthest point whose alpha is the cut-off: half the
+    box of the ellipse d' conic d = 2 ln(opacity / cut-off). Less than any distance where opacity is less."""
+    radii = (2 * torch.log(opacities / ALPHA_CUT)).clamp(min=0).sqrt()
+    deviations = projected.covariances.diagonal(dim1=1, dim2=2).sqrt()
+    reach = radii[:, None] * deviations * (1 + _ROUNDING) + _ROUNDING
+    return torch.where((opacities < ALPHA_CUT)[:, None], -torch.inf, reach).detach()
+
+
+def blend(
     projected: Projected,
     opacities: Tensor,
     colors: Tensor,
@@ -152,7 +220,10 @@ def _blend(
     columns: Tensor,
     background: Tensor,
 ) -> Rendered:
-    """Eq 16 over the pixels at `rows` x `columns`; the splats are sorted nearest first."""
+    """Eq 16, literally, over the pixels at `rows` (H,) x `columns` (W,), by which every splat is looked at.
+
+    `opacities` (M,) and `colors` (M, 3) are those of `projected`, nearest first; `background` (3,).
+    """
     dx = columns[None, :, None] - projected.centers[:, 0]
     dy = rows[:, None, None] - projected.centers[:, 1]
     # d' conic d by the Cholesky factor of the covariance, a sum of squares: never negative.

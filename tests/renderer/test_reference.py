@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from renderer.camera import Camera
-from renderer.rasterize.reference import Rendered, project, rasterize_reference, rotations
+from renderer.rasterize.reference import Rendered, blend, project, rasterize_reference, rotations
 
 CAMERA = Camera(fx=40.0, fy=44.0, cx=14.5, cy=9.25, width=32, height=24)
 BACKGROUND = (0.1, 0.3, 0.6)
@@ -83,6 +83,50 @@ def test_the_principal_point_shifts_the_picture() -> None:
     straight, moved = render(splats, wide).image, render(splats, shifted).image
     torch.testing.assert_close(moved[2:, :-3], straight[:-2, 3:], rtol=0, atol=1e-12)
     assert straight.std() > 0.01
+
+
+def literally(splats: Arguments, camera: Camera) -> Rendered:
+    """Every pixel looks at every splat."""
+    means, quats, scales, opacities, colors = splats
+    projected = project(means, quats, scales, camera)
+    rows, columns = (torch.arange(side) + 0.5 for side in (camera.height, camera.width))
+    front = projected.indices
+    background = torch.tensor(BACKGROUND, dtype=torch.float64)
+    return blend(projected, opacities[front], colors[front], rows, columns, background)
+
+
+def needles(seed: int) -> Arguments:
+    """A thousand times as long as thick, at every angle, with opacities on both sides of the cut-off."""
+    means, quats, scales, _, colors = random_splats(seed, 300)
+    scales[:, 0] *= 30
+    scales[:, 1:] *= 0.03
+    random = torch.Generator().manual_seed(seed)
+    return means, quats, scales, torch.rand(300, generator=random, dtype=torch.float64) ** 6, colors
+
+
+@pytest.mark.parametrize("splats", [random_splats(10, 300), needles(11)])
+def test_windows_show_what_every_pixel_sees_of_every_splat(splats: Arguments) -> None:
+    """Values and gradients; the picture takes a hundred windows."""
+    camera = Camera(fx=140.0, fy=150.0, cx=61.5, cy=40.25, width=128, height=96)
+    slope = torch.linspace(-1, 1, 96 * 128 * 3, dtype=torch.float64).reshape(96, 128, 3)
+    m, q, s, o, c = (value.clone().requires_grad_() for value in splats)
+    whole, windows = literally((m, q, s, o, c), camera), render((m, q, s, o, c), camera)
+    assert_same(whole, windows, atol=1e-12)
+    assert whole.alpha.mean() > 0.1
+    wanted, got = (
+        torch.autograd.grad((seen.image * slope).sum() + seen.depth.sum(), (m, q, s, o, c))
+        for seen in (whole, windows)
+    )
+    for one, other in zip(wanted, got, strict=True):
+        torch.testing.assert_close(other, one, rtol=1e-9, atol=1e-9 * float(one.abs().max()))
+
+
+def test_a_broken_splat_is_seen_wherever_the_literal_reading_sees_it() -> None:
+    splats = random_splats(12, 300)
+    splats[2][5] = math.nan
+    camera = Camera(fx=140.0, fy=150.0, cx=61.5, cy=40.25, width=128, height=96)
+    whole, windows = literally(splats, camera).image, render(splats, camera).image
+    torch.testing.assert_close(windows, whole, rtol=0, atol=1e-12, equal_nan=True)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -1,9 +1,11 @@
 #version 330 core
-// Premultiplied colour of one splat at one pixel (Eq 16 without the sum, which blending makes).
+// Premultiplied colour of one splat at one pixel (Eq 16 without the sum, which blending makes), told from
+// `pivot`: sums near zero are those that a half float holds best.
 
 const float ALPHA_MAX = 0.99;
 
 uniform float faintest;          // alpha below it is not drawn
+uniform vec3 pivot;
 
 flat in vec2 center;
 flat in vec3 shape;
@@ -19,10 +21,10 @@ void main() {
     if (solid.x > 0.0) {
         float share = distance / solid.x;
         if (share > 1.0) discard;
-        premultiplied = vec4(paint.rgb * (1.0 - solid.y * share * share), 1.0);
+        premultiplied = vec4(paint.rgb * (1.0 - solid.y * share * share) - pivot, 1.0);
         return;
     }
     float alpha = min(ALPHA_MAX, paint.a * exp(-0.5 * distance));
     if (alpha < faintest) discard;
-    premultiplied = vec4(paint.rgb * alpha, alpha);
+    premultiplied = vec4((paint.rgb - pivot) * alpha, alpha);
 }

@@ -58,6 +58,19 @@ def test_the_picture_is_that_of_the_reference(
     assert levels(image, oracle, 0.999) <= 1.0
 
 
+def test_half_floats_hold_hundreds_of_faint_layers(ctx: moderngl.Context) -> None:
+    """As trained models have them. Summed up from black, the steps that a driver cuts off at every layer come
+    to several grey levels: 42 dB with llvmpipe, against 62 about the mean colour."""
+    many = random_splats(4000, CAMERA, 30, sigma=(4.0, 16.0))
+    tissue = (np.array([0.8, 0.4, 0.35]) + 0.3 * (many.colors - 0.5)).astype(np.float32)
+    splats = replace(many, opacities=0.1 * many.opacities, colors=tissue)
+    oracle = reference(splats, CAMERA, BACKGROUND)
+    image = render_offscreen(ctx, splats, CAMERA, BACKGROUND, "half")
+    assert oracle.alpha.mean() > 0.9
+    assert psnr(image, oracle.image.numpy()) >= 60
+    assert levels(image, oracle.image.numpy(), 0.999) <= 1.0
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_expected_depth_is_that_of_the_reference(ctx: moderngl.Context, seed: int) -> None:
     splats = random_splats(150, CAMERA, seed)
@@ -332,22 +345,6 @@ def test_exact_keys_draw_a_scene_with_a_far_outlier_right(ctx: moderngl.Context)
     view.draw(camera, framebuffer)
     assert psnr(read_image(framebuffer), oracle) < 40
     assert psnr(render_offscreen(ctx, near, camera), oracle) >= 75
-    view.release()
-    framebuffer.release()
-
-
-def test_depth_is_shown_from_white_to_black_over_the_background(ctx: moderngl.Context) -> None:
-    camera = Camera.from_fov(60, 24, 16)
-    facing = np.array([[1.0, 0.0, 0.0, 0.0]], dtype=np.float32)
-    wall = replace(splat((0.0, 0.0, 4.0), (1e4, 1e4, 0.0), 1.0), quats=facing)
-    view, framebuffer = SplatView(ctx), ctx.simple_framebuffer((24, 16), dtype="f4")
-    view.upload(wall)
-    for depth_range, grey in (((4.0, 8.0), 1.0), ((0.0, 4.0), 0.0), ((3.0, 7.0), 0.75), ((5.0, 6.0), 1.0)):
-        view.draw_depth(camera, framebuffer, depth_range=depth_range, background=(1.0, 0.0, 0.0))
-        expected = 0.99 * grey + 0.01 * np.array([1.0, 0.0, 0.0])
-        np.testing.assert_allclose(read_image(framebuffer), np.broadcast_to(expected, (16, 24, 3)), atol=1e-5)
-    with pytest.raises(ValueError, match="two different depths"):
-        view.draw_depth(camera, framebuffer, depth_range=(2.0, 2.0))
     view.release()
     framebuffer.release()
 
