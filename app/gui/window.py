@@ -58,7 +58,6 @@ from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places, Theme, load_settings
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Worker
-from app.gui.work.export import SaveRequest
 from app.job import TrainingJob
 from app.report.saved import holds_report
 from assets import phantom_path
@@ -318,11 +317,7 @@ class Window:
 
     def save_picture(self) -> None:
         """Ask for a PNG of what is shown, made in the background."""
-        state = self.state
-        if state.pictures is not None or state.plain_view_request is not None:
-            request = SaveRequest(
-                state.places.pictures, state.pictures, state.plain_view_request, state.opened_options
-            )
+        if (request := export_actions.save_request(self.state)) is not None:
             self._channels.saving.ask(request)
 
     def save_session(self) -> None:
@@ -330,9 +325,9 @@ class Window:
         if (request := session_actions.save_request(self.state)) is not None:
             self._channels.sessions.ask(request)
 
-    def export(self, what: export_actions.What, scale: int) -> None:
+    def export(self, what: export_actions.What) -> None:
         """Ask for an export, made in the background a step at a time."""
-        if (request := export_actions.export_request(self.state, what, scale)) is not None:
+        if (request := export_actions.export_request(self.state, what)) is not None:
             self._channels.exports.ask(request)
 
     def cancel_export(self) -> None:

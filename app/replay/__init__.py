@@ -16,9 +16,8 @@ from app.provenance import libraries, version
 from app.replay.difference import Difference, difference
 from app.replay.drawn import remake_depth, remake_render, remake_splats, remake_video
 from app.replay.enhanced import remake_enhanced, remake_enhanced_video
-from app.replay.panes import remake_panes, remake_panes_video
+from app.replay.panes import remake_measures, remake_panes, remake_panes_video
 from app.replay.recorded import Facts, recorded
-from app.replay.screenshot import remake_screenshot
 from app.replay.sources import Sources
 from app.replay.tuned import remake_tuning_sheet
 
@@ -34,9 +33,9 @@ KINDS: Final[Mapping[str, Remake]] = MappingProxyType(
         "depth": remake_depth,
         "render video": remake_video,
         "splats": remake_splats,
-        "screenshot": remake_screenshot,
         "panes": remake_panes,
         "panes video": remake_panes_video,
+        "measures": remake_measures,
         "tuning sheet": remake_tuning_sheet,
     }
 )

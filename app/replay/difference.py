@@ -1,7 +1,9 @@
-"""How far two files of one kind are apart: pictures, numpy arrays, videos and splat files, value by value."""
+"""How far two files of one kind are apart: pictures, arrays, videos, splat files, tables, value by value."""
 
 from __future__ import annotations
 
+import csv
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -68,7 +70,28 @@ def _arrays(path: Path) -> Iterator[Array]:
     if suffix == ".ply":
         elements = read_ply(path.read_bytes()).elements
         return (structured_to_unstructured(element.rows) for element in elements)
+    if suffix == ".csv":
+        return _columns(path)
     return _frames(path) if suffix == ".mp4" else iter((read_image(path),))
+
+
+def _columns(path: Path) -> Iterator[Array]:
+    """Of a table, then of the same in the JSON beside it: names, then each column as numbers or as text."""
+    sidecar = path.with_name(f"{path.name}.json")
+    rows: list[dict[str, Any]] = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+    for table in (rows, json.loads(sidecar.read_bytes())["frames"]):
+        names = list(table[0]) if table else []
+        yield _text(names)
+        for name in names:
+            values = ["" if row[name] is None else str(row[name]) for row in table]
+            try:
+                yield np.array([float(value or "nan") for value in values])
+            except ValueError:
+                yield _text(values)
+
+
+def _text(words: list[str]) -> Array:
+    return np.frombuffer("\n".join(words).encode(), np.uint8)
 
 
 def _frames(path: Path) -> Iterator[Array]:

@@ -1,4 +1,4 @@
-"""Panes of the window as a picture or a video, made again."""
+"""What the window showed, made again: panes and 3D view as a picture, panes as a video or a table."""
 
 from __future__ import annotations
 
@@ -12,16 +12,19 @@ from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
 from app.gui.work.enhancing import PictureRequest, Scope
-from app.gui.work.export import sheet
+from app.gui.work.exporting import view_panel
+from app.gui.work.measure_table import MADE_AGAIN, rows_at, write_measures
 from app.gui.work.others import OtherMaker
-from app.gui.work.shots import Shot, panel
+from app.gui.work.page import sheet
+from app.gui.work.shots import Arrangement, Panes, Shot
+from app.gui.work.sizing import Sizing
 from app.gui.work.viewing import ShownModel
 from app.methods import METHODS
+from app.picture_mask import NO_MASK, PictureMask
 from app.pictures import ArrayImage
 from app.provenance import write_png, write_sidecar
-from app.replay.drawn import scene_of
+from app.replay.drawn import RENDER, drawer_of, scene_of, view_of
 from app.replay.recorded import Facts, again
-from app.replay.screenshot import FrameFacts
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
 from app.video import write_video
@@ -39,60 +42,95 @@ class PaneFacts:
     shows: Literal["original", "setting", "method", "render"]
     scope: Scope
     tissue_only: bool
+    mask: PictureMask = NO_MASK
+    span: tuple[int, int] | None = None
     params: RecordedLook | None = None
     method: str = ""
     view: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class FrameFacts:
+    """Which frame."""
+
+    index: int
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
 class PanesFacts:
-    """What a picture or a video of panes says of itself."""
+    """What panes of a picture, a video or a table say of themselves."""
 
     source: Named
     panes: tuple[PaneFacts, ...]
     clip_options: ClipOptions = DEFAULTS
     scale: int = 1
+    width: int | None = None
+    arrangement: Arrangement = Arrangement()
     frame: FrameFacts = FrameFacts(0)
-    frames: int = 0
-    frames_per_second: float = 15.0
 
 
-PANES = TypeAdapter(PanesFacts)
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class VideoFacts:
+    """What a video of panes says beside."""
+
+    frames: int
+    frames_per_second: float
 
 
-def remake_panes(facts: Facts, sources: Sources, target: Path) -> None:
-    """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
-    said = PANES.validate_python(facts)
-    shots = _shots(said, sources, said.frame.index)
-    write_png(target, _sheet(shots, said.scale, OtherMaker()), again(facts))
+PANES, VIDEO = TypeAdapter(PanesFacts), TypeAdapter(VideoFacts)
+
+
+def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
+    """Panes, the 3D view, or both. Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
+    panels, name = panes_of(facts, sources).panels(OtherMaker()) if "source" in facts else [], None
+    if "view" in facts:
+        view = facts["view"]
+        draw, name = drawer_of(view)
+        scene = scene_of(view, sources)
+        image = view_of(scene, view, sources, draw, trained=False)
+        panels.append(view_panel(scene.name, image, RENDER.validate_python(view).view))
+    if not panels:
+        raise UserError(f"expected panes or a 3D view, got neither: {sources.file}")
+    write_png(target, sheet(panels), again(facts))
+    return name
 
 
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
-    said = PANES.validate_python(facts)
-    shots, maker = _shots(said, sources, max(said.frames - 1, 0)), OtherMaker()
+    video, panes, maker = VIDEO.validate_python(facts), panes_of(facts, sources), OtherMaker()
+    count = len(panes.shots[0].photo.clip)
+    if not 1 <= video.frames <= count:
+        raise UserError(f"expected 1 to {count} frames, got {video.frames}: {sources.file}")
 
     def frames() -> Iterator[ArrayImage]:
-        for frame in range(said.frames):
-            yield _sheet([shot.at(frame) for shot in shots], said.scale, maker)
+        for frame in range(video.frames):
+            yield sheet(panes.at(frame).panels(maker))
 
-    write_video(target, frames(), said.frames_per_second)
+    write_video(target, frames(), video.frames_per_second)
     write_sidecar(target, again(facts))
 
 
-def _sheet(shots: list[Shot], scale: int, maker: OtherMaker) -> ArrayImage:
-    return sheet([panel(shot, maker, scale)[0] for shot in shots])
+def remake_measures(facts: Facts, sources: Sources, target: Path) -> None:
+    """The table and the JSON beside it. Raises UserError, ClipError, ImageError or ValidationError."""
+    panes, maker = panes_of(facts, sources), OtherMaker()
+    count = len(panes.shots[0].photo.clip)
+    rows = [row for frame in range(count) for row in rows_at(panes, frame, maker)]
+    kept = {name: value for name, value in again(facts).items() if name not in ("kind", *MADE_AGAIN)}
+    write_measures(target, rows, kept)
 
 
-def _shots(said: PanesFacts, sources: Sources, frame: int) -> list[Shot]:
-    clip = open_clip(sources.find(said.source), said.clip_options)
-    if not (said.panes and 0 <= frame < len(clip) and said.scale >= 1):
+def panes_of(facts: Facts, sources: Sources) -> Panes:
+    """Raises UserError, ClipError or pydantic.ValidationError."""
+    said = PANES.validate_python(facts)
+    clip, frame = open_clip(sources.find(said.source), said.clip_options), said.frame.index
+    if not (said.panes and 0 <= frame < len(clip)):
         raise UserError(f"expected panes of one of {len(clip)} frames, got frame {frame}: {sources.file}")
-    return [_shot(pane, clip, frame, sources) for pane in said.panes]
+    shots = tuple(_shot(pane, clip, frame, sources) for pane in said.panes)
+    return Panes(shots, said.arrangement, Sizing(said.scale, said.width))
 
 
 def _shot(pane: PaneFacts, clip: Clip, frame: int, sources: Sources) -> Shot:
-    photo = PictureRequest(clip, frame, None, pane.scope, pane.tissue_only)
+    photo = PictureRequest(clip, frame, None, pane.scope, pane.tissue_only, pane.mask, pane.span)
     shot = Shot(pane.title, photo)
     if pane.shows == "original":
         return shot

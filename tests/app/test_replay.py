@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from app.gui.views.free_view import FreeView
-from app.gui.work.enhancing import PictureMaker, PictureRequest, Scope
-from app.gui.work.export import SaveRequest, save_picture
+from app.gui.work.enhancing import PictureRequest, Scope
 from app.gui.work.opening import OpenRequest, open_path
+from app.picture_mask import PictureMask
 from app.pictures import read_image
 from app.provenance import read_provenance, write_png
 from app.replay import replay
@@ -24,6 +24,7 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.sources import open_clip
 from tests.app.conftest import Call
+from tests.app.gui.saving import saved
 
 Cli = Callable[..., Call]
 
@@ -106,17 +107,17 @@ def test_a_screenshot_comes_again(
     runs: dict[str, Path], tmp_path: Path, params: EnhanceParams | VesselParams | None, scope: Scope
 ) -> None:
     clip = open_clip(phantom_path())
-    (pictures,) = list(PictureMaker().make(PictureRequest(clip, 3, params, scope, tissue_only=True)))[-1:]
+    box = PictureMask(text=(10, 10, 90, 60))
+    wanted = PictureRequest(clip, 3, params, scope, tissue_only=True, mask=box, span=(2, 6))
     (opened,) = open_path(OpenRequest(runs["original"]))
     assert opened.run is not None
     assert opened.run.model is not None
     model = opened.run.model
     free = FreeView.of(model.camera_at(0.3)).looked(0.1, 0.02)
     view = model.view(0.3, free, (70, 50))
-    (saved,) = save_picture(SaveRequest(tmp_path / "pictures", pictures, view))
-    again = tmp_path / "again.png"
-    assert replay(saved.path, (runs["original"],), again).difference.is_none
-    assert np.array_equal(read_image(again), read_image(saved.path))
+    path, again = saved(tmp_path / "pictures", wanted, view), tmp_path / "again.png"
+    assert replay(path, (runs["original"],), again).difference.is_none
+    assert np.array_equal(read_image(again), read_image(path))
 
 
 def test_a_changed_parameter_is_found_out(folder: Path, vesselsplat: Cli) -> None:

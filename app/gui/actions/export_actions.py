@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import ENHANCED, ORIGINAL, SIDES, Side, label_of
-from app.gui.state.panes import other_request, why_not
+from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
 from app.gui.work.enhancing import PictureRequest
-from app.gui.work.shots import Exporting, ExportRequest, Form, Shot, Step
+from app.gui.work.exporting import Exporting, ExportRequest, Form, Step
+from app.gui.work.shots import Arrangement, Panes, Shot
+from app.gui.work.viewing import ShownModel, ViewRequest
 from app.moments import FRAMES_PER_SECOND
 
 What = Literal[
+    "panes and 3D view",
+    "panes as shown",
     "left pane",
     "right pane",
     "both panes",
+    "3D view",
+    "video of the panes",
     "video of both panes",
+    "video through time",
+    "video along the path",
     "measures of both panes",
-    "video of the 3D view",
 ]
 
 
@@ -28,74 +36,129 @@ What = Literal[
 class Offer:
     """One kind of export, in words."""
 
+    label: str
     form: Form
-    sides: tuple[Side, ...]
     text: str
+    sides: tuple[Side, ...] = ()
+    as_shown: bool = False
+    """The panes as the mode of comparison sets them against each other."""
+    sees: Literal["no", "still", "time", "path"] = "no"
+    """What is made of the 3D view."""
 
 
 OFFERS: dict[What, Offer] = {
-    "left pane": Offer("panes", ("left",), "A PNG of what the left pane shows."),
-    "right pane": Offer("panes", ("right",), "A PNG of what the right pane shows."),
-    "both panes": Offer("panes", SIDES, "A PNG with both panes side by side, labelled."),
+    "panes and 3D view": Offer(
+        "All as shown", "picture", "S: the panes as they are compared, and the 3D view, on one page.",
+        SIDES, True, "still",
+    ),
+    "panes as shown": Offer(
+        "Panes as shown", "picture", "Side by side, wipe, one of the two, or their difference.", SIDES, True
+    ),
+    "left pane": Offer("Left pane", "picture", "What the left side shows.", ("left",)),
+    "right pane": Offer("Right pane", "picture", "What the right side shows.", ("right",)),
+    "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", SIDES),
+    "3D view": Offer("3D view", "picture", "As it is seen now, with its colour scale.", sees="still"),
+    "video of the panes": Offer(
+        "Panes as shown", "panes video", "Every frame of the clip, compared as on screen.", SIDES, True
+    ),
     "video of both panes": Offer(
-        "panes video", SIDES, "Every frame of the clip, both panes side by side, labelled."
+        "Both panes", "panes video", "Every frame of the clip, side by side.", SIDES
+    ),
+    "video through time": Offer(
+        "3D through time", "view video", "The 3D view in colour from here, through the clip's time.",
+        sees="time",
+    ),
+    "video along the path": Offer(
+        "3D along the path", "view video", "The 3D view in colour along the camera path.", sees="path"
     ),
     "measures of both panes": Offer(
-        "measures", SIDES, "DV/BV, contrast, noise and more at every frame: CSV and JSON."
+        "Table of both panes", "measures", "DV/BV, contrast, noise and more at every frame: CSV and JSON.",
+        SIDES,
     ),
-    "video of the 3D view": Offer("view video", (), "The 3D view from here through the time of the clip."),
-}
+}  # fmt: skip
 
 
 def toggle_export(state: AppState) -> None:
-    state.export_open = not state.export_open
+    state.exports.shown = not state.exports.shown
 
 
 def why_not_export(state: AppState, what: What) -> str:
     """What it still lacks, in a sentence; empty when it can start."""
-    if state.exporting is not None:
+    if state.exports.under_way is not None:
         return "Another export is under way."
-    if OFFERS[what].form == "view video":
-        if state.plain_view_request is None or state.model is None:
-            return "There is no 3D view yet."
-        return "Wait for the reconstruction to end: its model changes." if state.model.live else ""
-    if state.clip is None or state.picture_request is None:
+    return _lacks(state, OFFERS[what])
+
+
+def _lacks(state: AppState, offer: Offer) -> str:
+    needs_view = offer.sees != "no" and not (offer.sides and state.clip is not None)
+    if needs_view and state.plain_view_request is None:
+        return "There is no 3D view yet."
+    if offer.form == "view video" and state.model is not None and state.model.live:
+        return "Wait for the reconstruction to end: its model changes."
+    if offer.sees == "path" and not state.cameras.views.path.keyframes:
+        return "There is no camera path yet: the panel Cameras makes one."
+    if not offer.sides or (offer.sees == "still" and state.clip is None):
+        return ""
+    if state.clip is None:
         return "Open a clip first."
-    reasons = (why_not(state, state.comparison.source(side)) for side in OFFERS[what].sides)
+    if offer.as_shown:
+        return ""
+    reasons = (why_not(state, state.comparison.source(side)) for side in offer.sides)
     return next((reason for reason in reasons if reason), "")
 
 
-def export_request(state: AppState, what: What, scale: int) -> ExportRequest | None:
-    """The export as things stand now; None where `why_not_export` says why."""
+def export_request(state: AppState, what: What) -> ExportRequest | None:
+    """The export as things stand now, which is then under way; None where `why_not_export` says why."""
     if why_not_export(state, what):
         return None
-    offer, view = OFFERS[what], None
-    rate = (state.clip.frames_per_second if state.clip else None) or FRAMES_PER_SECOND
-    if offer.form == "view video":
-        assert state.plain_view_request is not None
-        view = replace(state.plain_view_request.of_kind("color"), reduced=False).scaled(scale)
-        stem = view.shown.name
-    else:
-        assert state.clip is not None
-        stem = state.clip.path.stem
-    shots = tuple(_shot(state, side) for side in offer.sides)
-    request = ExportRequest(
-        state.places.pictures, stem, offer.form, shots, view, scale, rate, state.opened_options
-    )
-    state.exporting = Exporting(request)
+    request = _request(state, OFFERS[what])
+    state.exports.under_way = Exporting(request)
     return request
 
 
+def save_request(state: AppState) -> ExportRequest | None:
+    """A picture of what is shown, beside whatever is being exported; None while nothing is."""
+    offer = OFFERS["panes and 3D view"]
+    return None if _lacks(state, offer) else _request(state, offer)
+
+
+def _request(state: AppState, offer: Offer) -> ExportRequest:
+    panes = _panes(state, offer) if state.clip is not None else Panes()
+    views = _views(state, offer)
+    rate = (state.clip.frames_per_second if state.clip else None) or FRAMES_PER_SECOND
+    if offer.sees == "path":
+        rate = FRAMES_PER_SECOND
+    return ExportRequest(
+        state.places.pictures,
+        state.clip.path.stem if state.clip is not None and panes.shots else views[0].shown.name,
+        offer.form,
+        panes,
+        views,
+        rate,
+        state.opened_options,
+    )
+
+
+def _panes(state: AppState, offer: Offer) -> Panes:
+    """What the sides show, one of them where both show the same; and how they are laid out."""
+    sides, mode = offer.sides, shown_mode(state) if offer.as_shown else "side by side"
+    if mode == "flip":
+        sides, mode = ("left" if state.comparison.flipped else "right",), "side by side"
+    shots = tuple(dict.fromkeys(_shot(state, side) for side in sides))
+    return Panes(shots, Arrangement(mode, state.wiped), state.exports.sizing)
+
+
 def _shot(state: AppState, side: Side) -> Shot:
-    """What a side shows; in white light the photo, whatever is chosen."""
+    """What a side shows; in white light and while the original is peeked at the photo, whatever is chosen."""
     source, picture = state.comparison.source(side), state.picture_request
     assert picture is not None
-    if source == ORIGINAL or not state.enhancing:
+    if source == ORIGINAL or not state.enhancing or state.peeking:
         return Shot("Original", _photo(picture))
     if source == ENHANCED:
         return Shot("Enhanced", _photo(picture), picture.params)
     request = other_request(state, side)
-    assert request is not None
+    if request is None:  # As on screen, where there is nothing else to show.
+        return Shot("Original", _photo(picture))
     return Shot(label_of(source), request.photo, request.by)
 
 
@@ -103,21 +166,73 @@ def _photo(picture: PictureRequest) -> PictureRequest:
     return replace(picture, params=None)
 
 
+def _views(state: AppState, offer: Offer) -> tuple[ViewRequest, ...]:
+    """The 3D view once, or once a frame of its video."""
+    view = state.plain_view_request
+    if view is None or offer.sees == "no":
+        return ()
+    if offer.sees == "still":
+        return (sized(view, state.exports.view_size),)
+    moments = _through_time(state, view.shown) if offer.sees == "time" else _along_path(state, view.shown)
+    return tuple(sized(moment, state.exports.view_size) for moment in moments)
+
+
+def _through_time(state: AppState, shown: ShownModel) -> Iterator[ViewRequest]:
+    """Every frame of the clip, from here or through its own cameras."""
+    for frame, camera in enumerate(shown.cameras):
+        time = frame / len(shown.cameras)
+        if state.viewer.snapped:
+            yield ViewRequest(shown, time, camera)
+        else:
+            yield shown.view(time, state.viewer.free, state.view_size)
+
+
+def _along_path(state: AppState, shown: ShownModel) -> Iterator[ViewRequest]:
+    """As `vesselsplat export --path` goes along it."""
+    for key in state.cameras.views.path.moments(FRAMES_PER_SECOND):
+        yield ViewRequest(shown, key.time, key.camera.fitted(*state.view_size))
+
+
+def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
+    """With so many pixels; without a size in its own shape, no smaller than the clip's photos.
+
+    A difference keeps the photo's shape, within the size.
+    """
+    camera, photo = view.camera, view.shown.cameras[0]
+    if size is None:
+        scale = max(1.0, photo.width / camera.width, photo.height / camera.height)
+    elif view.kind == "difference":
+        scale = min(size[0] / camera.width, size[1] / camera.height)
+    else:
+        return replace(view, camera=camera.fitted(*size))
+    width, height = max(1, round(scale * camera.width)), max(1, round(scale * camera.height))
+    return replace(view, camera=camera.resized(width, height))
+
+
 def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -> None:
     """It has come further, has ended, or has failed."""
-    if state.exporting is None or state.exporting.request is not request:
+    under_way = state.exports.under_way
+    if under_way is None or under_way.request is not request:
         return
     if isinstance(answer, Failure):
-        state.exporting = None
+        state.exports.under_way = None
         actions.fail(state, f"the export was not written: {answer.message}")
     elif answer.path is not None:
-        state.exporting = None
+        state.exports.under_way = None
         actions.announce(state, f"exported {answer.path.name} in {answer.path.parent.name}/")
     else:
-        state.exporting.done = answer.done
+        under_way.done = answer.done
+
+
+def take_saved(state: AppState, answer: Step | Failure) -> None:
+    """The picture of what is shown has been written, or has not."""
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the picture was not saved: {answer.message}")
+    elif answer.path is not None:
+        actions.announce(state, f"saved {answer.path.name} in {answer.path.parent.name}/")
 
 
 def cancelled(state: AppState) -> None:
     """Nothing has been written."""
-    state.exporting = None
+    state.exports.under_way = None
     actions.announce(state, "export cancelled")

@@ -8,54 +8,101 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import export_actions
-from app.gui.actions.export_actions import OFFERS, What
+from app.gui.actions.export_actions import OFFERS, Offer, What
 from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain
+from app.gui.look.widgets import button, em, explain, row
 from app.gui.state.app_state import AppState
+from app.gui.work.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 
 SCALES = (1, 2, 3, 4)
-Start = Callable[[What, int], None]
+SCALE_TEXT = (
+    "Pixels of the file a pixel of the picture, each way; or a width in pixels, to which it is resampled."
+)
+VIEW_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
+VIEW_TEXT = "Pixels of the 3D view. As shown: its shape on screen, no smaller than the clip's photos."
+FIRST_WIDTH = 1024
+GROUPS = (("Pictures", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
+Start = Callable[[What], None]
 
 
 def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> None:
     """A window of its own; `start` begins an export, `cancel` gives up the one under way."""
-    if not state.export_open:
+    if not state.exports.shown:
         return
     center = imgui.get_main_viewport().get_center()
     imgui.set_next_window_pos(center, imgui.Cond_.appearing, ImVec2(0.5, 0.5))
     imgui.set_next_window_size(ImVec2(em(42), 0), imgui.Cond_.appearing)
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
     with imgui_ctx.begin("Export", True, flags) as window:
-        state.export_open = bool(window.opened)
+        state.exports.shown = bool(window.opened)
         if not window:
             return
-        _draw_scale(state)
-        imgui.separator()
-        for what, offer in OFFERS.items():
-            reason = export_actions.why_not_export(state, what)
-            act = partial(start, what, state.export_scale)
-            button(f"{what[0].upper()}{what[1:]}###{what}", act, enabled=not reason, width=12)
-            explain(reason or offer.text)
-            imgui.same_line()
-            imgui.align_text_to_frame_padding()
-            imgui.text_colored(theme.now().muted, offer.text)
+        _draw_picture_size(state)
+        _draw_view_size(state)
+        for title, forms in GROUPS:
+            imgui.separator_text(title)
+            for what, offer in OFFERS.items():
+                if offer.form in forms:
+                    _draw_offer(state, what, offer, start)
         imgui.separator()
         _draw_progress(state, cancel)
 
 
-def _draw_scale(state: AppState) -> None:
+def _draw_offer(state: AppState, what: What, offer: Offer, start: Start) -> None:
+    reason = export_actions.why_not_export(state, what)
+    button(f"{offer.label}###{what}", partial(start, what), enabled=not reason, width=10)
+    explain(reason or offer.text)
+    imgui.same_line()
     imgui.align_text_to_frame_padding()
-    imgui.text("Size")
-    imgui.same_line(em(6.2))
-    imgui.set_next_item_width(em(6))
-    labels = [f"{scale}×" for scale in SCALES]
-    _, index = imgui.combo("##scale", SCALES.index(state.export_scale), labels)
-    explain("Pixels of the file a pixel of the picture, each way. The 3D view is drawn with as many.")
-    state.export_scale = SCALES[index]
+    imgui.text_colored(theme.now().muted, offer.text)
+
+
+def _draw_picture_size(state: AppState) -> None:
+    sizing = state.exports.sizing
+    row("Panes", SCALE_TEXT)
+    imgui.set_next_item_width(em(8))
+    labels = [f"{scale}×" for scale in SCALES] + ["Width…"]
+    now = len(SCALES) if sizing.width is not None else SCALES.index(sizing.scale)
+    changed, index = imgui.combo("##scale", now, labels)
+    explain(SCALE_TEXT)
+    if changed:
+        chosen = Sizing(SCALES[index]) if index < len(SCALES) else Sizing(width=FIRST_WIDTH)
+        state.exports.sizing = chosen
+    if state.exports.sizing.width is not None:
+        imgui.same_line()
+        width = _pixels("##width", state.exports.sizing.width, "Width of each pane's picture, in pixels.")
+        state.exports.sizing = Sizing(width=width)
+
+
+def _draw_view_size(state: AppState) -> None:
+    row("3D view", VIEW_TEXT)
+    imgui.set_next_item_width(em(8))
+    labels = ["As shown", *(f"{width} × {height}" for width, height in VIEW_SIZES), "Other…"]
+    size = state.exports.view_size
+    now = 0 if size is None else VIEW_SIZES.index(size) + 1 if size in VIEW_SIZES else len(labels) - 1
+    changed, index = imgui.combo("##view size", now, labels)
+    explain(VIEW_TEXT)
+    if changed:
+        state.exports.view_size = None if index == 0 else (*VIEW_SIZES, (1024, 1024))[index - 1]
+    if state.exports.view_size is not None:
+        width, height = state.exports.view_size
+        imgui.same_line()
+        width = _pixels("##view width", width, "Pixels across.")
+        imgui.same_line()
+        height = _pixels("##view height", height, "Pixels down.")
+        state.exports.view_size = width, height
+
+
+def _pixels(label: str, value: int, text: str) -> int:
+    """A number of pixels that is typed; half-typed ones do not count."""
+    imgui.set_next_item_width(em(5))
+    _, typed = imgui.input_int(label, value, 0, 0)
+    explain(text)
+    return min(max(typed, LEAST_WIDTH), MOST_WIDTH)
 
 
 def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
-    under_way = state.exporting
+    under_way = state.exports.under_way
     if under_way is None:
         imgui.text_colored(
             theme.now().muted, "Everything says inside or beside it how it was made: vesselsplat replay."

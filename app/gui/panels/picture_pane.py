@@ -80,6 +80,8 @@ def draw_divider(
     """Left and right of a line that can be dragged; each side has its own tags."""
     pointer = _button(state, "wipe", left.image, area, allow_overlap=True)
     x = _drag_line(state, area)
+    across = _placement(state, left.image, area).picture_at(x - area.corner.x, 0)[0] / left.image.shape[1]
+    state.wiped = min(max(across, 0.0), 1.0)
     draw = imgui.get_window_draw_list()
     draw.push_clip_rect(area.corner, area.end, True)
     for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):

@@ -11,6 +11,7 @@ from typing import Literal, Protocol
 from app.gui.state.camera_list import CameraList
 from app.gui.state.clip_settings import ClipSettings
 from app.gui.state.comparison import Comparison, Side
+from app.gui.state.exports import Exports
 from app.gui.state.palette import Palette
 from app.gui.state.second import Second
 from app.gui.state.settings import Places, Settings
@@ -26,7 +27,6 @@ from app.gui.work.others import Difference, Other
 from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.reported import Reported
 from app.gui.work.run_list import FoundRuns, RunsRequest
-from app.gui.work.shots import Exporting
 from app.gui.work.strip import LeftOut, Strip
 from app.gui.work.tuning import Tuning
 from app.gui.work.viewing import ShownModel, View, ViewRequest
@@ -210,6 +210,8 @@ class AppState:
     picture_view: PictureView = field(default_factory=PictureView)
     zoom: float = 1.0
     """Screen pixels per picture pixel, as last laid out."""
+    wiped: float = 0.5
+    """Where the line of the wipe stands in the picture, as a share of its width, as last laid out."""
 
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
     queue: tuple[Waiting, ...] = ()
@@ -244,9 +246,7 @@ class AppState:
     """In [0, 1]; used when not linked."""
 
     tuning: Tuning = field(default_factory=Tuning)
-    export_open: bool = False
-    export_scale: int = 1
-    exporting: Exporting | None = None
+    exports: Exports = field(default_factory=Exports)
 
     report: Reported | None = None
     report_place: int = 0
@@ -330,7 +330,7 @@ class AppState:
             or self.pictures_wait
             or self.tuning.request is not None
             or self.editing.wish is not None
-            or self.exporting is not None
+            or self.exports.under_way is not None
         )
 
     @property

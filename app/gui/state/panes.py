@@ -11,8 +11,8 @@ from app.gui.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import ENHANCED, ORIGINAL, RENDER, SIDES, Mode, Side
 from app.gui.work.enhancing import Pictures
-from app.gui.work.export import describe
 from app.gui.work.others import Difference, DifferenceRequest, Other, OtherRequest
+from app.gui.work.page import describe
 from app.gui.work.viewing import ShownModel
 from app.methods import PAPER, VESSEL, Look
 from enhance import EnhanceParams

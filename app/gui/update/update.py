@@ -29,13 +29,12 @@ from app.gui.work.background import Channel, Failure, SteppedChannel
 from app.gui.work.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.work.editing import Selected, Selector, SelectRequest
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
-from app.gui.work.export import Saved, SaveRequest, save_picture
+from app.gui.work.exporting import ExportRequest, Step, export
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.gui.work.photos import Photo, PhotoRequest, read_photo
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
-from app.gui.work.shots import ExportRequest, Step, export
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.gui.work.viewing import View, ViewRequest, draw_view
 from app.moments import FRAMES_PER_SECOND
@@ -63,7 +62,7 @@ class Channels:
     second: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     second_opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
-    saving: Channel[SaveRequest, Saved] = field(default_factory=lambda: Channel(save_picture, depth=16))
+    saving: Channel[ExportRequest, Step] = field(default_factory=lambda: Channel(export, depth=16))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
     compare: CompareWork = field(default_factory=CompareWork)
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
@@ -243,11 +242,7 @@ def _take_baked(state: AppState, channels: Channels) -> None:
 
 def _take_saved(state: AppState, channels: Channels) -> None:
     while (taken := channels.saving.take()) is not None:
-        answer = taken[1]
-        if isinstance(answer, Failure):
-            actions.fail(state, f"the picture was not saved: {answer.message}")
-        else:
-            actions.announce(state, f"saved {answer.path.name} in {answer.path.parent.name}/")
+        export_actions.take_saved(state, taken[1])
 
 
 def _take_cell(state: AppState, channels: Channels) -> None:

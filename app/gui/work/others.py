@@ -105,13 +105,13 @@ class Difference:
     """Grey levels, of the largest channel."""
 
 
-def heat_map(request: DifferenceRequest) -> Iterator[Difference]:
-    """The largest difference of R, G and B at each pixel, on a scale that holds nearly all of them."""
+def heat_map(request: DifferenceRequest, top: int | None = None) -> Iterator[Difference]:
+    """The largest difference of R, G and B at each pixel; the scale ends at `top` or holds nearly all."""
     apart = np.asarray(cv2.absdiff(request.left, request.right))
     red, green, blue = cv2.split(apart)
     largest = np.asarray(cv2.max(cv2.max(red, green), blue))
     below = np.cumsum(np.bincount(largest.ravel(), minlength=256)) / largest.size
-    top = next(scale for scale in SCALES if below[scale] >= SHARE_WITHIN)
+    top = top or next(scale for scale in SCALES if below[scale] >= SHARE_WITHIN)
     levels = np.minimum(np.arange(256) * (255 / top), 255).astype(np.uint8)
     heat = np.asarray(heat_colors()[levels[largest]], dtype=np.uint8)
     yield Difference(request, heat, top, float(largest.mean()))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Any
 
 from app.drawing import Drawn, draw_on_cpu
 from app.gui.views.free_view import FreeView
@@ -114,6 +115,22 @@ class View:
     milliseconds: float
     scale: Scale | None = None
     """What its colours mean, where they are values."""
+
+
+def view_facts(request: ViewRequest) -> dict[str, Any]:
+    """What an export says of it: its own run and clip, which need not be those of the pictures beside it."""
+    shown = request.shown
+    origin = shown.origin.facts if shown.origin else {"run": {"name": shown.name}}
+    return origin | {
+        "iteration": shown.iteration,
+        "time": request.time,
+        "camera": request.camera.to_json(),
+        "near": request.near,
+        "background": BACKGROUND,
+        "renderer": "numba on the CPU",
+        "view": request.kind,
+        "frame": shown.frame_at(request.time),
+    }
 
 
 def draw_view(request: ViewRequest) -> Iterator[View]:

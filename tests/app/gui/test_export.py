@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -8,9 +9,11 @@ import numpy as np
 import pytest
 
 from app.gui.actions import actions
+from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
-from app.gui.work.export import Panel, SaveRequest, describe, save_picture, sheet
+from app.gui.work.exporting import export
+from app.gui.work.page import Panel, describe, sheet
 from app.gui.work.viewing import ShownModel
 from app.provenance import digest, read_provenance
 from assets import phantom_path
@@ -18,6 +21,7 @@ from enhance import EnhanceParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, photo
+from tests.app.gui.saving import asked, saved
 from tests.app.gui.test_opening import make_run, opened
 
 
@@ -28,8 +32,8 @@ def pair(clip: Clip, params: EnhanceParams | None) -> Pictures:
 def test_the_pixels_are_the_data_s_own(tmp_path: Path, clip: Clip) -> None:
     clip.path.mkdir()
     shown = pair(clip, EnhanceParams())
-    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None))
-    page = cv2.cvtColor(cv2.imread(str(saved.path)), cv2.COLOR_BGR2RGB)
+    path = saved(tmp_path / "out", shown.request)
+    page = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
     width, height = SIZE
     top = (page.shape[0] - height) // 2
     np.testing.assert_array_equal(page[top : top + height, :width], photo(2))
@@ -39,32 +43,37 @@ def test_the_pixels_are_the_data_s_own(tmp_path: Path, clip: Clip) -> None:
 def test_the_file_says_how_to_make_it_again_and_nothing_private(tmp_path: Path, clip: Clip) -> None:
     clip.path.mkdir()
     shown = pair(clip, EnhanceParams(z=0.25))
-    (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None))
-    facts = read_provenance(saved.path)
+    path = saved(tmp_path / "out", shown.request)
+    facts = read_provenance(path)
     assert facts["frame"] == {"index": 2, "label": "2.png"}
-    assert facts["params"]["z"] == 0.25
-    assert facts["statistics"]["z"] == 0.25
+    assert facts["panes"][1]["params"]["z"] == 0.25
+    assert facts["panes"][1]["statistics"]["z"] == 0.25
     assert facts["source"]["name"] == "clip"
     assert "Not a medical device" in facts["notice"]
     assert str(tmp_path) not in json.dumps(facts)
 
 
-def test_the_3d_view_is_drawn_at_the_photo_s_resolution(
+def test_the_3d_view_is_drawn_at_the_photo_s_resolution_or_the_size_asked_for(
     tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
 ) -> None:
     shown = ShownModel(model, clip.cameras, 50.0, "run-1", 7, 7, live=False)
     view = shown.view(0.5, None, (24, 20))
-    (saved,) = save_picture(SaveRequest(tmp_path, None, view))
-    facts = read_provenance(saved.path)["view"]
+    path = saved(tmp_path, None, sized(view, None))
+    facts = read_provenance(path)["view"]
     assert (facts["camera"]["width"], facts["camera"]["height"]) == SIZE
     assert (facts["run"]["name"], facts["time"], facts["iteration"]) == ("run-1", 0.5, 7)
-    assert cv2.imread(str(saved.path)).shape[1] == SIZE[0]
+    assert cv2.imread(str(path)).shape[1] == SIZE[0]
+    # A wider picture shows more of the sides, nothing less of the middle.
+    wide = sized(view, (100, 40)).camera
+    assert (wide.width, wide.height, wide.fy) == (100, 40, 2 * view.camera.fy)
+    apart = sized(replace(view, kind="difference"), (100, 40)).camera
+    assert (apart.width, apart.height) == (48, 40)
 
 
 def test_two_pictures_never_take_the_same_name(tmp_path: Path, clip: Clip) -> None:
     clip.path.mkdir()
     shown = pair(clip, None)
-    paths = {next(save_picture(SaveRequest(tmp_path, shown, None))).path for _ in range(5)}
+    paths = {saved(tmp_path, shown.request) for _ in range(5)}
     assert len(paths) == 5
 
 
@@ -84,9 +93,9 @@ def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppState, clip: Clip) -> None:
     (tmp_path / "file").write_text("in the way")
     clip.path.mkdir()
-    request = SaveRequest(tmp_path / "file" / "deep", pair(clip, None), None)
+    request = asked(tmp_path / "file" / "deep", pair(clip, None).request)
     with pytest.raises(Exception, match="file") as caught:
-        list(save_picture(request))
+        list(export(request))
     actions.fail(state, str(caught.value))
     assert state.banner is not None
     assert "\n" not in state.banner.message
@@ -101,8 +110,8 @@ def test_a_run_s_view_names_its_own_clip_whatever_is_open(
     assert shown.model is not None
     clip.path.mkdir()
     view = shown.model.view(0.5, None, (24, 20))
-    (saved,) = save_picture(SaveRequest(tmp_path / "out", pair(clip, None), view))
-    facts = read_provenance(saved.path)
+    path = saved(tmp_path / "out", pair(clip, None).request, view)
+    facts = read_provenance(path)
     assert facts["source"]["name"] == clip.name
     record = run.record()
     assert facts["view"]["clip"] == {"name": "phantom", "sha256": record.clip.sha256}

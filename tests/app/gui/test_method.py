@@ -12,13 +12,13 @@ from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement,
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
-from app.gui.work.export import SaveRequest, save_picture
 from app.provenance import read_provenance
 from app.training import TrainRequest
 from enhance import EnhanceParams, measure
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, photo
+from tests.app.gui.saving import saved
 from tests.app.gui.ui import Ui
 
 STRONG = VesselParams(strength=3.0)
@@ -79,10 +79,8 @@ def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppSta
         shown = made(PictureRequest(clip, 2, params))
         words = " ".join(tag.text for tag in pane(state, shown, "right").tags)
         assert words.startswith("ENHANCED vessel ") == (method == "vessel")
-        (saved,) = save_picture(SaveRequest(tmp_path / "out", shown, None))
-        facts = read_provenance(saved.path)
-        assert facts["method"] == method
-        assert type(params)(**facts["params"]) == params
+        pane_facts = read_provenance(saved(tmp_path / "out", shown.request))["panes"][1]
+        assert type(params)(**pane_facts["params"]) == params
 
 
 def test_what_was_not_measured_is_said_to_be_unused(clip: Clip) -> None:

@@ -6,6 +6,8 @@ import csv
 import errno
 import json
 import os
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -13,13 +15,21 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.color_bar import LEAST_HEIGHT
 from app.gui.actions import actions, comparing, export_actions
 from app.gui.actions.export_actions import OFFERS, What
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
+from app.gui.state.clip_settings import ClipSettings
+from app.gui.state.comparison import SIDES
 from app.gui.state.panes import pane
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
+from app.gui.views.free_view import FreeView
+from app.gui.work.exporting import export
+from app.gui.work.others import DifferenceRequest, heat_map
+from app.gui.work.sizing import Sizing
+from app.picture_mask import PictureMask
 from app.pictures import read_image
 from app.provenance import read_provenance, write_png
 from app.replay import replay
@@ -27,6 +37,8 @@ from app.tuning import METRICS
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu
+from renderer.camera_path import CameraPath, Keyframe
+from tests.app.conftest import Call
 from tests.app.gui.conftest import SIZE
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
@@ -48,18 +60,18 @@ class Exporter:
             for channel in self.channels.all:
                 channel.run_waiting()
 
-    def begin(self, what: What, scale: int = 1) -> None:
-        request = export_actions.export_request(self.state, what, scale)
+    def begin(self, what: What) -> None:
+        request = export_actions.export_request(self.state, what)
         assert request is not None
         self.channels.exports.ask(request)
 
-    def made(self, what: What, scale: int = 1) -> Path:
+    def made(self, what: What) -> Path:
         """The file, once it is written."""
         before = set(self.state.places.pictures.glob("*"))
-        self.begin(what, scale)
+        self.begin(what)
         for _ in range(100):
             self.turn(1)
-            if self.state.exporting is None:
+            if self.state.exports.under_way is None:
                 break
         assert self.state.banner is None
         new = set(self.state.places.pictures.glob("*")) - before
@@ -80,13 +92,13 @@ def test_a_pane_is_what_it_shows_at_the_size_asked_for(run: Exporter, clip_path:
     state = run.state
     comparing.store(state, "A")
     actions.set_params(state, EnhanceParams(d_factor=0.2))
-    state.scope, state.tissue_only = "clip", True
+    state.scope, state.tissue_only, state.exports.sizing = "clip", True, Sizing(3)
     for source in ("original", "enhanced", "A", "clahe", "render"):
         comparing.choose_source(state, "left", source)
         run.turn(6)
         assert state.pictures is not None
         shown = pane(state, state.pictures, "left").image
-        path = run.made("left pane", scale=3)
+        path = run.made("left pane")
         page = read_image(path)
         height, width = shown.shape[:2]
         top = (page.shape[0] - 3 * height) // 2
@@ -109,11 +121,6 @@ def test_the_pair_and_its_video_come_again(run: Exporter, clip_path: Path) -> No
     assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 10
     capture.release()
     assert same(video, clip_path, run_path)
-    view = run.made("video of the 3D view", scale=2)
-    capture = cv2.VideoCapture(str(view))
-    assert capture.get(cv2.CAP_PROP_FRAME_WIDTH) == 96
-    capture.release()
-    assert same(view, run_path)
 
 
 def test_a_changed_pane_is_found_out(run: Exporter, clip_path: Path) -> None:
@@ -136,16 +143,115 @@ def test_measures_are_of_every_pane_and_frame(run: Exporter) -> None:
     assert run.state.clip is not None
     assert float(rows[2]["dv_bv"]) == dvbv_otsu(run.state.clip.read_image(1)).ratio
     assert {row["noise_gain"] for row in rows if row["pane"] == "Original"} == {"1.0"}
-    facts = json.loads(path.with_suffix(".json").read_text())
+    facts = json.loads(path.with_name(f"{path.name}.json").read_text())
     assert [row["dv"] for row in facts["frames"]] == [float(row["dv"]) for row in rows]
     assert set(METRICS) - {"milliseconds"} <= facts["frames"][0].keys()
     assert facts["panes"][1]["params"]["d_factor"] == 1.0
 
 
+def test_the_table_comes_again_and_a_changed_number_is_found_out(
+    run: Exporter, clip_path: Path, vesselsplat: Callable[..., Call]
+) -> None:
+    path = run.made("measures of both panes")
+    assert same(path, clip_path)
+    sidecar = path.with_name(f"{path.name}.json")
+    call = vesselsplat("replay", sidecar)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert path.name in call.error
+    before = path.read_text()
+    path.write_text(before.replace(",1.0,", ",1.001,", 1))
+    assert not same(path, clip_path)
+    path.write_text(before)
+    facts = json.loads(sidecar.read_text())
+    facts["frames"][3]["dv"] += 0.5
+    sidecar.write_text(json.dumps(facts))
+    assert not same(path, clip_path)
+
+
+def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) -> None:
+    """Wipe, difference, flip and a width in pixels; masked and trimmed."""
+    state = run.state
+    state.clip_settings = ClipSettings(mask=PictureMask(text=(0, 0, 30, 20)), trim=(2, 7))
+    state.scope, state.wiped = "clip", 0.25
+    run.turn(6)
+    assert state.pictures is not None
+    left, right = (pane(state, state.pictures, side).image for side in SIDES)
+    assert not np.array_equal(left, right)
+
+    comparing.choose_mode(state, "wipe")
+    page = read_image(wiped := run.made("panes as shown"))
+    height, width = left.shape[:2]
+    inside = page[(page.shape[0] - height) // 2 :][:height, :]
+    np.testing.assert_array_equal(inside[:, : width // 4], left[:, : width // 4])
+    np.testing.assert_array_equal(inside[:, 1 + width // 4 : width + 1], right[:, width // 4 :])
+    assert same(wiped, clip_path)
+
+    comparing.choose_mode(state, "flip")
+    flipped = read_image(run.made("panes as shown"))
+    inside = flipped[(flipped.shape[0] - height) // 2 :][:height, :width]
+    np.testing.assert_array_equal(inside, left if state.comparison.flipped else right)
+
+    comparing.choose_mode(state, "difference")
+    state.exports.sizing = Sizing(width=100)
+    run.turn(6)
+    assert same(run.made("panes as shown"), clip_path)
+    state.exports.sizing = Sizing()
+    (heat,) = heat_map(DifferenceRequest(left, right))
+    page = read_image(run.made("panes as shown"))
+    top = (page.shape[0] - LEAST_HEIGHT) // 2
+    np.testing.assert_array_equal(page[top : top + height, :width], heat.heat)
+    video = run.made("video of the panes")
+    assert json.loads(video.with_name(f"{video.name}.json").read_text())["arrangement"]["top"] == heat.top
+    assert same(video, clip_path)
+
+
+def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
+    state, run_path = run.state, run.state.reconstruction.run_path
+    assert run_path is not None
+    comparing.choose_source(state, "left", "clahe")
+    comparing.choose_mode(state, "wipe")
+    request = export_actions.save_request(state)
+    assert request is not None
+    assert (request.panes.arrangement.mode, request.panes.shots[0].by) == ("wipe", "clahe")
+    *_, last = export(request)
+    assert last.path is not None
+    facts = read_provenance(last.path)
+    assert [one["shows"] for one in facts["panes"]] == ["method", "setting"]
+    assert facts["view"]["run"]["name"] == run_path.name
+    assert same(last.path, clip_path, run_path)
+    state.peeking = True
+    request = export_actions.save_request(state)
+    assert request is not None
+    assert [shot.by for shot in request.panes.shots] == [None]
+
+
+def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None:
+    state, run_path = run.state, run.state.reconstruction.run_path
+    assert run_path is not None
+    assert state.model is not None
+    assert "Cameras" in export_actions.why_not_export(state, "video along the path")
+    state.exports.view_size = (96, 70)
+    state.viewer.free = FreeView.of(state.model.camera_at(0.3)).looked(0.1, 0.02)
+    state.view_kind = "depth"
+    run.turn()
+    assert same(run.made("3D view"), run_path)
+    near, far = (state.model.camera_at(time) for time in (0.0, 0.5))
+    path = CameraPath((Keyframe(0.0, 0.0, near), Keyframe(0.4, 0.9, far)))
+    state.cameras.views = replace(state.cameras.views, path=path)
+    videos: tuple[What, ...] = ("video through time", "video along the path")
+    for what, count in zip(videos, (10, 7), strict=True):
+        video = run.made(what)
+        capture = cv2.VideoCapture(str(video))
+        assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == count
+        assert capture.get(cv2.CAP_PROP_FRAME_WIDTH) == 96
+        capture.release()
+        assert same(video, run_path)
+
+
 def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run: Exporter) -> None:
     run.begin("video of both panes")
     run.turn(3)
-    exporting = run.state.exporting
+    exporting = run.state.exports.under_way
     assert exporting is not None
     assert 0 < exporting.done < 10
     assert export_actions.why_not_export(run.state, "left pane")
@@ -153,7 +259,7 @@ def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run:
     run.turn(3)
     assert run.state.pictures is not None
     assert run.state.pictures.request == run.state.picture_request
-    assert run.state.exporting is exporting
+    assert run.state.exports.under_way is exporting
     run.channels.exports.cancel()
     export_actions.cancelled(run.state)
     path = run.made("left pane")  # Asked for before the worker has heard of the end.
@@ -172,8 +278,8 @@ def test_a_full_disk_is_a_sentence_and_leaves_nothing(run: Exporter, monkeypatch
             assert run.state.banner is not None
             assert run.state.banner.message == "the export was not written: No space left on device"
             run.state.banner = None
-    assert run.state.exporting is None
-    assert list(run.state.places.pictures.iterdir()) == []
+    assert run.state.exports.under_way is None
+    assert list(run.state.places.pictures.glob("*")) == []
 
 
 def test_what_is_lacking_is_said(places: Places) -> None:
@@ -181,16 +287,17 @@ def test_what_is_lacking_is_said(places: Places) -> None:
     assert {export_actions.why_not_export(state, what) for what in OFFERS} == {
         "Open a clip first.", "There is no 3D view yet.",
     }  # fmt: skip
-    assert export_actions.export_request(state, "left pane", 1) is None
+    assert export_actions.export_request(state, "left pane") is None
+    assert export_actions.save_request(state) is None
 
 
 def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:
-    state.export_open = True
+    state.exports.shown = True
     for _ in range(2):
-        ui.frame(lambda: draw_export(state, lambda what, scale: None, lambda: None))
-    assert export_actions.export_request(state, "both panes", 2) is not None
-    ui.frame(lambda: draw_export(state, lambda what, scale: None, lambda: None))
-    assert state.export_open
+        ui.frame(lambda: draw_export(state, lambda what: None, lambda: None))
+    assert export_actions.export_request(state, "both panes") is not None
+    ui.frame(lambda: draw_export(state, lambda what: None, lambda: None))
+    assert state.exports.shown
     assert SIZE == (48, 40)
 
 
@@ -205,13 +312,17 @@ def test_from_the_key_to_the_file(places: Places) -> None:
         ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.e)
         ctx.yield_(2)
         ctx.item_click("//Export/###both panes")
-        wait(ctx, lambda: state.exporting is None and state.toast is not None, "the picture")
+        wait(ctx, lambda: state.exports.under_way is None and state.toast is not None, "the picture")
         ctx.item_click("//Export/###video of both panes")
-        wait(ctx, lambda: state.exporting is not None and state.exporting.done > 1, "some frames")
+        wait(
+            ctx,
+            lambda: state.exports.under_way is not None and state.exports.under_way.done > 1,
+            "some frames",
+        )
         ctx.item_click("//Export/Cancel")
         ctx.yield_(3)
 
     driver.run(drive)
-    assert state.exporting is None
+    assert state.exports.under_way is None
     (path,) = places.pictures.glob("*.png")
     assert same(path)

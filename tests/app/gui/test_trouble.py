@@ -11,11 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, session_actions
+from app.gui.actions import actions, export_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
-from app.gui.work.export import SaveRequest
 from app.job import TrainingJob
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
@@ -57,7 +56,8 @@ class App:
         return self.state.pictures is not None and self.state.pictures.request == self.state.picture_request
 
     def save(self) -> None:
-        request = SaveRequest(self.state.places.pictures, self.state.pictures, None)
+        request = export_actions.save_request(self.state)
+        assert request is not None
         self.channels.saving.ask(request)
         self.turn()
 

@@ -1,0 +1,163 @@
+"""Exports of the window, by value, a step at a time: panes and 3D view as pictures, videos or measures."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Literal
+
+from app.atomic import filled
+from app.color_bar import with_bar
+from app.gui.work.measure_table import rows_at, write_measures
+from app.gui.work.others import OtherMaker
+from app.gui.work.page import Panel, sheet
+from app.gui.work.shots import Panes
+from app.gui.work.viewing import ViewRequest, draw_view, view_facts
+from app.moments import FRAMES_PER_SECOND
+from app.provenance import provenance, source, write_png, write_sidecar
+from app.video import Written, write_frames
+from app.views import Composed, ViewKind
+from renderer.clip import ByteImage
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+
+Form = Literal["picture", "panes video", "view video", "measures"]
+SUFFIXES: dict[Form, str] = {
+    "picture": ".png", "panes video": ".mp4", "view video": ".mp4", "measures": ".csv",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class ExportRequest:
+    """One export; a second wish for the same is another request."""
+
+    folder: Path
+    stem: str
+    form: Form
+    panes: Panes = field(default_factory=Panes)
+    views: tuple[ViewRequest, ...] = ()
+    """Of the 3D view, with as many pixels as the file has: one for a picture, of a video one a frame."""
+    frames_per_second: float = FRAMES_PER_SECOND
+    clip_options: ClipOptions = DEFAULTS
+
+    @property
+    def steps(self) -> int:
+        """How often it comes up for air."""
+        if self.form == "picture":
+            return 1
+        return len(self.views) if self.form == "view video" else len(self.panes.shots[0].photo.clip)
+
+
+@dataclass(frozen=True)
+class Step:
+    """How far an export has come."""
+
+    done: int
+    path: Path | None = None
+    """What has been written, at the end."""
+
+
+@dataclass
+class Exporting:
+    """The export that is under way, for the state."""
+
+    request: ExportRequest
+    done: int = 0
+
+
+def export(request: ExportRequest) -> Iterator[Step]:
+    """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
+    name = f"{request.stem}-{stamp}{SUFFIXES[request.form]}"
+    with filled(request.folder) as staging:
+        if request.form == "picture":
+            _picture(request, staging / name)
+        elif request.form == "measures":
+            yield from _measures(request, staging / name)
+        else:
+            yield from _video(request, staging / name)
+    yield Step(request.steps, request.folder / name)
+
+
+def _facts(request: ExportRequest) -> dict[str, Any]:
+    """Of all panes: their clip, and how they are laid out."""
+    panes = request.panes
+    facts = {"source": source(panes.shots[0].photo.clip.path), "clip_options": request.clip_options}
+    facts |= {"scale": panes.sizing.scale, "width": panes.sizing.width, "arrangement": panes.arrangement}
+    return facts | {"panes": [shot.facts for shot in panes.shots]}
+
+
+def _picture(request: ExportRequest, path: Path) -> None:
+    panels: list[Panel] = []
+    facts: dict[str, Any] = {"kind": "panes"}
+    if request.panes.shots:
+        made = request.panes.made(OtherMaker())
+        panels += request.panes.laid_out(made)
+        photo = request.panes.shots[0].photo
+        facts |= _facts(request)
+        facts["frame"] = {"index": photo.frame_index, "label": photo.clip.labels[photo.frame_index]}
+        for said, one in zip(facts["panes"], made, strict=True):
+            said["statistics"] = one.statistics
+    for wanted in request.views:
+        (view,) = draw_view(wanted)
+        image = with_bar(Composed(view.image, view.scale))
+        panels.append(view_panel(wanted.shown.name, image, wanted.kind))
+        facts["view"] = view_facts(wanted)
+    write_png(path, sheet(panels), provenance(**facts))
+
+
+def view_panel(name: str, image: ByteImage, kind: ViewKind) -> Panel:
+    """A model, by the name of its run or file."""
+    shows = "" if kind == "color" else f"   {kind}"
+    return Panel(f"Reconstruction   {name}{shows}", image)
+
+
+def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
+    if request.form == "view video":
+        frames, facts = _view_frames(request), _view_video_facts(request)
+    else:
+        request = replace(request, panes=request.panes.steady(OtherMaker()))
+        frames = _pane_frames(request)
+        facts = {"kind": "panes video"} | _facts(request) | {"frames": request.steps}
+    written = yield from _counted(write_frames(path, frames, request.frames_per_second))
+    facts |= {"frames_per_second": request.frames_per_second, "video": written}
+    write_sidecar(path, provenance(**facts))
+
+
+def _counted(writing: Generator[int, None, Written]) -> Generator[Step, None, Written]:
+    try:
+        while True:
+            try:
+                yield Step(next(writing))
+            except StopIteration as end:
+                written: Written = end.value
+                return written
+    finally:
+        writing.close()
+
+
+def _pane_frames(request: ExportRequest) -> Iterator[ByteImage]:
+    maker = OtherMaker()
+    for frame in range(request.steps):
+        yield sheet(request.panes.at(frame).panels(maker))
+
+
+def _view_frames(request: ExportRequest) -> Iterator[ByteImage]:
+    for wanted in request.views:
+        (drawn,) = draw_view(wanted)
+        yield drawn.image
+
+
+def _view_video_facts(request: ExportRequest) -> dict[str, Any]:
+    """As `vesselsplat export --video` says it."""
+    moments = [{"time": one.time, "camera": one.camera.to_json(), "near": one.near} for one in request.views]
+    return {"kind": "render video"} | view_facts(request.views[0]) | {"moments": moments}
+
+
+def _measures(request: ExportRequest, path: Path) -> Iterator[Step]:
+    maker, rows = OtherMaker(), []
+    for frame in range(request.steps):
+        rows += rows_at(request.panes, frame, maker)
+        yield Step(frame + 1)
+    write_measures(path, rows, _facts(request))

@@ -1,0 +1,56 @@
+"""Measures of panes at every frame against the photo, as a table and as JSON that says what they mean."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from app.atomic import write_bytes
+from app.gui.work.others import OtherMaker
+from app.gui.work.shots import Panes, made
+from app.gui.work.sizing import Sizing
+from app.provenance import provenance, write_sidecar
+from app.tuning import DEFINITIONS, METRICS, measured
+from enhance.vesselness import field_of_view, vessel_mask
+
+Row = dict[str, Any]
+UNMEASURED = "milliseconds"
+"""Of no picture that is made again."""
+MADE_AGAIN = ("definitions", "frames")
+"""What the JSON holds beside its provenance."""
+
+
+def rows_at(panes: Panes, frame: int, maker: OtherMaker) -> list[Row]:
+    """A row a pane, of its picture in its own size. Raises ClipError or ImageError."""
+    clip = panes.shots[0].photo.clip
+    photo = clip.read_image(frame)
+    view = field_of_view(photo)
+    vessels = vessel_mask(photo, tissue_mask=view)
+    rows = []
+    for shot in panes.shots:
+        image = made(shot.at(frame), maker, Sizing()).panel.image
+        found = asdict(measured(image, photo, vessels, view, 0.0))
+        del found[UNMEASURED]
+        rows.append({"frame": frame, "label": clip.labels[frame], "pane": shot.title} | found)
+    return rows
+
+
+def write_measures(path: Path, rows: list[Row], facts: dict[str, Any]) -> None:
+    """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and provenance."""
+    definitions = {name: text for name, text in DEFINITIONS.items() if name != UNMEASURED}
+    write_bytes(path, _table(rows))
+    write_sidecar(path, provenance(kind="measures", **facts, definitions=definitions, frames=rows))
+
+
+def _table(rows: list[Row]) -> bytes:
+    """CSV; an empty field is what could not be measured."""
+    text = io.StringIO()
+    names = ["frame", "label", "pane", *(name for name in METRICS if name != UNMEASURED)]
+    writer = csv.DictWriter(text, names)
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: "" if value != value else value for name, value in row.items()})
+    return text.getvalue().encode()

@@ -1,0 +1,65 @@
+"""Pictures for a report on one page: side by side at full resolution, captions above, the notice below."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from app.gui.legible import legible
+from app.gui.work.enhancing import Pictures
+from app.methods import VESSEL
+from app.provenance import NOTICE
+from enhance.vessel import VesselParams
+from renderer.clip import ByteImage
+
+INK, GROUND = (235, 235, 235), (28, 28, 28)
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One picture of the export, with what stands above it."""
+
+    label: str
+    image: ByteImage
+
+
+def describe(pictures: Pictures) -> str:
+    """What the enhancement used, in the words of its method."""
+    used, params = pictures.statistics, pictures.request.params
+    if used is None or params is None:
+        return ""
+    if isinstance(params, VesselParams):
+        return f"{VESSEL} · strength {params.strength:.2f} · lift {params.lift:.2f} · d {params.d_factor:.2f}"
+    z = f"z {'auto ' if params.z is None else ''}{used.z:.2f}"
+    exponents = "/".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
+    p = f"P {'auto ' if params.p is None else ''}{exponents}"
+    return f"{z} · {p} · d {params.d_factor:.2f}"
+
+
+def sheet(panels: list[Panel]) -> ByteImage:
+    """(H, W, 3): the panels side by side at their own sizes, a caption above each, the notice below."""
+    margin = 8
+    size = max(14, max(panel.image.shape[0] for panel in panels) // 32)
+    strip = 2 * size
+    width = sum(panel.image.shape[1] + margin for panel in panels) - margin
+    height = max(panel.image.shape[0] for panel in panels) + 2 * strip
+    page = Image.new("RGB", (width, height), GROUND)
+    draw, x = ImageDraw.Draw(page), 0
+    for panel in panels:
+        label = legible(panel.label)
+        font = _fitting(label, size, panel.image.shape[1] - size)
+        draw.text((x + size // 2, strip // 2), label, INK, font, anchor="lm")
+        page.paste(Image.fromarray(panel.image), (x, strip))
+        x += panel.image.shape[1] + margin
+    small = _fitting(NOTICE, size * 3 // 4, width - size)
+    draw.text((size // 2, height - strip // 2), NOTICE, (170, 170, 170), small, anchor="lm")
+    return np.asarray(page, dtype=np.uint8)
+
+
+def _fitting(text: str, size: int, width: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """The built-in font, small enough for `text` to fit into `width` pixels."""
+    font = ImageFont.load_default(size)
+    shrunk = int(size * width / max(font.getlength(text), 1))
+    return font if shrunk >= size else ImageFont.load_default(max(6, shrunk))
