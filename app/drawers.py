@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
-from app.drawing import Drawn, draw_on_cpu
+from app.drawing import Draw, Drawn, draw_on_cpu
 from app.errors import UserError
+from app.supersampling import supersampled
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats
 
 Renderer = Literal["gl", "cpu", "reference"]
-
-
-class Draw(Protocol):
-    """Splats, camera, near plane (in scene units), render mode and shape to a picture over black."""
-
-    def __call__(
-        self, splats: Splats, camera: Camera, near: float, mode: RenderMode = ..., shape: Shape = ...
-    ) -> Drawn: ...
 
 
 def drawer(renderer: Renderer) -> tuple[Draw, str]:
@@ -29,6 +22,12 @@ def drawer(renderer: Renderer) -> tuple[Draw, str]:
     if renderer == "reference":
         return _reference, "float64 reference"
     return draw_on_cpu, "numba on the CPU"
+
+
+def drawn_by(renderer: Renderer, supersampling: int) -> tuple[Draw, dict[str, Any]]:
+    """What draws, and what an export says of that. Raises UserError when it cannot work here."""
+    draw, name = drawer(renderer)
+    return supersampled(draw, supersampling), {"renderer": name, "supersampling": supersampling}
 
 
 def _reference(

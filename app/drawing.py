@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -39,6 +40,14 @@ class Drawn:
         rgba = np.concatenate([color, seen], axis=2)
         rounded: NDArray[np.uint8] = np.rint(np.clip(rgba, 0.0, 1.0) * 255.0).astype(np.uint8)
         return rounded
+
+
+class Draw(Protocol):
+    """Splats, camera, near plane (in scene units), render mode and shape to a picture over black."""
+
+    def __call__(
+        self, splats: Splats, camera: Camera, near: float, mode: RenderMode = ..., shape: Shape = ...
+    ) -> Drawn: ...
 
 
 def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, float]]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from app.errors import UserError
 from app.scene import Scene, open_scene
+from app.supersampling import FACTORS
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.view_files import read_views
@@ -67,6 +68,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--size", type=int, nargs=2, metavar=("W", "H"), help="pixels (default the clip's)")
     parser.add_argument(
+        "--supersampling",
+        type=int,
+        default=1,
+        choices=FACTORS,
+        help="draw so many times as many pixels each way, and average them (default 1)",
+    )
+    parser.add_argument(
         "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
     )
 
@@ -77,6 +85,9 @@ def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
         raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
     scene = open_scene(flags.scene, as_trained=flags.as_trained)
     wanted = list(_moments(flags, scene))
+    most = flags.supersampling * max(max(one.camera.width, one.camera.height) for one in wanted)
+    if most > MOST_PIXELS:
+        raise UserError(f"--supersampling: expected up to {MOST_PIXELS} pixels each way, got {most}")
     for notice in scene.notices:
         sys.stderr.write(f"{notice}: {flags.scene}\n")
     return scene, wanted

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from app import moments
 from app.atomic import filled, write_bytes
-from app.drawers import drawer
+from app.drawers import drawn_by
 from app.errors import UserError
 from app.moments import Moment
 from app.pictures import ArrayImage
@@ -59,7 +59,7 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment]) -> None:
 
 
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
-    draw, name = drawer(flags.renderer)
+    draw, by = drawn_by(flags.renderer, flags.supersampling)
 
     views = [moment.facts | {"near": near_plane(scene.model, moment.camera)} for moment in wanted]
 
@@ -70,7 +70,7 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
                 report(done, moment.name)
 
     written = write_video(flags.video, pictures(), flags.frames_per_second)
-    facts = scene.facts | {"renderer": name, "background": (0.0, 0.0, 0.0), "video": written}
+    facts = scene.facts | by | {"background": (0.0, 0.0, 0.0), "video": written}
     facts |= {"frames_per_second": flags.frames_per_second, "moments": views}
     write_sidecar(flags.video, repeatable(kind="render video", **facts))
-    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {name}\n")
+    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {by['renderer']}\n")

@@ -10,7 +10,7 @@ from typing import Any
 from app import moments
 from app.atomic import filled
 from app.color_bar import with_bar
-from app.drawers import drawer
+from app.drawers import drawn_by
 from app.drawing import Drawn, colored_depth
 from app.errors import UserError
 from app.evaluate import run_clip
@@ -48,9 +48,9 @@ def run(flags: argparse.Namespace) -> None:
     if flags.depth and SHAPES[flags.view] != "soft":
         raise UserError(f"--depth: expected a --view of Gaussians as they are, got {flags.view}")
     scene, wanted = moments.chosen(flags)
-    draw, name = drawer(flags.renderer)
+    draw, by = drawn_by(flags.renderer, flags.supersampling)
     behind = None if flags.transparent else (0.0, 0.0, 0.0)
-    facts = scene.facts | {"renderer": name, "background": behind, "view": flags.view}
+    facts = scene.facts | by | {"background": behind, "view": flags.view}
     photos = _photos(flags) if flags.view == "difference" else None
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
@@ -65,7 +65,7 @@ def run(flags: argparse.Namespace) -> None:
             if flags.depth:
                 _write_depth(staging, moment, drawn, own_facts)
             report(done, moment.name)
-    sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {name}\n")
+    sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {by['renderer']}\n")
 
 
 def _photos(flags: argparse.Namespace) -> Clip:

@@ -36,6 +36,7 @@ from app.gui.frame import dockings
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
+from app.gui.frame.window_shots import WindowShots
 from app.gui.look import theme
 from app.gui.panels import menus, overlays
 from app.gui.panels.cameras import draw_cameras
@@ -107,6 +108,7 @@ class Window:
         )
         self._outside = self._reach()
         self._keyboard = Keyboard()
+        self._window_shots = WindowShots(state, self._channels.windows)
         self._worn: tuple[Theme, int] | None = None
         self._dropped: list[str] = []
         self._textures: Textures | None = None
@@ -180,6 +182,7 @@ class Window:
         calls.show_menus = lambda: menus.draw_menus(self.state, sections(self.state, self._outside))
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
+        calls.before_swap = self._window_shots.follow
         calls.before_exit = self.close
         self._add_timeline(params)
 
@@ -238,6 +241,7 @@ class Window:
         """The OpenGL context is there."""
         theme.apply_plot_style()
         ctx = _attach()
+        self._window_shots.begin(ctx)
         self._textures = Textures(ctx)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
         self._second_viewport = SecondViewport(ctx, self._textures)

@@ -25,6 +25,15 @@ Remake = Callable[[Facts, Sources, Path], str | None]
 """What a file says of itself and where its sources lie, to the file made again at a path; it tells the
 renderer that drew it, or None."""
 
+
+def refuse_window(facts: Facts, sources: Sources, target: Path) -> None:
+    """Raises UserError: menus, panels and text are no pictures of the data."""
+    raise UserError(
+        f"expected panes or a 3D view, which are made again from their sources, got the whole window as it "
+        f"stood on a screen: {sources.file}"
+    )
+
+
 KINDS: Final[Mapping[str, Remake]] = MappingProxyType(
     {
         "enhanced picture": remake_enhanced,
@@ -37,6 +46,7 @@ KINDS: Final[Mapping[str, Remake]] = MappingProxyType(
         "panes video": remake_panes_video,
         "measures": remake_measures,
         "tuning sheet": remake_tuning_sheet,
+        "window": refuse_window,
     }
 )
 

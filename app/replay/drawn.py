@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+from annotated_types import Interval
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.atomic import write_bytes
 from app.color_bar import with_bar
-from app.drawers import Draw, Renderer, drawer
-from app.drawing import Drawn, colored_depth
+from app.drawers import Renderer, drawer
+from app.drawing import Draw, Drawn, colored_depth
 from app.errors import UserError
 from app.evaluate import run_clip
 from app.pictures import ArrayImage, write_image
@@ -22,6 +23,7 @@ from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
 from app.run_edits import unpacked
 from app.scene import Scene, open_scene
+from app.supersampling import supersampled
 from app.training import input_clip
 from app.video import write_video
 from app.views import SHAPES, ViewKind, composed, splats_for
@@ -65,6 +67,7 @@ class RenderFacts:
     """None: alpha says where nothing is."""
     view: ViewKind = "color"
     frame: int | None = None
+    supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -109,9 +112,10 @@ def _whole(named: SceneFacts, sources: Sources) -> Scene:
 
 def drawer_of(facts: Facts) -> tuple[Draw, str]:
     """The kind of renderer that drew, as it is here. Raises UserError or pydantic.ValidationError."""
-    said = RENDER.validate_python(facts).renderer
+    said = RENDER.validate_python(facts)
     kinds: dict[str, Renderer] = {"OpenGL": "gl", "float64": "reference"}
-    return drawer(next((kind for word, kind in kinds.items() if said.startswith(word)), "cpu"))
+    draw, name = drawer(next((kind for word, kind in kinds.items() if said.renderer.startswith(word)), "cpu"))
+    return supersampled(draw, said.supersampling), name
 
 
 def drawn(scene: Scene, facts: Facts, draw: Draw, kind: ViewKind = "color") -> Drawn:

@@ -31,6 +31,9 @@ What = Literal[
     "measures of both panes",
 ]
 
+MOST_DRAWN = 2**25
+"""Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
+
 
 @dataclass(frozen=True)
 class Offer:
@@ -93,6 +96,8 @@ def _lacks(state: AppState, offer: Offer) -> str:
     needs_view = offer.sees != "no" and not (offer.sides and state.clip is not None)
     if needs_view and state.plain_view_request is None:
         return "There is no 3D view yet."
+    if offer.sees != "no" and (reason := _too_large(state)):
+        return reason
     if offer.form == "view video" and state.model is not None and state.model.live:
         return "Wait for the reconstruction to end: its model changes."
     if offer.sees == "path" and not state.cameras.views.path.keyframes:
@@ -107,6 +112,18 @@ def _lacks(state: AppState, offer: Offer) -> str:
     return next((reason for reason in reasons if reason), "")
 
 
+def _too_large(state: AppState) -> str:
+    """What cannot be drawn at once, of the 3D view as large and as fine as chosen; empty when it can."""
+    if state.plain_view_request is None:
+        return ""
+    factor = state.exports.supersampling
+    camera = sized(state.plain_view_request, state.exports.view_size).camera
+    drawn, size = camera.width * camera.height * factor**2, f"{camera.width} × {camera.height}"
+    if drawn <= MOST_DRAWN:
+        return ""
+    return f"{size} at {factor}× draws {drawn / 1e6:.0f} million pixels, more than {MOST_DRAWN / 1e6:.0f}."
+
+
 def export_request(state: AppState, what: What) -> ExportRequest | None:
     """The export as things stand now, which is then under way; None where `why_not_export` says why."""
     if why_not_export(state, what):
@@ -117,9 +134,18 @@ def export_request(state: AppState, what: What) -> ExportRequest | None:
 
 
 def save_request(state: AppState) -> ExportRequest | None:
-    """A picture of what is shown, beside whatever is being exported; None while nothing is."""
+    """A picture of what is shown, beside whatever is exported; None, and said why, where it cannot be."""
     offer = OFFERS["panes and 3D view"]
-    return None if _lacks(state, offer) else _request(state, offer)
+    if reason := _lacks(state, offer):
+        actions.fail(state, f"the picture was not saved: {reason}")
+        return None
+    return _request(state, offer)
+
+
+def shown_request(state: AppState) -> ExportRequest | None:
+    """What there is to see of panes and 3D view; None where there is neither."""
+    seen = state.clip is not None or state.plain_view_request is not None
+    return _request(state, OFFERS["panes and 3D view"]) if seen else None
 
 
 def _request(state: AppState, offer: Offer) -> ExportRequest:
@@ -172,9 +198,14 @@ def _views(state: AppState, offer: Offer) -> tuple[ViewRequest, ...]:
     if view is None or offer.sees == "no":
         return ()
     if offer.sees == "still":
-        return (sized(view, state.exports.view_size),)
+        return (_as_chosen(state, view),)
     moments = _through_time(state, view.shown) if offer.sees == "time" else _along_path(state, view.shown)
-    return tuple(sized(moment, state.exports.view_size) for moment in moments)
+    return tuple(_as_chosen(state, moment) for moment in moments)
+
+
+def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
+    """In the size and with the averaging that are chosen."""
+    return replace(sized(view, state.exports.view_size), supersampling=state.exports.supersampling)
 
 
 def _through_time(state: AppState, shown: ShownModel) -> Iterator[ViewRequest]:

@@ -6,7 +6,7 @@ from functools import partial
 
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, clip_actions, comparing, export_actions, tuning_actions
+from app.gui.actions import actions, clip_actions, comparing, export_actions, tuning_actions, window_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
 from app.gui.commands.command import Act, Asks, Command, Outside, Section, start
@@ -66,6 +66,12 @@ def _file(state: AppState, outside: Outside) -> tuple[Section, ...]:
             ("S",),
             text="save a picture of what is shown",
             applies=has_something,
+        ),
+        Command(
+            "Save the whole window",
+            window_actions.save_window,
+            ("F12",),
+            text="save a picture of the window as it is",
         ),
         Command(
             "Export…",

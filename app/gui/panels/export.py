@@ -7,12 +7,13 @@ from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.actions import export_actions
+from app.gui.actions import export_actions, window_actions
 from app.gui.actions.export_actions import OFFERS, Offer, What
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, row
 from app.gui.state.app_state import AppState
 from app.gui.work.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
+from app.supersampling import FACTORS
 
 SCALES = (1, 2, 3, 4)
 SCALE_TEXT = (
@@ -20,6 +21,8 @@ SCALE_TEXT = (
 )
 VIEW_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
 VIEW_TEXT = "Pixels of the 3D view. As shown: its shape on screen, no smaller than the clip's photos."
+FACTOR_TEXT = "Supersampling: so many times as many pixels each way, averaged. Smoother edges, slower."
+WINDOW_TEXT = "F12: the whole window as it is on the screen. It cannot be replayed."
 FIRST_WIDTH = 1024
 GROUPS = (("Pictures", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
 Start = Callable[[What], None]
@@ -33,7 +36,12 @@ def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> No
     imgui.set_next_window_pos(center, imgui.Cond_.appearing, ImVec2(0.5, 0.5))
     imgui.set_next_window_size(ImVec2(em(42), 0), imgui.Cond_.appearing)
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
-    with imgui_ctx.begin("Export", True, flags) as window:
+    # Not in a picture of the window that is about to be taken.
+    alpha = 0.0 if state.exports.settling else imgui.get_style().alpha
+    with (
+        imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
+        imgui_ctx.begin("Export", True, flags) as window,
+    ):
         state.exports.shown = bool(window.opened)
         if not window:
             return
@@ -44,17 +52,28 @@ def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> No
             for what, offer in OFFERS.items():
                 if offer.form in forms:
                     _draw_offer(state, what, offer, start)
+            if "picture" in forms:
+                _draw_window_offer(state)
         imgui.separator()
         _draw_progress(state, cancel)
 
 
+def _draw_window_offer(state: AppState) -> None:
+    _draw_row("Window###window", WINDOW_TEXT, lambda: window_actions.save_window(state))
+
+
 def _draw_offer(state: AppState, what: What, offer: Offer, start: Start) -> None:
     reason = export_actions.why_not_export(state, what)
-    button(f"{offer.label}###{what}", partial(start, what), enabled=not reason, width=10)
-    explain(reason or offer.text)
+    _draw_row(f"{offer.label}###{what}", offer.text, partial(start, what), reason)
+
+
+def _draw_row(label: str, text: str, act: Callable[[], None], reason: str = "") -> None:
+    """A button and what it does; greyed for a `reason`."""
+    button(label, act, enabled=not reason, width=10)
+    explain(reason or text)
     imgui.same_line()
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.now().muted, offer.text)
+    imgui.text_colored(theme.now().muted, text)
 
 
 def _draw_picture_size(state: AppState) -> None:
@@ -84,6 +103,12 @@ def _draw_view_size(state: AppState) -> None:
     explain(VIEW_TEXT)
     if changed:
         state.exports.view_size = None if index == 0 else (*VIEW_SIZES, (1024, 1024))[index - 1]
+    imgui.same_line()
+    imgui.set_next_item_width(em(8))
+    labels = ["Drawn once" if factor == 1 else f"Drawn {factor}× finer" for factor in FACTORS]
+    _, index = imgui.combo("##supersampling", FACTORS.index(state.exports.supersampling), labels)
+    explain(FACTOR_TEXT)
+    state.exports.supersampling = FACTORS[index]
     if state.exports.view_size is not None:
         width, height = state.exports.view_size
         imgui.same_line()

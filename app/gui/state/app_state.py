@@ -330,7 +330,7 @@ class AppState:
             or self.pictures_wait
             or self.tuning.request is not None
             or self.editing.wish is not None
-            or self.exports.under_way is not None
+            or self.exports.is_busy
         )
 
     @property

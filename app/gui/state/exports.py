@@ -18,4 +18,13 @@ class Exports:
     """Of the panes."""
     view_size: tuple[int, int] | None = None
     """Pixels of the 3D view in files; None: its shape on screen, no smaller than the clip's photos."""
+    supersampling: int = 1
+    """Of the 3D view in files, one of FACTORS."""
+    settling: int = 0
+    """Frames until the whole window is saved as it then is; 0: that is not asked for."""
     under_way: Exporting | None = None
+
+    @property
+    def is_busy(self) -> bool:
+        """Something goes on that the window should follow closely."""
+        return self.under_way is not None or self.settling > 0

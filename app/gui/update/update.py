@@ -37,6 +37,7 @@ from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.gui.work.viewing import View, ViewRequest, draw_view
+from app.gui.work.window_shot import WindowRequest, save_window
 from app.moments import FRAMES_PER_SECOND
 
 PROMPT = 0.012
@@ -63,6 +64,7 @@ class Channels:
     second_opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
     bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
     saving: Channel[ExportRequest, Step] = field(default_factory=lambda: Channel(export, depth=16))
+    windows: Channel[WindowRequest, Step] = field(default_factory=lambda: Channel(save_window, depth=4))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
     compare: CompareWork = field(default_factory=CompareWork)
     sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
@@ -83,7 +85,7 @@ class Channels:
     def all(self) -> Sequence[Channel[Any, Any]]:
         first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
         views = (self.view, self.second, self.second_opening, self.bakes)
-        last = (self.saving, self.cells, self.sessions, self.exports)
+        last = (self.saving, self.windows, self.cells, self.sessions, self.exports)
         return (*first, *self.compare.all, *views, *last)
 
 
@@ -243,6 +245,8 @@ def _take_baked(state: AppState, channels: Channels) -> None:
 def _take_saved(state: AppState, channels: Channels) -> None:
     while (taken := channels.saving.take()) is not None:
         export_actions.take_saved(state, taken[1])
+    while (window := channels.windows.take()) is not None:
+        export_actions.take_saved(state, window[1])
 
 
 def _take_cell(state: AppState, channels: Channels) -> None:

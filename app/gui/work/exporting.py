@@ -88,23 +88,31 @@ def _facts(request: ExportRequest) -> dict[str, Any]:
     return facts | {"panes": [shot.facts for shot in panes.shots]}
 
 
+def picture_facts(request: ExportRequest) -> dict[str, Any]:
+    """What there is to see: the panes' clip and frame, and the 3D view."""
+    facts: dict[str, Any] = {}
+    if request.panes.shots:
+        photo = request.panes.shots[0].photo
+        frame = {"index": photo.frame_index, "label": photo.clip.labels[photo.frame_index]}
+        facts = _facts(request) | {"frame": frame}
+    for wanted in request.views:
+        facts["view"] = view_facts(wanted)
+    return facts
+
+
 def _picture(request: ExportRequest, path: Path) -> None:
     panels: list[Panel] = []
-    facts: dict[str, Any] = {"kind": "panes"}
+    facts = picture_facts(request)
     if request.panes.shots:
         made = request.panes.made(OtherMaker())
         panels += request.panes.laid_out(made)
-        photo = request.panes.shots[0].photo
-        facts |= _facts(request)
-        facts["frame"] = {"index": photo.frame_index, "label": photo.clip.labels[photo.frame_index]}
         for said, one in zip(facts["panes"], made, strict=True):
             said["statistics"] = one.statistics
     for wanted in request.views:
         (view,) = draw_view(wanted)
         image = with_bar(Composed(view.image, view.scale))
         panels.append(view_panel(wanted.shown.name, image, wanted.kind))
-        facts["view"] = view_facts(wanted)
-    write_png(path, sheet(panels), provenance(**facts))
+    write_png(path, sheet(panels), provenance(kind="panes", **facts))
 
 
 def view_panel(name: str, image: ByteImage, kind: ViewKind) -> Panel:

@@ -11,6 +11,7 @@ from app.drawing import Drawn, draw_on_cpu
 from app.gui.views.free_view import FreeView
 from app.gui.work.origin import Origin
 from app.gui.work.photos import Photo
+from app.supersampling import supersampled
 from app.views import SCENE_UNITS, SHAPES, Composed, Scale, ViewKind, composed, splats_for
 from renderer.camera import Camera
 from renderer.clip import ByteImage
@@ -82,6 +83,8 @@ class ViewRequest:
     kind: ViewKind = "color"
     photo: Photo | None = None
     """Of the same frame, where the view is the difference to it."""
+    supersampling: int = 1
+    """Drawn with so many times as many pixels each way, and averaged."""
 
     @property
     def near(self) -> float:
@@ -128,6 +131,7 @@ def view_facts(request: ViewRequest) -> dict[str, Any]:
         "near": request.near,
         "background": BACKGROUND,
         "renderer": "numba on the CPU",
+        "supersampling": request.supersampling,
         "view": request.kind,
         "frame": shown.frame_at(request.time),
     }
@@ -138,6 +142,7 @@ def draw_view(request: ViewRequest) -> Iterator[View]:
     start = perf_counter()
     shown = request.shown
     splats = splats_for(request.kind, shown.model, request.time, request.camera)
-    drawn = draw_on_cpu(splats, request.camera, request.near, shown.mode, SHAPES[request.kind])
+    draw = supersampled(draw_on_cpu, request.supersampling)
+    drawn = draw(splats, request.camera, request.near, shown.mode, SHAPES[request.kind])
     picture = request.composed(drawn)
     yield View(request, picture.image, 1000 * (perf_counter() - start), picture.scale)

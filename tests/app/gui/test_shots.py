@@ -234,7 +234,16 @@ def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None
     state.viewer.free = FreeView.of(state.model.camera_at(0.3)).looked(0.1, 0.02)
     state.view_kind = "depth"
     run.turn()
-    assert same(run.made("3D view"), run_path)
+    plain = run.made("3D view")
+    assert same(plain, run_path)
+    state.exports.supersampling = 4
+    assert same(fine := run.made("3D view"), run_path)
+    assert read_provenance(fine)["view"]["supersampling"] == 4
+    assert read_image(fine).shape == read_image(plain).shape
+    assert not np.array_equal(read_image(fine), read_image(plain))
+    state.exports.view_size, state.exports.supersampling = (3840, 2160), 4
+    assert "million" in export_actions.why_not_export(state, "3D view")
+    state.exports.view_size, state.exports.supersampling = (96, 70), 2
     near, far = (state.model.camera_at(time) for time in (0.0, 0.5))
     path = CameraPath((Keyframe(0.0, 0.0, near), Keyframe(0.4, 0.9, far)))
     state.cameras.views = replace(state.cameras.views, path=path)

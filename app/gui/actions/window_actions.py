@@ -1,0 +1,29 @@
+"""Saving the whole window as a picture, as functions on the state."""
+
+from __future__ import annotations
+
+from app.gui.actions import export_actions
+from app.gui.state.app_state import AppState
+from app.gui.work.window_shot import WindowRequest
+from renderer.clip import ByteImage
+
+SETTLING = 3
+"""Frames after which the menu or the panel that was clicked has gone."""
+
+
+def save_window(state: AppState) -> None:
+    """Ask for the window as it is once what was clicked has gone."""
+    state.exports.settling = SETTLING
+
+
+def is_due(state: AppState) -> bool:
+    """Called once a frame when it is drawn: whether this is the frame to save."""
+    if state.exports.settling == 0:
+        return False
+    state.exports.settling -= 1
+    return state.exports.settling == 0
+
+
+def window_request(state: AppState, image: ByteImage) -> WindowRequest:
+    """The picture (H, W, 3) that was read, with what there was to see."""
+    return WindowRequest(state.places.pictures, image, export_actions.shown_request(state))

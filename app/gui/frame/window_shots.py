@@ -1,0 +1,39 @@
+"""The whole window read from its framebuffer, when that is asked for."""
+
+from __future__ import annotations
+
+import glfw
+import moderngl
+import numpy as np
+from imgui_bundle import glfw_utils
+
+from app.gui.actions import window_actions
+from app.gui.state.app_state import AppState
+from app.gui.work.background import Channel
+from app.gui.work.exporting import Step
+from app.gui.work.window_shot import WindowRequest
+from renderer.clip import ByteImage
+
+
+class WindowShots:
+    """Asks `channel` to write what it has read."""
+
+    def __init__(self, state: AppState, channel: Channel[WindowRequest, Step]) -> None:
+        self._state, self._channel = state, channel
+        self._ctx: moderngl.Context | None = None
+
+    def begin(self, ctx: moderngl.Context) -> None:
+        """The OpenGL context is there."""
+        self._ctx = ctx
+
+    def follow(self) -> None:
+        """Once a frame, when it has been drawn and not yet shown."""
+        if self._ctx is not None and window_actions.is_due(self._state):
+            self._channel.ask(window_actions.window_request(self._state, _read(self._ctx)))
+
+
+def _read(ctx: moderngl.Context) -> ByteImage:
+    """(H, W, 3)."""
+    width, height = glfw.get_framebuffer_size(glfw_utils.glfw_window_hello_imgui())
+    content = ctx.detect_framebuffer(0).read(viewport=(0, 0, width, height), components=3, alignment=1)
+    return np.ascontiguousarray(np.frombuffer(content, np.uint8).reshape(height, width, 3)[::-1])

@@ -1,0 +1,36 @@
+"""The whole window as a picture, as it was on the screen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from app.gui.work.exporting import ExportRequest, Step, picture_facts
+from app.provenance import provenance, write_png
+from renderer.clip import ByteImage
+
+
+@dataclass(frozen=True, eq=False)
+class WindowRequest:
+    """What was read from the screen, to be written into `folder`."""
+
+    folder: Path
+    image: ByteImage
+    """(H, W, 3)."""
+    shown: ExportRequest | None
+    """What was in it of panes and 3D view."""
+
+    @property
+    def stem(self) -> str:
+        return self.shown.stem if self.shown is not None else "vesselsplat"
+
+
+def save_window(request: WindowRequest) -> Iterator[Step]:
+    """Raises OSError or UserError."""
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
+    path = request.folder / f"{request.stem}-window-{stamp}.png"
+    facts = picture_facts(request.shown) if request.shown is not None else {}
+    write_png(path, request.image, provenance(kind="window", **facts))
+    yield Step(1, path)

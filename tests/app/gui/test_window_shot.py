@@ -1,0 +1,91 @@
+"""The whole window saved as a picture: what is on the screen, without the panel that asked for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from imgui_bundle import hello_imgui, imgui
+
+from app.gui.actions import actions, window_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
+from app.gui.work.window_shot import save_window
+from app.pictures import read_image
+from app.provenance import read_provenance
+from assets import phantom_path
+from tests.app.conftest import Call
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+def test_the_frame_is_taken_once_what_was_clicked_has_gone(state: AppState) -> None:
+    assert not window_actions.is_due(state)
+    window_actions.save_window(state)
+    assert state.is_busy
+    due = [window_actions.is_due(state) for _ in range(6)]
+    assert due.count(True) == 1
+    assert due.index(True) >= 1
+    assert not state.exports.is_busy
+
+
+def test_it_says_what_was_seen_and_that_it_cannot_be_made_again(
+    state: AppState, vesselsplat: Callable[..., Call]
+) -> None:
+    assert state.clip is not None
+    state.clip.path.mkdir()
+    image = np.random.default_rng(0).integers(0, 255, (30, 40, 3), np.uint8)
+    (step,) = save_window(window_actions.window_request(state, image))
+    assert step.path is not None
+    np.testing.assert_array_equal(read_image(step.path), image)
+    facts = read_provenance(step.path)
+    assert (facts["kind"], facts["frame"]["index"]) == ("window", 0)
+    assert [pane["shows"] for pane in facts["panes"]] == ["original", "setting"]
+    call = vesselsplat("replay", step.path)
+    assert (call.code, call.out, call.error.count("\n")) == (2, "", 1)
+    assert "the whole window" in call.error
+
+
+def test_nothing_open_is_a_window_too(places: Places) -> None:
+    request = window_actions.window_request(AppState(places), np.zeros((2, 2, 3), np.uint8))
+    (step,) = save_window(request)
+    assert step.path is not None
+    assert step.path.name.startswith("vesselsplat-window-")
+
+
+@pytest.mark.display
+def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def shots() -> list[Path]:
+        return sorted(places.pictures.glob("phantom-window-*.png"))
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.e)
+        ctx.yield_(2)
+        ctx.item_click("//Export/###window")
+        wait(ctx, lambda: len(shots()) == 1, "the first picture")
+        ctx.yield_(3)
+        ctx.item_click("//Export/#CLOSE")
+        state.toast = None
+        ctx.mouse_move_to_void()
+        ctx.yield_(3)
+        ctx.key_press(imgui.Key.f12)
+        wait(ctx, lambda: len(shots()) == 2, "the second picture")
+        wait(ctx, lambda: state.toast is not None, "the word that it is there")
+        state.toast = None
+        ctx.yield_(3)
+
+    driver.run(drive)
+    assert not state.exports.shown
+    first, second = (cv2.imread(str(path)).astype(int) for path in shots())
+    last = np.asarray(hello_imgui.final_app_window_screenshot())[..., ::-1].astype(int)
+    assert second.shape == last.shape
+    for shot in (first, second):
+        # Upright, and all of it: only the mouse and what it hovers may be elsewhere.
+        assert (np.abs(shot - last).max(axis=2) > 8).mean() < 0.03
