@@ -114,7 +114,7 @@ class Person:
         if state.reconstruction.is_alive:
             actions.cancel(state)
             self.wait(lambda: not state.reconstruction.is_alive, "the cancelled job")
-        state.banner, state.help_open, state.export_open = None, False, False
+        state.banner, state.help_open, state.exports.shown = None, False, False
         if state.tuning.shown:
             tuning_actions.toggle_tuning(state)
         self.open(self.clip)
@@ -281,11 +281,12 @@ def export(person: Person) -> None:
     person.press(CTRL | SHIFT | K.e)
     for what in person.rng.sample(["left pane", "right pane", "both panes"], 2):
         person.click(f"//Export/###{what}")
-        person.wait(lambda: person.state.exporting is None, "the export")
+        person.wait(lambda: person.state.exports.under_way is None, "the export")
     person.click("//Export/###video of both panes")
-    person.wait(lambda: person.state.exporting is None or person.state.exporting.done > 3, "a few frames")
+    exports = person.state.exports
+    person.wait(lambda: exports.under_way is None or exports.under_way.done > 3, "a few frames")
     person.window.cancel_export()
-    person.wait(lambda: person.state.exporting is None, "the cancelled export")
+    person.wait(lambda: person.state.exports.under_way is None, "the cancelled export")
     person.press(CTRL | SHIFT | K.e)
 
 
