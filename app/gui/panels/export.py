@@ -90,6 +90,8 @@ def _draw_picture_size(state: AppState) -> None:
     if state.exports.sizing.width is not None:
         imgui.same_line()
         width = _pixels("##width", state.exports.sizing.width, "Width of each pane's picture, in pixels.")
+        imgui.same_line()
+        imgui.text_colored(theme.now().muted, "pixels")
         state.exports.sizing = Sizing(width=width)
 
 
@@ -103,19 +105,20 @@ def _draw_view_size(state: AppState) -> None:
     explain(VIEW_TEXT)
     if changed:
         state.exports.view_size = None if index == 0 else (*VIEW_SIZES, (1024, 1024))[index - 1]
+    if now == len(labels) - 1 and state.exports.view_size is not None:
+        width, height = state.exports.view_size
+        imgui.same_line()
+        width = _pixels("##view width", width, "Pixels across.")
+        imgui.same_line()
+        imgui.text("×")
+        imgui.same_line()
+        state.exports.view_size = width, _pixels("##view height", height, "Pixels down.")
     imgui.same_line()
     imgui.set_next_item_width(em(8))
     labels = ["Drawn once" if factor == 1 else f"Drawn {factor}× finer" for factor in FACTORS]
     _, index = imgui.combo("##supersampling", FACTORS.index(state.exports.supersampling), labels)
     explain(FACTOR_TEXT)
     state.exports.supersampling = FACTORS[index]
-    if state.exports.view_size is not None:
-        width, height = state.exports.view_size
-        imgui.same_line()
-        width = _pixels("##view width", width, "Pixels across.")
-        imgui.same_line()
-        height = _pixels("##view height", height, "Pixels down.")
-        state.exports.view_size = width, height
 
 
 def _pixels(label: str, value: int, text: str) -> int:
