@@ -1,51 +1,49 @@
-"""`vesselsplat enhance INPUT OUTPUT`: pictures in, enhanced pictures out."""
+"""`vesselsplat enhance INPUT... OUTPUT`: pictures in, enhanced pictures out."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 import time
-from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass, replace
-from itertools import tee
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 from app.ahead import ahead
 from app.arguments import add_fields, parameters
-from app.atomic import filled
+from app.batch import VIDEOS, Item, Step, enhance_batch, items_in
+from app.enhanced_files import VIDEO, Setting, Stream, Written, enhance_into
 from app.errors import UserError
-from app.methods import METHODS, PAPER, VESSEL, Enhanced, LookEnhancer, Params, apply, measure_for
-from app.pictures import ArrayImage, is_image, write_image
+from app.methods import METHODS, PAPER, VESSEL, Params
+from app.pictures import is_image
 from app.progress import progress
-from app.provenance import provenance, strict_json, write_sidecar
+from app.provenance import provenance, strict_json
 from app.series import Series, open_series
-from app.video import write_video
-from enhance import EnhanceParams, ImageError, Statistics
-from enhance.image import BoolImage
-from enhance.surround import inside
+from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.clip import ClipError
 
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below")
 VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "d_factor"}}
-VIDEO = ".mp4"
-VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 PICTURES = frozenset({".avif", ".dcm", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
-NOT_WRITTEN = VIDEOS | PICTURES
+NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO}
 """Formats that are not written; any other name, such as 2024.05.01, is that of a folder."""
-
-STEADY_FRAMES = 16
-"""Evenly spread pictures that tell the surround of all."""
-
-T = TypeVar("T")
-Tissue = Callable[[ArrayImage], BoolImage | None]
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("input", metavar="INPUT", type=Path, help="picture, folder of pictures or video")
-    parser.add_argument("output", metavar="OUTPUT", type=Path, help="picture, folder or .mp4 video to write")
+    parser.add_argument(
+        "inputs", metavar="INPUT", nargs="+", type=Path, help="picture, folder of pictures or video"
+    )
+    parser.add_argument(
+        "output",
+        metavar="OUTPUT",
+        type=Path,
+        help="picture, folder or .mp4 video to write; of several inputs the folder for all",
+    )
+    parser.add_argument(
+        "--recursive",
+        action="store_true",
+        help="all pictures and videos below each INPUT, into the same structure in OUTPUT",
+    )
     parser.add_argument(
         "--method",
         choices=METHODS,
@@ -71,24 +69,23 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    params = _params(flags)
-    series = open_series(flags.input)
-    _check_output(flags.input, flags.output, series)
+    setting = Setting(flags.method, _params(flags), flags.statistics, flags.pixels)
+    if len(flags.inputs) > 1 or flags.recursive:
+        _run_batch(flags, setting)
+        return
+    (given,) = flags.inputs
+    series = open_series(given)
+    _check_output(given, flags.output, series)
     started = time.perf_counter()
-    notices = list(series.notices)
-    job = _Job(flags.method, params, flags.pixels, _tissue(series, flags))
-    if flags.statistics == "clip":
-        job = replace(job, statistics=_pooled(series, job, notices))
-    pictures = ahead(_enhanced(series, ahead(_pictures(series, notices)), job))
-    written = _write(flags.output, series, _told("enhance", series, pictures), notices)
-    shared = {"method": flags.method, "params": params, "pixels": flags.pixels, "notices": notices}
-    for notice in notices:
-        sys.stderr.write(f"{notice}\n")
+    written = _whole(flags.output, series, setting)
+    _say(written.notices)
     seconds = time.perf_counter() - started
     if flags.json:
-        sys.stdout.write(strict_json(provenance(**shared, pictures=written, seconds=seconds)) + "\n")
+        shared = setting.facts | {"notices": written.notices}
+        facts = provenance(**shared, pictures=written.pictures, seconds=seconds)
+        sys.stdout.write(strict_json(facts) + "\n")
     else:
-        sys.stdout.write(f"{flags.output}: {len(written)} enhanced in {seconds:.1f} s\n")
+        sys.stdout.write(f"{flags.output}: {len(written.pictures)} enhanced in {seconds:.1f} s\n")
 
 
 def _params(flags: argparse.Namespace) -> Params:
@@ -118,104 +115,22 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
         raise UserError(f"expected a picture, a folder or {VIDEO} to write, got {output}")
 
 
-@dataclass(frozen=True, eq=False)
-class _Job:
-    method: str
-    params: Params
-    pixels: str
-    """Which of them count in the statistics, in the words of --pixels."""
-    tissue: Tissue
-    """The same as a mask; None: all."""
-    statistics: Statistics | None = None
-    """Of the whole series; None: of each picture."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Picture:
-    name: str
-    source: dict[str, str]
-    frame: int | None
-    """Of a video."""
-    job: _Job
-    result: Enhanced
-
-    @property
-    def facts(self) -> dict[str, Any]:
-        return {
-            "kind": "enhanced picture",
-            "source": self.source,
-            "picture": self.name,
-            "frame": self.frame,
-            "method": self.job.method,
-            "params": self.job.params,
-            "pixels": self.job.pixels,
-            "statistics": self.result.statistics,
-            "omitted": self.result.omitted,
-        }
-
-
-def _pictures(
-    series: Series, notices: list[str], indices: range | None = None
-) -> Generator[ArrayImage, None, None]:
-    """The pictures, all or some. A video that cannot be decoded to its end stops there, with a notice."""
-    for index in range(len(series)) if indices is None else indices:
+def _whole(output: Path, series: Series, setting: Setting) -> Written:
+    """Written in one go, with progress; reading, enhancing and writing overlap."""
+    writing = enhance_into(output, series, setting, _watched)
+    while True:
         try:
-            image = series.read(index)
-        except ClipError as error:
-            if index == 0 or not series.is_video:
-                raise
-            notice = f"stopped after {index} of {len(series)} frames: {error}"
-            notices.extend({notice}.difference(notices))
-            return
-        yield image
+            next(writing)
+        except StopIteration as end:
+            written: Written = end.value
+            return written
 
 
-def _tissue(series: Series, flags: argparse.Namespace) -> Tissue:
-    """Of each picture on its own, or where the statistics are those of all pictures, one mask for all."""
-    if flags.pixels == "all":
-        return lambda image: None
-    if flags.statistics == "image":
-        return lambda image: inside([image])
-    size = series.read(0).shape[:2]
-    spread = _pictures(series, [], series.spread(STEADY_FRAMES))
+def _watched(stage: str, series: Series, items: Stream) -> Stream:
+    """The items, made in advance, with progress."""
+    items = ahead(items)
     try:
-        steady = inside(image for image in spread if image.shape[:2] == size)
-    except ImageError as error:
-        raise UserError(f"{error}: {series.sources[0].parent}") from error
-    return lambda image: steady if image.shape[:2] == size else inside([image])
-
-
-def _pooled(series: Series, job: _Job, notices: list[str]) -> Statistics:
-    assert job.params is not None
-    # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
-    images, again = tee(_told("measure", series, ahead(_pictures(series, notices))))
-    try:
-        return measure_for(job.params, images, map(job.tissue, again))
-    except ImageError as error:
-        raise UserError(f"{error}: {series.sources[0].parent}") from error
-
-
-def _enhanced(
-    series: Series, images: Generator[ArrayImage, None, None], job: _Job
-) -> Generator[_Picture, None, None]:
-    origins, enhancer = series.origins(), LookEnhancer()
-    try:
-        for index, image in enumerate(images):
-            try:
-                mask = job.tissue(image) if job.statistics is None else None
-                result = apply(job.method, job.params, image, mask, job.statistics, enhancer)
-            except (ImageError, UserError) as error:
-                raise UserError(f"{error}: {series.sources[index]}") from error
-            frame = index if series.is_video else None
-            yield _Picture(series.names[index], next(origins), frame, job, result)
-    finally:
-        images.close()
-
-
-def _told(title: str, series: Series, items: Generator[T, None, None]) -> Generator[T, None, None]:
-    """The items, with progress."""
-    try:
-        with progress(title, len(series)) as report:
+        with progress(stage, len(series)) as report:
             for index, item in enumerate(items):
                 yield item
                 report(index + 1, series.names[index])
@@ -223,41 +138,47 @@ def _told(title: str, series: Series, items: Generator[T, None, None]) -> Genera
         items.close()
 
 
-def _write(
-    output: Path, series: Series, pictures: Iterator[_Picture], notices: list[str]
-) -> list[dict[str, Any]]:
-    """Write all pictures or none; what was used for each."""
-    if output.suffix.lower() == VIDEO:
-        return _write_video(output, series, pictures, notices)
-    if is_image(output) and not output.is_dir():
-        (picture,) = pictures
-        write_image(output, picture.result.image, provenance(**picture.facts))
-        return [{"output": output.name} | picture.facts]
-    facts = []
-    with filled(output) as staging:
-        for picture in pictures:
-            image = picture.result.image
-            # PNG holds no floats.
-            name = picture.name + (".tiff" if image.dtype.kind == "f" else ".png")
-            write_image(staging / name, image, provenance(**picture.facts))
-            facts.append({"output": name} | picture.facts)
-    return facts
+def _say(notices: tuple[str, ...]) -> None:
+    for notice in notices:
+        sys.stderr.write(f"{notice}\n")
 
 
-def _write_video(
-    output: Path, series: Series, pictures: Iterator[_Picture], notices: list[str]
-) -> list[dict[str, Any]]:
-    """The video, and beside it its provenance, which this container does not carry."""
-    facts = []
+def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
+    """Each input or what lies below it, into a folder. Raises UserError at the end where some have failed."""
+    output: Path = flags.output
+    if (is_image(output) or output.suffix.lower() in VIDEOS | NOT_WRITTEN) and not output.is_dir():
+        raise UserError(f"expected a folder for what comes of several pictures or videos, got {output}")
+    items = items_in(flags.inputs, output, below=flags.recursive)
+    started = time.perf_counter()
+    ended = [_ended(step, items[step.place - 1], output) for step in _told_batch(items, setting)]
+    seconds = time.perf_counter() - started
+    failed = [one for one in ended if "failure" in one]
+    if flags.json:
+        facts = provenance(**setting.facts, items=ended, failed=len(failed), seconds=seconds)
+        sys.stdout.write(strict_json(facts) + "\n")
+    elif len(failed) < len(items):
+        count = len(items) - len(failed)
+        sys.stdout.write(f"{output}: {count} of {len(items)} enhanced in {seconds:.1f} s\n")
+    if failed:
+        said = "; ".join(f"{one['input']} ({one['failure']})" for one in failed)
+        raise UserError(f"{len(failed)} of {len(items)} could not be enhanced: {said}")
 
-    def frames() -> Iterator[ArrayImage]:
-        for picture in pictures:
-            facts.append({"output": output.name} | picture.facts)
-            yield picture.result.image
 
-    like = series.sources[0] if series.is_video else None
-    written = write_video(output, frames(), series.frames_per_second, like=like)
-    notices.extend(written.notices)
-    record = {"kind": "enhanced video", "frames_per_second": series.frames_per_second, "pictures": facts}
-    write_sidecar(output, provenance(**record, encoding=written.encoding, notices=notices))
-    return facts
+def _told_batch(items: list[Item], setting: Setting) -> list[Step]:
+    """The last step of each item; its notices are told at once."""
+    ended = []
+    for step in enhance_batch(items, setting, _watched):
+        if step.written is not None:
+            _say(tuple(f"{step.name}: {notice}" for notice in step.written.notices))
+        if step.written is not None or step.failed is not None:
+            ended.append(step)
+    return ended
+
+
+def _ended(step: Step, item: Item, output: Path) -> dict[str, Any]:
+    """For the JSON."""
+    facts: dict[str, Any] = {"input": item.name, "output": item.output.relative_to(output).as_posix()}
+    if step.failed is not None:
+        return facts | {"failure": step.failed.reason}
+    assert step.written is not None
+    return facts | {"pictures": step.written.pictures, "notices": step.written.notices}

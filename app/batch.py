@@ -1,0 +1,164 @@
+"""Many pictures, folders and videos enhanced by one setting, into a folder of the same structure."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.enhanced_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
+from app.errors import UserError
+from app.pictures import is_image
+from app.provenance import LAYOUTS
+from app.series import open_series
+from enhance import ImageError
+from renderer.clip import ClipError
+from renderer.readers.endonerf import is_endonerf
+from renderer.readers.pictures import natural_key
+
+VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
+
+
+@dataclass(frozen=True)
+class Item:
+    """One picture, one folder's pictures, or one video."""
+
+    source: Path
+    output: Path
+    """A video, or the folder that pictures go into."""
+    name: str
+    """As a person reads it: the source below what was given."""
+
+
+@dataclass(frozen=True)
+class Failed:
+    """An item of which nothing was written, with the reason in one line."""
+
+    item: Item
+    reason: str
+
+
+@dataclass(frozen=True)
+class Step:
+    """How far a batch has come."""
+
+    place: int
+    """Items that are done with."""
+    count: int
+    name: str
+    """Of the item under way or just ended."""
+    done: int = 0
+    total: int = 0
+    """Its pictures."""
+    written: Written | None = None
+    """What became of the item, at its end; None with `failed` set: nothing."""
+    failed: Failed | None = None
+
+
+def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]:
+    """What there is to enhance, in natural order; of a folder its pictures, or all that lies `below` it.
+
+    One folder's structure is kept in `output` itself; of several inputs each has its own name there.
+
+    Raises:
+        UserError: nothing there, or an output inside an input, which a second batch would take for one.
+    """
+    target = output.resolve()
+    for given in inputs:
+        if not given.exists():
+            raise UserError(f"expected a picture, a folder or a video, got no such file: {given}")
+        if given.is_dir() and target.is_relative_to(given.resolve()):
+            raise UserError(f"expected OUTPUT outside of {given}, whose pictures it shall not join: {output}")
+    taken: Counter[tuple[str, str]] = Counter()
+    found: list[Item] = []
+    for given in inputs:
+        kind, stem = _kind(given), given.resolve().name if given.is_dir() else given.stem
+        taken[kind, stem] += 1
+        number = taken[kind, stem]
+        own = stem if number == 1 else f"{stem}-{number}"
+        found += _items_of(given, output, own, alone=len(inputs) == 1, below=below)
+    if not found:
+        names = ", ".join(given.name for given in inputs)
+        raise UserError(f"expected pictures or videos, found none in {names}")
+    return found
+
+
+def _kind(given: Path) -> str:
+    """Inputs of one kind and name would write to one place."""
+    if given.is_dir():
+        return "folder"
+    return "picture" if is_image(given) else "video"
+
+
+def _items_of(given: Path, output: Path, own: str, *, alone: bool, below: bool) -> Iterator[Item]:
+    name = given.resolve().name
+    if given.is_dir():
+        target = output if alone else output / own
+        yield from _walk(given, target, name) if below else (Item(given, target, name),)
+    elif is_image(given):
+        yield Item(given, output if own == given.stem else output / f"{own}.png", name)
+    else:
+        yield Item(given, output / f"{own}{VIDEO}", name)
+
+
+def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
+    """The folder's pictures, its videos, then the folders in it; a clip of many folders is one item."""
+    if is_endonerf(folder) or any(is_layout(folder) for is_layout in LAYOUTS):
+        yield Item(folder, output, name)
+        return
+    inside = sorted((path for path in folder.iterdir() if not path.name.startswith(".")), key=natural_key)
+    files = [path for path in inside if path.is_file()]
+    if any(is_image(path) for path in files):
+        yield Item(folder, output, name)
+    videos = [path for path in files if path.suffix.lower() in VIDEOS]
+    stems = Counter(path.stem for path in videos)
+    for path in videos:
+        kept = path.stem if stems[path.stem] == 1 else path.name
+        yield Item(path, output / f"{kept}{VIDEO}", f"{name}/{path.name}")
+    for path in inside:
+        if path.is_dir() and not path.is_symlink():
+            yield from _walk(path, output / path.name, f"{name}/{path.name}")
+
+
+def enhance_batch(
+    items: Sequence[Item], setting: Setting, watch: Watch = unwatched
+) -> Generator[Step, None, None]:
+    """All items one after another, each whole or not at all; one that fails is passed over.
+
+    Closed before its end, it keeps the items that are whole and leaves nothing of the one under way.
+    """
+    for place, item in enumerate(items):
+        try:
+            yield Step(place, len(items), item.name)
+            series = open_series(item.source)
+            writing = enhance_into(item.output, series, setting, watch)
+            try:
+                written = yield from _counted(writing, place, len(items), item, len(series))
+            finally:
+                writing.close()
+        except (OSError, UserError, ClipError, ImageError) as error:
+            failed = Failed(item, _line(error))
+            yield Step(place + 1, len(items), item.name, failed=failed)
+        else:
+            yield Step(place + 1, len(items), item.name, written=written)
+
+
+def _counted(
+    writing: Generator[int, None, Written], place: int, count: int, item: Item, total: int
+) -> Generator[Step, None, Written]:
+    while True:
+        try:
+            done = next(writing)
+        except StopIteration as end:
+            written: Written = end.value
+            return written
+        yield Step(place, count, item.name, done, total)
+
+
+def _line(error: Exception) -> str:
+    """What went wrong, in words alone."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.strerror}{f': {os.path.basename(str(error.filename))}' if error.filename else ''}"
+    return str(error)

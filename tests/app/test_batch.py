@@ -1,0 +1,161 @@
+"""Many inputs enhanced by one setting: structure is kept, an item is whole or absent, failures are told."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.batch import enhance_batch, items_in
+from app.enhanced_files import Setting
+from app.errors import UserError
+from app.pictures import read_image
+from app.provenance import read_provenance
+from app.replay import replay
+from enhance import EnhanceParams, enhance
+from enhance.vessel import VesselParams
+from renderer.sources import open_clip
+from tests.app.conftest import Call, tissue
+
+Cli = Callable[..., Call]
+SETTING = Setting("paper", EnhanceParams(d_factor=0.5))
+
+
+def write_avi(path: Path, frames: int = 4) -> None:
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (64, 48))
+    for index in range(frames):
+        writer.write(cv2.resize(tissue(index), (64, 48)))
+    writer.release()
+
+
+@pytest.fixture
+def cases(tmp_path: Path) -> Path:
+    """Two patients: a folder of pictures, a video, a clip in EndoNeRF layout; and what is none of these."""
+    root = tmp_path / "cases"
+    for index, name in enumerate(("a/stills/1.png", "a/stills/2.png", "b/clip/images/000001.png")):
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        cv2.imwrite(str(root / name), tissue(index))
+    cv2.imwrite(str(root / "b/clip/images/000002.png"), tissue(5))
+    for part in ("masks", "depth"):
+        (root / "b/clip" / part).mkdir()
+        for number in (1, 2):
+            cv2.imwrite(str(root / f"b/clip/{part}/00000{number}.png"), np.zeros((40, 60), np.uint8))
+    np.save(root / "b/clip/poses_bounds.npy", np.zeros((2, 17)))
+    write_avi(root / "a/scope.avi")
+    (root / "a/notes.txt").write_text("no picture")
+    (root / ".hidden").mkdir()
+    cv2.imwrite(str(root / ".hidden/1.png"), tissue(0))
+    return root
+
+
+def files(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_the_structure_is_kept_and_every_file_comes_again(
+    cases: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    out = tmp_path / "out"
+    call = vesselsplat("enhance", cases, out, "--recursive", "--d-factor", "0.5", "--json")
+    assert call.code == 0
+    assert files(out) == {
+        "a/stills/1.png", "a/stills/2.png", "a/scope.mp4", "a/scope.mp4.json",
+        "b/clip/000001.png", "b/clip/000002.png",
+    }  # fmt: skip
+    expected = enhance(read_image(cases / "a/stills/2.png"), EnhanceParams(d_factor=0.5)).image
+    np.testing.assert_array_equal(read_image(out / "a/stills/2.png"), expected)
+    assert len(open_clip(out / "a/scope.mp4")) == 4
+    found = json.loads(call.out)
+    assert [(one["output"], len(one["pictures"])) for one in found["items"]] == [
+        ("a/scope.mp4", 4), ("a/stills", 2), ("b/clip", 2),
+    ]  # fmt: skip
+    assert str(tmp_path) not in json.dumps(found)
+    sources = {"a/stills/1.png": "a/stills", "b/clip/000002.png": "b/clip/images", "a/scope.mp4": "a"}
+    for made, source in sources.items():
+        path = out / made
+        again = tmp_path / f"again{path.suffix}"
+        assert replay(path, (cases / source,), again).difference.is_none
+
+
+def test_several_inputs_have_their_own_names(cases: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    (cases / "c").mkdir()
+    cv2.imwrite(str(cases / "c/1.png"), tissue(7))
+    out, first = tmp_path / "out", cases / "a/stills"
+    inputs = (first, cases / "a/scope.avi", cases / "b/clip", first / "1.png", cases / "c/1.png")
+    assert vesselsplat("enhance", *inputs, out, "--method", "vessel").code == 0
+    assert files(out) == {
+        "stills/1.png", "stills/2.png", "scope.mp4", "scope.mp4.json", "clip/000001.png", "clip/000002.png",
+        "1.png", "1-2.png",
+    }  # fmt: skip
+    assert read_provenance(out / "1-2.png")["params"]["strength"] == VesselParams().strength
+    assert not np.array_equal(read_image(out / "1.png"), read_image(out / "1-2.png"))
+
+
+def test_one_bad_item_is_told_at_the_end_and_the_others_are_there(
+    cases: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    (cases / "a/stills/2.png").write_bytes((cases / "a/stills/2.png").read_bytes()[:300])
+    (cases / "a/broken.mp4").write_bytes(b"no video")
+    out = tmp_path / "out"
+    call = vesselsplat("enhance", cases, out, "--recursive", "--json")
+    assert call.code == 2
+    last = call.error.splitlines()[-1]
+    assert "2 of 4 could not be enhanced" in last
+    assert "2.png" in last
+    assert "broken.mp4" in last
+    assert files(out) == {"a/scope.mp4", "a/scope.mp4.json", "b/clip/000001.png", "b/clip/000002.png"}
+    assert not list(out.rglob("*.partial"))
+    found = json.loads(call.out)
+    assert [("failure" in one) for one in found["items"]] == [True, False, True, False]
+
+
+def test_what_ends_early_leaves_whole_items_alone(cases: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    items = items_in((cases,), out, below=True)
+    steps = enhance_batch(items, SETTING)
+    for step in steps:
+        if step.place == 1 and step.done == 1:
+            break
+    steps.close()
+    assert files(out) == {"a/scope.mp4", "a/scope.mp4.json"}
+
+
+def test_pooled_statistics_may_be_of_some_frames(cases: Path, tmp_path: Path) -> None:
+    setting = Setting("vessel", VesselParams(), "clip", "tissue", pooled=2)
+    items = items_in((cases / "a",), tmp_path / "out", below=True)
+    steps = list(enhance_batch(items, setting))
+    assert [step.failed for step in steps if step.failed] == []
+    written = [step.written for step in steps if step.written is not None]
+    assert [len(one.pictures) for one in written] == [4, 2]
+    assert {one["statistics"].scope for each in written for one in each.pictures} == {"clip"}
+    (video,) = (tmp_path / "out").glob("*.mp4")
+    assert replay(video, (cases / "a",), tmp_path / "again.mp4").difference.is_none
+
+
+def test_videos_of_one_name_do_not_share_a_file(cases: Path, tmp_path: Path) -> None:
+    write_avi(cases / "a/scope.mkv.avi")
+    (cases / "a/scope.mov").write_bytes(b"")
+    outputs = [item.output.name for item in items_in((cases / "a",), tmp_path / "out", below=True)]
+    assert sorted(outputs) == ["scope.avi.mp4", "scope.mkv.mp4", "scope.mov.mp4", "stills"]
+
+
+def test_what_cannot_be_is_one_line(cases: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "empty").mkdir()
+    wrong: list[tuple[tuple[object, ...], str]] = [
+        ((cases, cases / "out", "--recursive"), "OUTPUT outside"),
+        ((cases / "a", cases / "none", tmp_path / "out"), "no such file"),
+        ((tmp_path / "empty", tmp_path / "out", "--recursive"), "found none"),
+        ((cases / "a/stills", cases / "b/clip", tmp_path / "out.png"), "expected a folder"),
+        ((cases / "a/stills", cases / "b/clip", tmp_path / "out.avi"), "expected a folder"),
+    ]
+    for flags, said in wrong:
+        call = vesselsplat("enhance", *flags)
+        assert (call.code, call.error.count("\n")) == (2, 1)
+        assert said in call.error
+    assert not (tmp_path / "out").exists()
+    with pytest.raises(UserError, match="no such file"):
+        items_in((tmp_path / "none",), tmp_path / "out", below=False)
