@@ -23,7 +23,7 @@ from app.gui.actions import (
     second_actions,
     session_actions,
 )
-from app.gui.actions.actions import MakeJob
+from app.gui.actions.job_actions import MakeJob
 from app.gui.commands.camera_commands import second_commands
 from app.gui.commands.command import Outside
 from app.gui.commands.commands import sections

@@ -17,7 +17,7 @@ import psutil
 from imgui_bundle import hello_imgui, imgui, immapp
 from imgui_bundle.immapp import testing
 
-from app.gui.actions import actions
+from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
@@ -81,13 +81,13 @@ def drag(window: Window, *, train: bool) -> None:
     def drive(ctx: Context) -> None:
         wait(ctx, lambda: state.pictures is not None and state.pictures.enhanced is not None)
         if train:
-            actions.start_reconstruction(state, TrainingJob)
+            job_actions.start_reconstruction(state, TrainingJob)
             wait(ctx, lambda: state.reconstruction.progress is not None)
         for warm in (0.21, 0.22, 0.23):
             move(ctx, warm)
         swaps.clear()
         waits.extend(move(ctx, 0.3 + 0.005 * step) for step in range(MOVES))
-        actions.cancel(state)
+        job_actions.cancel(state)
         wait(ctx, lambda: not state.reconstruction.is_alive)
 
     def move(ctx: Context, z: float) -> float:

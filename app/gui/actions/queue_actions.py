@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from app.gui.actions import actions
-from app.gui.actions.actions import MakeJob
-from app.gui.state.app_state import AppState, Waiting
+from app.gui.actions import job_actions
+from app.gui.actions.job_actions import MakeJob
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import Waiting
 
 
 def advance(state: AppState, make_job: MakeJob) -> None:
     """Once a frame: when one has ended, in whatever way, the next starts."""
     run = state.reconstruction
     if state.queue and not run.is_alive and run.job is None and not why_held(state):
-        actions.start_first(state, make_job)
+        job_actions.start_first(state, make_job)
 
 
 def why_held(state: AppState) -> str:

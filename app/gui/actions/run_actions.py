@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from app.gui.actions import actions, second_actions
-from app.gui.actions.actions import MakeJob
-from app.gui.state.app_state import AppState, Reconstruction, Waiting
+from app.gui.actions import actions, job_actions, second_actions
+from app.gui.actions.job_actions import MakeJob
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import Reconstruction, Waiting
 from app.gui.state.second import Second
 from app.gui.work.background import Failure
 from app.gui.work.run_list import FoundRuns, ListedRun
@@ -53,7 +54,7 @@ def continue_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
     """Go on with it as it was begun: at once, or when its turn comes."""
     if state.clip is not None and not why_not_continue(state, run):
         waiting = Waiting(state.clip, replace(run.request, resume=True), run.curve)
-        actions.enqueue(state, make_job, (waiting,))
+        job_actions.enqueue(state, make_job, (waiting,))
 
 
 def why_not_continue(state: AppState, run: ListedRun) -> str:

@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui, implot
 
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
-from app.gui.state.app_state import Reconstruction
+from app.gui.state.reconstruction import Reconstruction
 from renderer.train.events import Evaluated, Progress
 
 FLAGS = (

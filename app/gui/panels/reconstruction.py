@@ -7,14 +7,15 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.actions import actions, run_actions
-from app.gui.actions.actions import MakeJob
+from app.gui.actions import job_actions, run_actions
+from app.gui.actions.job_actions import MakeJob
 from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from app.gui.panels.curves import draw_curves
-from app.gui.state.app_state import AppState, InputKind, Reconstruction
+from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
+from app.gui.state.reconstruction import InputKind, Reconstruction
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
 
@@ -117,9 +118,9 @@ def _steps(config: TrainConfig) -> int:
 
 def _draw_start(state: AppState, make_job: MakeJob) -> None:
     run = state.reconstruction
-    reason = actions.why_not_reconstruct(state)
+    reason = job_actions.why_not_reconstruct(state)
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-        start = lambda: actions.start_reconstruction(state, make_job)  # noqa: E731
+        start = lambda: job_actions.start_reconstruction(state, make_job)  # noqa: E731
         label = "Add to the queue" if run.is_alive else "Reconstruct"
         button(f"{label}###start", start, enabled=not reason, width=-1.0)
     soon = "Starts when those before it have ended, as it is set now." if run.is_alive else ""
@@ -136,8 +137,8 @@ def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
             imgui.text_colored(theme.now().danger, legible(run.failure))
             imgui.text_colored(theme.now().muted, run.way_out)
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
-    onward = lambda: actions.continue_reconstruction(state, make_job)  # noqa: E731
-    again = actions.can_continue(state)
+    onward = lambda: job_actions.continue_reconstruction(state, make_job)  # noqa: E731
+    again = job_actions.can_continue(state)
     button("Continue", onward, enabled=again, width=half)
     explain("From the run's last checkpoint." if again else "It goes on only with its own clip: open that.")
     imgui.same_line(0, em(0.5))
@@ -151,12 +152,12 @@ def _draw_hold(state: AppState) -> None:
     run = state.reconstruction
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
     if run.status == "paused":
-        button("Resume###pause", lambda: actions.resume(state), enabled=run.can_resume, width=half)
+        button("Resume###pause", lambda: job_actions.resume(state), enabled=run.can_resume, width=half)
     else:
-        button("Pause###pause", lambda: actions.pause(state), enabled=run.can_pause, width=half)
+        button("Pause###pause", lambda: job_actions.pause(state), enabled=run.can_pause, width=half)
     explain("Training stands still, and starts no other one.")
     imgui.same_line(0, em(0.5))
-    button("Cancel", lambda: actions.cancel(state), width=half)
+    button("Cancel", lambda: job_actions.cancel(state), width=half)
     explain("What is done so far is kept: Continue goes on from the last checkpoint.")
 
 

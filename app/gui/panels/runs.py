@@ -8,11 +8,12 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
 from app.gui.actions import queue_actions, run_actions
-from app.gui.actions.actions import MakeJob
+from app.gui.actions.job_actions import MakeJob
 from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
-from app.gui.state.app_state import AppState, Waiting
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import Waiting
 from app.gui.work.run_list import ListedRun
 
 

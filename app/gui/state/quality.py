@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.gui.state.app_state import Reconstruction
+from app.gui.state.reconstruction import Reconstruction
 
 QUALITIES = {"Draft": 500, "Standard": 3000, "Fine": 6000}
 """Iterations: enough to look at, the default, and twice that."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.gui.actions import actions, run_actions
+from app.gui.actions import actions, job_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.job import Cancelled, Failed, Paused, Resumed
 from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
@@ -21,7 +21,7 @@ def follow_job(state: AppState) -> None:
         job.close()
         state.reconstruction.job = None
     elif (model := job.latest_model()) is not None:
-        actions.show_live_model(state, model)
+        job_actions.show_live_model(state, model)
 
 
 def _hear(state: AppState, event: object) -> None:
@@ -46,7 +46,7 @@ def _hear(state: AppState, event: object) -> None:
             run.status = "running"
         case Finished():
             run.status = "finished"
-            actions.show_finished_model(state, event.model)
+            job_actions.show_finished_model(state, event.model)
             actions.announce(state, f"reconstruction finished in {event.seconds:.0f} s")
         case Cancelled():
             run.status = "cancelled"

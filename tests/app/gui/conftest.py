@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions
+from app.gui.actions import job_actions
 from app.gui.commands.command import Outside
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
@@ -158,5 +158,5 @@ def opened(state: AppState) -> AppState:
 
 
 def start_live(state: AppState, model: DynamicGaussians) -> None:
-    actions.start_reconstruction(state, FakeJob)
-    actions.show_live_model(state, model)
+    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.show_live_model(state, model)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions
+from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import load_settings
 from app.gui.work.opening import Opened
@@ -20,7 +20,7 @@ MakeFake = Callable[[object], FakeJob]
 
 
 def started(state: AppState, make_job: MakeFake) -> FakeJob:
-    actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state, make_job)
     assert isinstance(state.reconstruction.job, FakeJob)
     return state.reconstruction.job
 
@@ -33,7 +33,7 @@ def test_seeking_stays_within_the_clip(state: AppState) -> None:
 
 def test_without_a_clip_nothing_moves(places) -> None:  # type: ignore[no-untyped-def]
     state = AppState(places)
-    for act in (actions.toggle_play, actions.toggle_freeze, actions.undo, actions.redo, actions.cancel):
+    for act in (actions.toggle_play, actions.toggle_freeze, actions.undo, actions.redo, job_actions.cancel):
         act(state)
     actions.step(state, 1)
     assert (state.playing, state.frozen_index, state.frame_index) == (False, None, 0)
@@ -153,16 +153,16 @@ def test_a_name_never_leaves_the_runs_folder(state: AppState, make_job: MakeFake
 
 def test_words_go_to_the_job_only_when_they_mean_something(state: AppState, make_job: MakeFake) -> None:
     job = started(state, make_job)
-    actions.pause(state)  # Still starting: there is nothing to pause yet.
+    job_actions.pause(state)  # Still starting: there is nothing to pause yet.
     state.reconstruction.status = "running"
-    actions.resume(state)
-    actions.pause(state)
+    job_actions.resume(state)
+    job_actions.pause(state)
     state.reconstruction.status = "paused"
-    actions.pause(state)
-    actions.resume(state)
-    actions.cancel(state)
+    job_actions.pause(state)
+    job_actions.resume(state)
+    job_actions.cancel(state)
     state.reconstruction.status = "cancelled"
-    actions.cancel(state)
+    job_actions.cancel(state)
     assert job.told == ["start", "pause", "resume", "cancel"]
 
 
@@ -174,8 +174,8 @@ def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
     run.status, run.curve = "cancelled", [Progress(1, 7, 0.5, 20.0, 1.0, 9.0, 30)]
     run.config = replace(run.config, iterations=7)
     actions.set_params(state, EnhanceParams(z=0.9))
-    assert actions.can_continue(state)
-    actions.continue_reconstruction(state, make_job)
+    assert job_actions.can_continue(state)
+    job_actions.continue_reconstruction(state, make_job)
     job = state.reconstruction.job
     assert isinstance(job, FakeJob)
     assert isinstance(first, TrainRequest)
@@ -189,30 +189,30 @@ def test_continue_is_not_offered_for_another_clip(
     started(state, make_job)
     state.reconstruction.status = "failed"
     state.clip = make_clip(tmp_path / "other")
-    assert not actions.can_continue(state)
+    assert not job_actions.can_continue(state)
 
 
 def test_what_a_reconstruction_lacks_is_said(state: AppState, tmp_path: Path) -> None:
-    assert actions.why_not_reconstruct(state) == ""
+    assert job_actions.why_not_reconstruct(state) == ""
     state.clip = make_clip(tmp_path / "flat", has_depth=False)
-    assert "depth" in actions.why_not_reconstruct(state)
+    assert "depth" in job_actions.why_not_reconstruct(state)
     state.clip = None
-    assert "clip" in actions.why_not_reconstruct(state)
+    assert "clip" in job_actions.why_not_reconstruct(state)
 
 
 def test_the_live_preview_says_so_and_keeps_its_pivot(
     state: AppState, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
     started(state, make_job)
-    actions.show_live_model(state, model)
+    job_actions.show_live_model(state, model)
     assert state.model is not None
     assert state.model.live
     first = state.model
     state.reconstruction.progress = Progress(50, 3000, 0.1, 20.0, 1.0, 9.0, 30)
-    actions.show_live_model(state, replace(model, raw=replace(model.raw, means=model.means * 2)))
+    job_actions.show_live_model(state, replace(model, raw=replace(model.raw, means=model.means * 2)))
     assert state.model.distance == first.distance == pytest.approx(50.0)
     assert state.model.iteration == 50
-    actions.show_finished_model(state, model)
+    job_actions.show_finished_model(state, model)
     assert not state.model.live
 
 
@@ -246,7 +246,7 @@ def test_a_model_without_pictures_is_alone(
     state: AppState, model: DynamicGaussians, make_job: MakeFake
 ) -> None:
     started(state, make_job)
-    actions.show_live_model(state, model)
+    job_actions.show_live_model(state, model)
     assert not state.is_model_alone
     state.clip = None
     assert state.is_model_alone

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions
+from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.viewing import ViewRequest
@@ -19,8 +19,8 @@ Act = Callable[[AppState], None]
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     """A reconstruction on screen, through the clip's camera and as large as its photos."""
-    actions.start_reconstruction(state, FakeJob)
-    actions.show_live_model(state, model)
+    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.show_live_model(state, model)
     state.view_size = SIZE
     return state
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.gui.actions import actions
+from app.gui.actions import actions, job_actions
 from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
@@ -125,15 +125,15 @@ def test_a_run_s_view_names_its_own_clip_whatever_is_open(
 def test_a_model_of_this_session_knows_its_run(
     tmp_path: Path, state: AppState, model: DynamicGaussians
 ) -> None:
-    actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state, FakeJob)
     path = state.reconstruction.run_path
     assert path is not None
     run = make_run(path, phantom_path(), None)
-    actions.show_live_model(state, model)
+    job_actions.show_live_model(state, model)
     assert state.model is not None
     assert state.model.origin is not None
     assert state.model.origin.facts["run"] == {"name": path.name, "model_sha256": None}
     run.save_model(model)
-    actions.show_finished_model(state, model)
+    job_actions.show_finished_model(state, model)
     assert state.model.origin is not None
     assert state.model.origin.facts["run"]["model_sha256"] == digest(run.model_path)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.gui.actions import actions
+from app.gui.actions import actions, job_actions
 from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
@@ -58,7 +58,7 @@ def test_each_method_keeps_its_parameters_and_undo_goes_between_them(state: AppS
 def test_a_reconstruction_takes_the_paper_s_method(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.3))
     actions.choose_method(state, VesselParams)
-    actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state, FakeJob)
     request = state.reconstruction.request
     assert isinstance(request, TrainRequest)
     assert request.enhance_params == EnhanceParams(z=0.3, d_factor=state.reconstruction.d_factor)

@@ -10,7 +10,7 @@ import pytest
 
 from app.cli import load
 from app.errors import UserError
-from app.gui.actions import actions
+from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.work.opening import Opened, OpenRequest, open_path
@@ -75,7 +75,7 @@ def test_a_finished_run_shows_its_clip_its_model_and_its_curves(
     assert state.reconstruction.status == "finished"
     assert state.reconstruction.input == "enhanced"
     assert [point.iteration for point in state.reconstruction.curve] == [20, 40]
-    assert not actions.can_continue(state)
+    assert not job_actions.can_continue(state)
 
 
 def test_the_model_file_opens_its_run(tmp_path: Path, model: DynamicGaussians) -> None:
@@ -109,9 +109,9 @@ def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> N
     run = make_run(tmp_path / "run-1", phantom_path(), None)
     state = session(places, run.path)
     assert state.model is None
-    assert actions.can_continue(state)
+    assert job_actions.can_continue(state)
     jobs: list[FakeJob] = []
-    actions.continue_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
+    job_actions.continue_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
     request = jobs[0].request
     assert isinstance(request, TrainRequest)
     assert (request.resume, request.run_path, request.config) == (True, run.path, run.record().config)
@@ -176,7 +176,7 @@ def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
     assert state.clip is not None
     assert state.clip.read_frame(0).tissue_mask.mean() > 0.5
     jobs: list[FakeJob] = []
-    actions.start_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
+    job_actions.start_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
     request = jobs[0].request
     assert isinstance(request, TrainRequest)
     assert request.clip_options.mask_polarity == "tissue"

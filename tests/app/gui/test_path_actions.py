@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, path_actions
+from app.gui.actions import actions, camera_actions, job_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import Opened
 from renderer.camera import Camera
@@ -20,8 +20,8 @@ from tests.app.gui.conftest import SIZE, FakeJob
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    actions.start_reconstruction(state, FakeJob)
-    actions.show_live_model(state, model)
+    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.show_live_model(state, model)
     state.view_size = SIZE
     return state
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.gui.actions import actions, queue_actions
+from app.gui.actions import job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
@@ -48,7 +48,7 @@ def frame(state: AppState, jobs: Jobs, channels: Channels) -> None:
 def queued(state: AppState, jobs: Jobs, *iterations: int) -> None:
     for count in iterations:
         state.reconstruction.config = replace(state.reconstruction.config, iterations=count)
-        actions.start_reconstruction(state, jobs.make)
+        job_actions.start_reconstruction(state, jobs.make)
 
 
 @pytest.mark.parametrize(
@@ -84,14 +84,14 @@ def test_what_waits_is_as_it_was_chosen(state: AppState, jobs: Jobs) -> None:
 def test_no_two_share_a_folder(state: AppState, jobs: Jobs) -> None:
     for _ in range(3):
         state.reconstruction.name = "same"
-        actions.start_reconstruction(state, jobs.make)
+        job_actions.start_reconstruction(state, jobs.make)
     requests = [*jobs.requests, *(waiting.request for waiting in state.queue)]
     assert [request.run_path.name for request in requests] == ["same", "same-2", "same-3"]
 
 
 def test_both_in_turn_are_two_that_differ_in_their_frames_alone(state: AppState, jobs: Jobs) -> None:
     state.reconstruction.input, state.reconstruction.name = "both in turn", "clip"
-    actions.start_reconstruction(state, jobs.make)
+    job_actions.start_reconstruction(state, jobs.make)
     (first,), (waiting,) = jobs.requests, state.queue
     second = waiting.request
     assert (first.input, second.input) == ("original", "enhanced")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, run_actions
+from app.gui.actions import job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
@@ -118,7 +118,7 @@ def test_an_unfinished_run_goes_on_as_it_was_begun_and_only_once(
     opened: AppState, make_job: MakeFake
 ) -> None:
     run = named(opened, "short")
-    actions.start_reconstruction(opened, make_job)
+    job_actions.start_reconstruction(opened, make_job)
     run_actions.continue_run(opened, make_job, run)
     run_actions.continue_run(opened, make_job, run)
     (waiting,) = opened.queue
@@ -138,8 +138,8 @@ def test_a_finished_run_opens_in_place_or_beside_the_one_that_is_made(
     assert opened.opening is not None
     assert opened.opening.path == short.path
     opened.opening = None
-    actions.start_reconstruction(opened, make_job)
-    actions.show_live_model(opened, model)
+    job_actions.start_reconstruction(opened, make_job)
+    job_actions.show_live_model(opened, model)
     run_actions.open_run(opened, short)
     assert opened.second.opening is None
     run_actions.open_run(opened, whole)
@@ -167,11 +167,11 @@ def test_the_list_is_asked_for_only_while_it_is_on_screen(opened: AppState) -> N
 def test_a_failure_says_what_can_be_done(
     state: AppState, make_job: MakeFake, model: DynamicGaussians, left: str, said: str
 ) -> None:
-    actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state, make_job)
     run = state.reconstruction
     assert isinstance(run.job, FakeJob)
     assert run.run_path is not None
-    actions.show_live_model(state, model)
+    job_actions.show_live_model(state, model)
     if left != "nothing":
         run.run_path.mkdir(parents=True)
         (run.run_path / "run.json").touch()
@@ -191,8 +191,8 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     ui.frame(lambda: draw_runs(opened, FakeJob))
     found(opened)
     ui.frame(lambda: draw_runs(opened, FakeJob))
-    actions.start_reconstruction(opened, FakeJob)
-    actions.show_live_model(opened, model)
+    job_actions.start_reconstruction(opened, FakeJob)
+    job_actions.show_live_model(opened, model)
     opened.preview = replace(opened.model, name="short") if opened.model else None
     ui.frame(lambda: draw_runs(opened, FakeJob))
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, second_actions
+from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import SLOW_VIEW, Channels, update, view_request
 from app.gui.work.viewing import View
@@ -20,8 +20,8 @@ from tests.app.gui.test_opening import make_run
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    actions.start_reconstruction(state, FakeJob)
-    actions.show_live_model(state, model)
+    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.show_live_model(state, model)
     state.view_size = SIZE
     return state
 

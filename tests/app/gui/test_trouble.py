@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, export_actions, session_actions
+from app.gui.actions import actions, export_actions, job_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
@@ -134,7 +134,7 @@ def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path
         made.append(TrainingJob(request))  # type: ignore[arg-type]
         return made[-1]
 
-    actions.start_reconstruction(app.state, make_job)
+    job_actions.start_reconstruction(app.state, make_job)
     path = app.state.reconstruction.run_path
     assert path is not None
     run = RunFolder(path)
@@ -144,9 +144,9 @@ def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path
     app.wait(lambda: not app.state.reconstruction.is_alive)
     assert app.state.reconstruction.status == "failed"
     assert "the reconstruction stopped" in app.trouble()
-    assert actions.can_continue(app.state)
+    assert job_actions.can_continue(app.state)
     assert run.has_checkpoint
     assert app.works
     opened = App(places, run.path)
     assert opened.state.reconstruction.run_path == run.path
-    assert actions.can_continue(opened.state)
+    assert job_actions.can_continue(opened.state)

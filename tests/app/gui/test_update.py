@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions
+from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import PATIENCE, SLOW_VIEW, Channels, update, view_request
 from app.gui.work.background import Channel, Worker
@@ -216,7 +216,7 @@ def test_opening_nonsense_is_one_sentence_and_keeps_what_is_open(
 def test_a_job_is_followed_from_start_to_end(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
-    actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state, make_job)
     job, run = state.reconstruction.job, state.reconstruction
     assert isinstance(job, FakeJob)
     progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
@@ -239,7 +239,7 @@ def test_a_job_is_followed_from_start_to_end(
 def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
     state: AppState, channels: Channels, make_job: MakeFake
 ) -> None:
-    actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state, make_job)
     run = state.reconstruction
     assert isinstance(run.job, FakeJob)
     run.curve = [Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)]
@@ -255,20 +255,20 @@ def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
 def test_a_job_that_ends_early_says_so(
     state: AppState, channels: Channels, make_job: MakeFake, event: object, status: str, told: str
 ) -> None:
-    actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state, make_job)
     assert isinstance(state.reconstruction.job, FakeJob)
     state.reconstruction.job.inbox = [STARTED, event]
     update(state, channels, 0.1)
     assert state.reconstruction.status == status
     assert told in state.log[-1]
-    assert actions.can_continue(state)
+    assert job_actions.can_continue(state)
 
 
 def test_the_view_is_asked_for_only_when_it_changes(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
-    actions.start_reconstruction(state, make_job)
-    actions.show_live_model(state, model)
+    job_actions.start_reconstruction(state, make_job)
+    job_actions.show_live_model(state, model)
     state.view_size = (32, 24)
     settle(state, channels)
     first = state.view
@@ -284,8 +284,8 @@ def test_the_view_is_asked_for_only_when_it_changes(
 def test_a_slow_view_is_reduced_only_while_it_moves(
     state: AppState, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
-    actions.start_reconstruction(state, make_job)
-    actions.show_live_model(state, model)
+    job_actions.start_reconstruction(state, make_job)
+    job_actions.show_live_model(state, model)
     state.view_size = (32, 24)
     request = state.view_request
     assert request is not None

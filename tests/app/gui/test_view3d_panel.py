@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, camera_actions
+from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import bounds
 from app.gui.panels.view3d import photo_over, view_tags
@@ -173,7 +173,7 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     text = texts(view_tags(opened, shown))
     assert "LIVE PREVIEW · iteration 0 / 3000" in text
     assert "REDUCED RESOLUTION" in text
-    actions.show_finished_model(opened, model)
+    job_actions.show_finished_model(opened, model)
     assert opened.view_request is not None
     text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
     assert "LIVE" not in text

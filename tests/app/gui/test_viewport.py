@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, view_actions
+from app.gui.actions import actions, camera_actions, job_actions, view_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
 from app.gui.state.app_state import AppState
@@ -21,8 +21,8 @@ SIZE = (64, 48)
 
 @pytest.fixture
 def live(state: AppState, model: DynamicGaussians) -> AppState:
-    actions.start_reconstruction(state, FakeJob)
-    actions.show_live_model(state, model)
+    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.show_live_model(state, model)
     state.view_size = SIZE
     camera_actions.turn(state, 0.3, 0.2)
     return state

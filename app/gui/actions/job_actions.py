@@ -1,0 +1,164 @@
+"""What a person can do with the reconstruction that is made, as functions on the state. No ImGui."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+
+from app.gui.actions.actions import latest, leave, say
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import Job, Reconstruction, Waiting
+from app.gui.work.opening import finished_model
+from app.gui.work.origin import origin_of
+from app.gui.work.viewing import ShownModel
+from app.run_folder import Input, RunFolder
+from app.training import TrainRequest
+from enhance import EnhanceParams
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import middle_distance
+
+MakeJob = Callable[[TrainRequest], Job]
+
+
+def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
+    """Make what is chosen, in another process: at once, or when its turn comes."""
+    if state.clip is None:
+        return
+    chosen = state.reconstruction.input
+    inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
+    enqueue(state, make_job, tuple(Waiting(state.clip, _request(state, each)) for each in inputs))
+
+
+def _request(state: AppState, frames: Input) -> TrainRequest:
+    clip, draft = state.clip, state.reconstruction
+    assert clip is not None
+    return TrainRequest(
+        clip_path=clip.path,
+        run_path=_run_path(state, f"-{frames}" if draft.input == "both in turn" else ""),
+        config=draft.config,
+        clip_options=state.opened_options,
+        input=frames,
+        enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
+    )
+
+
+def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
+    """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
+    run = state.reconstruction
+    clip, request = run.clip, run.request
+    if can_continue(state) and clip is not None and request is not None:
+        enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), tuple(run.curve)),))
+
+
+def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
+    """Behind those that wait already; where none is under way the first starts."""
+
+    def go() -> None:
+        state.queue, state.reconstruction.name = state.queue + waiting, ""
+        start_first(state, make_job)
+
+    if state.reconstruction.is_alive:
+        go()
+    else:
+        leave(state, go)
+
+
+def start_first(state: AppState, make_job: MakeJob) -> None:
+    """Start what waits first, unless a reconstruction is under way: never two at once."""
+    if state.reconstruction.is_alive or not state.queue:
+        return
+    first, *later = state.queue
+    state.queue, draft = tuple(later), state.reconstruction
+    job = make_job(first.request)
+    state.reconstruction = Reconstruction(
+        config=draft.config,
+        input=draft.input,
+        d_factor=draft.d_factor,
+        name=draft.name,
+        status="starting",
+        job=job,
+        clip=first.clip,
+        request=first.request,
+        curve=list(first.curve),
+    )
+    job.start()
+    say(state, f"reconstruction of {first.clip.name} started: {first.request.run_path.name}")
+
+
+def _run_path(state: AppState, suffix: str) -> Path:
+    """The name the user gave, or the clip's with the time; never one that is taken or promised."""
+    assert state.clip is not None
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
+    wanted = (state.reconstruction.name.strip() or f"{state.clip.name}-{stamp}") + suffix
+    base = re.sub(r"[^\w.-]+", "-", wanted).strip(".-") or "run"
+    promised = {waiting.request.run_path for waiting in state.queue} | {state.reconstruction.run_path}
+    path, number = state.places.runs / base, 2
+    while path.exists() or path in promised:
+        path, number = state.places.runs / f"{base}-{number}", number + 1
+    return path
+
+
+def pause(state: AppState) -> None:
+    if state.reconstruction.can_pause and state.reconstruction.job:
+        state.reconstruction.job.pause()
+
+
+def resume(state: AppState) -> None:
+    if state.reconstruction.can_resume and state.reconstruction.job:
+        state.reconstruction.job.resume()
+
+
+def cancel(state: AppState) -> None:
+    if state.reconstruction.is_alive and state.reconstruction.job:
+        state.reconstruction.job.cancel()
+
+
+def show_live_model(state: AppState, model: DynamicGaussians) -> None:
+    """The newest copy of the model that is being trained, in the 3D view."""
+    job = state.reconstruction
+    if job.clip is None or job.run_path is None or (state.model and state.model.model is model):
+        return
+    iteration = job.progress.iteration if job.progress else 0
+    first = state.model is None or state.model.cameras != job.clip.cameras
+    distance = middle_distance(model, job.clip.cameras[0])
+    if not first and state.model is not None:
+        # A pivot that follows every preview would make the picture wander.
+        distance = state.model.distance
+    state.model = ShownModel(
+        model,
+        job.clip.cameras,
+        distance,
+        job.run_path.name,
+        iteration,
+        job.iterations,
+        live=True,
+        origin=origin_of(RunFolder(job.run_path)),
+        unit=job.clip.unit,
+    )
+
+
+def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
+    job = state.reconstruction
+    if job.clip is not None and job.run_path is not None:
+        folder = RunFolder(job.run_path)
+        state.model = finished_model(folder, model, job.clip.cameras, job.iterations, job.clip.unit)
+
+
+def can_continue(state: AppState) -> bool:
+    """A run was cut short and its clip is the one that is open."""
+    job = state.reconstruction
+    if job.request is None or job.status not in ("cancelled", "failed"):
+        return False
+    return state.clip is not None and state.clip is job.clip
+
+
+def why_not_reconstruct(state: AppState) -> str:
+    """What a reconstruction still lacks, in a sentence; empty when it can start."""
+    if state.clip is None:
+        return "Open a clip first."
+    if not state.clip.has_depth and state.clip.points is None:
+        return "This clip has no depth to start from. Started with --depth brightness, the app guesses it."
+    return ""

@@ -1,0 +1,91 @@
+"""The reconstruction that is made, or was last, and those that wait for their turn. A part of the state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, Protocol
+
+from app.training import RECONSTRUCTION_PARAMS, TrainRequest
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Omission, Progress, Started
+
+JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
+InputKind = Literal["original", "enhanced", "both in turn"]
+
+
+class Job(Protocol):
+    """A reconstruction in another process, as far as the window needs it."""
+
+    def start(self) -> None: ...
+    def poll(self) -> Sequence[object]: ...
+    def latest_model(self) -> DynamicGaussians | None: ...
+    def pause(self) -> None: ...
+    def resume(self) -> None: ...
+    def cancel(self) -> None: ...
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Waiting:
+    """A reconstruction whose turn has not come yet, by value: what is chosen later does not change it."""
+
+    clip: Clip
+    request: TrainRequest
+    curve: tuple[Progress, ...] = ()
+    """Of a run that goes on: what it has said so far."""
+
+
+@dataclass
+class Reconstruction:
+    """What the user chose for the next job, and what the present one has said."""
+
+    config: TrainConfig = field(default_factory=TrainConfig)
+    input: InputKind = "original"
+    d_factor: float = RECONSTRUCTION_PARAMS.d_factor
+    """Of the frames that are enhanced for the reconstruction."""
+    name: str = ""
+    """Folder name of the next run; empty: made from the clip's name and the time."""
+
+    status: JobStatus = "none"
+    job: Job | None = None
+    clip: Clip | None = None
+    request: TrainRequest | None = None
+    """What the run was begun with."""
+    started: Started | None = None
+    progress: Progress | None = None
+    curve: list[Progress] = field(default_factory=list)
+    """All of them, also of the run's earlier processes."""
+    evaluated: list[Evaluated] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    failure: str = ""
+    way_out: str = ""
+    """What can be done after a failure."""
+
+    @property
+    def run_path(self) -> Path | None:
+        return self.request.run_path if self.request else None
+
+    @property
+    def iterations(self) -> int:
+        """Of the run that is shown, else of the next one."""
+        return self.request.config.iterations if self.request else self.config.iterations
+
+    @property
+    def omitted(self) -> tuple[Omission, ...]:
+        return self.started.omitted if self.started else ()
+
+    @property
+    def is_alive(self) -> bool:
+        return self.status in ("starting", "running", "paused")
+
+    @property
+    def can_pause(self) -> bool:
+        return self.status == "running"
+
+    @property
+    def can_resume(self) -> bool:
+        return self.status == "paused"
