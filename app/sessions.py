@@ -12,13 +12,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal
 
-import psutil
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.arguments import problem
 from app.atomic import write_bytes
 from app.errors import UserError
+from app.own_files import left_behind, own_file
 from app.provenance import strict_json, version
 from app.run_folder import RecordedLook
 from app.views import ViewKind
@@ -27,7 +27,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
 
 SUFFIX: Final = ".vesselsplat"
-AUTOSAVE: Final = "autosave-"
+AUTOSAVE: Final = "autosave"
 MOST_STEPS = 50
 """Of undo that are kept."""
 
@@ -160,21 +160,9 @@ def read_session(path: Path) -> Session:
 
 def autosave_path(folder: Path) -> Path:
     """Where this process keeps its session."""
-    return folder / f"{AUTOSAVE}{os.getpid()}{SUFFIX}"
+    return own_file(folder, AUTOSAVE, SUFFIX)
 
 
 def recoverable(folder: Path) -> Path | None:
     """The newest session of a process that ended without clearing it away."""
-    left = [path for path in folder.glob(f"{AUTOSAVE}*{SUFFIX}") if not _is_written_still(path)]
-    return max(left, key=lambda path: path.stat().st_mtime, default=None)
-
-
-def _is_written_still(path: Path) -> bool:
-    """Its process lives, and is not a later one of the same number."""
-    number = path.stem.removeprefix(AUTOSAVE)
-    if not number.isdecimal():
-        return True
-    try:
-        return float(psutil.Process(int(number)).create_time()) <= path.stat().st_mtime
-    except (psutil.Error, OSError, OverflowError):
-        return False
+    return next(reversed(left_behind(folder, AUTOSAVE, SUFFIX)), None)

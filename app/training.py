@@ -15,7 +15,7 @@ from app.errors import UserError
 from app.memory import peak_memory_mb
 from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.provenance import digest, version
-from app.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
+from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
 from app.utf8 import require_utf8
 from enhance import EnhanceParams
@@ -45,7 +45,7 @@ class TrainRequest:
     config: TrainConfig
     clip_options: ClipOptions = DEFAULTS
     input: Input = "original"
-    enhance_params: Look = RECONSTRUCTION_PARAMS
+    enhance_params: RecordedLook = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
     resume: bool = False
     """Go on from the newest checkpoint in `run_path`; start when there is nothing there yet."""

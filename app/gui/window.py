@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import glcontext  # type: ignore[import-untyped]
 import glfw
 import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
@@ -32,7 +30,7 @@ from app.gui.drawing.chosen_viewport import ChosenViewport
 from app.gui.drawing.second_viewport import SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
-from app.gui.frame import dockings
+from app.gui.frame import dockings, starting
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
@@ -97,6 +95,7 @@ class Window:
     def __init__(self, state: AppState, make_job: MakeJob = TrainingJob) -> None:
         self.state = state
         preset_actions.load(state)
+        queue_actions.take_up(state)
         state.known_clips = load_clips(state.places.config)
         self._make_job = make_job
         self._channels = Channels()
@@ -131,6 +130,7 @@ class Window:
             quit=dockings.quit_app,
             toggle_panel=dockings.toggle,
             panel_shown=dockings.is_shown,
+            make_job=self._make_job,
         )
 
     def run(self) -> None:
@@ -159,7 +159,7 @@ class Window:
         params.fps_idling.time_active_after_last_event = 1.0
         params.ini_folder_type = hello_imgui.IniFolderType.absolute_path
         params.ini_filename = str(self.state.places.config / "window.ini")
-        params.ini_disable = not _can_hold_files(self.state.places.config)
+        params.ini_disable = not starting.can_hold_files(self.state.places.config)
         gl = params.renderer_backend_options.open_gl_options
         gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
         gl.use_core_profile = gl.use_forward_compat = True
@@ -176,7 +176,7 @@ class Window:
         calls = params.callbacks
         calls.load_additional_fonts = theme.load_fonts
         calls.setup_imgui_style = theme.apply_style
-        calls.setup_imgui_config = _configure
+        calls.setup_imgui_config = starting.configure
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
         calls.show_menus = lambda: menus.draw_menus(self.state, sections(self.state, self._outside))
@@ -240,7 +240,7 @@ class Window:
     def _begin(self) -> None:
         """The OpenGL context is there."""
         theme.apply_plot_style()
-        ctx = _attach()
+        ctx = starting.attach()
         self._window_shots.begin(ctx)
         self._textures = Textures(ctx)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
@@ -345,6 +345,7 @@ class Window:
             self.state.reconstruction.job.close()
         self._end_work()
         session_actions.end(self.state)
+        queue_actions.keep_now(self.state)
         for item in (self._viewport, self._second_viewport, self._textures):
             if item is not None:
                 item.release()
@@ -375,25 +376,3 @@ class Window:
     def _refresh(self) -> None:
         """Called from the worker's thread: an idle window draws at once."""
         hello_imgui.request_refresh()
-
-
-def _can_hold_files(folder: Path) -> bool:
-    """Whether the layout can be kept there; the window opens without it too."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    return os.access(folder, os.W_OK)
-
-
-def _attach() -> moderngl.Context:
-    """The window's own context; named, so that one left by an earlier window is never taken for it."""
-    current = glcontext.default_backend()(mode="detect", glversion=330)
-    return moderngl.create_context(require=330, context=current)
-
-
-def _configure() -> None:
-    hello_imgui.imgui_default_settings.setup_default_imgui_config()
-    io = imgui.get_io()
-    io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard | imgui.ConfigFlags_.docking_enable
-    io.config_windows_move_from_title_bar_only = True

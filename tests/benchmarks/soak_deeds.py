@@ -11,7 +11,7 @@ from pathlib import Path
 
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, second_actions, tuning_actions
+from app.gui.actions import actions, job_actions, second_actions, tuning_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places
@@ -112,7 +112,7 @@ class Person:
         """The clip alone, in its first state, with nothing under way: what memory is measured at."""
         state = self.state
         if state.reconstruction.is_alive:
-            actions.cancel(state)
+            job_actions.cancel(state)
             self.wait(lambda: not state.reconstruction.is_alive, "the cancelled job")
         state.banner, state.help_open, state.exports.shown = None, False, False
         if state.tuning.shown:
@@ -294,7 +294,7 @@ def reconstruct(person: Person) -> None:
     """Fifty steps, to the end or until it is cancelled."""
     state, finish = person.state, person.run is None or person.rng.random() < 0.4
     state.reconstruction.config = replace(state.reconstruction.config, iterations=STEPS)
-    actions.start_reconstruction(state, TrainingJob)
+    job_actions.start_reconstruction(state, TrainingJob)
     begun = state.reconstruction
     person.wait(lambda: state.reconstruction is not begun or begun.progress is not None
                 or not begun.is_alive, "the first step")  # fmt: skip
@@ -307,7 +307,7 @@ def reconstruct(person: Person) -> None:
         person.wait(
             lambda: not state.reconstruction.is_alive or state.reconstruction.status == "paused", "a pause"
         )
-        actions.cancel(state)
+        job_actions.cancel(state)
         person.wait(lambda: not state.reconstruction.is_alive, "the cancelled job")
     person.pace()
 

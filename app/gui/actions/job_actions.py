@@ -54,10 +54,13 @@ def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
 
 
 def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
-    """Behind those that wait already; where none is under way the first starts."""
+    """Behind those that wait for their turn, before those of an earlier session that nobody has asked for;
+    where none is under way the first starts."""
 
     def go() -> None:
-        state.queue, state.reconstruction.name = state.queue + waiting, ""
+        awake = tuple(each for each in state.queue if not each.asleep)
+        asleep = tuple(each for each in state.queue if each.asleep)
+        state.queue, state.reconstruction.name = awake + waiting + asleep, ""
         start_first(state, make_job)
 
     if state.reconstruction.is_alive:
@@ -67,11 +70,11 @@ def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) ->
 
 
 def start_first(state: AppState, make_job: MakeJob) -> None:
-    """Start what waits first, unless a reconstruction is under way: never two at once."""
-    if state.reconstruction.is_alive or not state.queue:
+    """Start what waits first, once its clip is open, unless a reconstruction is under way."""
+    first = next((waiting for waiting in state.queue if not waiting.asleep), None)
+    if state.reconstruction.is_alive or first is None or first.clip is None:
         return
-    first, *later = state.queue
-    state.queue, draft = tuple(later), state.reconstruction
+    state.queue, draft = tuple(each for each in state.queue if each is not first), state.reconstruction
     job = make_job(first.request)
     state.reconstruction = Reconstruction(
         config=draft.config,
@@ -109,6 +112,11 @@ def pause(state: AppState) -> None:
 def resume(state: AppState) -> None:
     if state.reconstruction.can_resume and state.reconstruction.job:
         state.reconstruction.job.resume()
+
+
+def toggle_pause(state: AppState) -> None:
+    """Stand still, and go on."""
+    pause(state) if state.reconstruction.can_pause else resume(state)
 
 
 def cancel(state: AppState) -> None:
@@ -152,7 +160,8 @@ def can_continue(state: AppState) -> bool:
     job = state.reconstruction
     if job.request is None or job.status not in ("cancelled", "failed"):
         return False
-    return state.clip is not None and state.clip is job.clip
+    clip = state.clip
+    return clip is not None and job.clip is not None and clip.path == job.clip.path
 
 
 def why_not_reconstruct(state: AppState) -> str:

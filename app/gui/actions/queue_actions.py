@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from app.gui.actions import job_actions
+from contextlib import suppress
+from dataclasses import replace
+
+from app.errors import UserError
+from app.gui.actions import actions, job_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
+from app.kept_queue import keep_queue, queue_file, take_over
+from app.training import TrainRequest
+from renderer.clip import Clip
+from renderer.train.events import Progress
 
 
 def advance(state: AppState, make_job: MakeJob) -> None:
     """Once a frame: when one has ended, in whatever way, the next starts."""
     run = state.reconstruction
-    if state.queue and not run.is_alive and run.job is None and not why_held(state):
+    if not run.is_alive and run.job is None and not why_held(state):
         job_actions.start_first(state, make_job)
 
 
@@ -28,10 +36,83 @@ def withdraw(state: AppState, waiting: Waiting) -> None:
     state.queue = tuple(each for each in state.queue if each is not waiting)
 
 
+def empty(state: AppState) -> None:
+    """None of those that wait is made."""
+    state.queue = ()
+
+
 def to_front(state: AppState, waiting: Waiting) -> None:
-    """It is the next one."""
-    if waiting in state.queue:
-        state.queue = (waiting, *(each for each in state.queue if each is not waiting))
+    """It is the next one, also if it is of an earlier session."""
+    if any(each is waiting for each in state.queue):
+        others = tuple(each for each in state.queue if each is not waiting)
+        state.wakings += waiting.asleep
+        state.queue = (replace(waiting, asleep=False) if waiting.asleep else waiting, *others)
+
+
+def last_to_front(state: AppState) -> None:
+    if state.queue:
+        to_front(state, state.queue[-1])
+
+
+# ---- from one session to the next
+
+
+def take_up(state: AppState) -> None:
+    """At the start: what waited when an earlier window was closed, or died, waits again, asleep."""
+    try:
+        requests, damage = take_over(state.places.config)
+    except (OSError, UserError) as error:
+        actions.say(state, f"what waited in an earlier session cannot be taken up: {error}")
+        return
+    state.queue = tuple(Waiting(None, request, asleep=True) for request in requests)
+    if damage:
+        actions.fail(state, damage)
+
+
+def to_keep(state: AppState) -> tuple[TrainRequest, ...]:
+    """What the next session is to find; nothing where paths are not remembered."""
+    return tuple(waiting.request for waiting in state.queue) if state.settings.remember_recent else ()
+
+
+def keep_now(state: AppState) -> None:
+    """The window closes."""
+    with suppress(OSError, UserError):
+        keep_queue(queue_file(state.places.config), to_keep(state))
+
+
+def sleeps(state: AppState) -> bool:
+    """Some of those that wait are of an earlier session, and nobody has said that they are to be made."""
+    return any(waiting.asleep for waiting in state.queue)
+
+
+def wake(state: AppState) -> None:
+    """Those of an earlier session are to be made, each in its turn."""
+    state.wakings += 1
+    state.queue = tuple(replace(each, asleep=False) if each.asleep else each for each in state.queue)
+
+
+def without_clip(state: AppState) -> TrainRequest | None:
+    """The next one, where its clip is still to be opened."""
+    first = next((waiting for waiting in state.queue if not waiting.asleep), None)
+    return first.request if first is not None and first.clip is None else None
+
+
+def give_clip(state: AppState, request: TrainRequest, clip: Clip, curve: tuple[Progress, ...]) -> None:
+    """Its clip is open. Where it is the one that is shown, that very one."""
+    shown = state.clip
+    if shown is not None and (shown.path, state.opened_options) == (clip.path, request.clip_options):
+        clip = shown
+    state.queue = tuple(
+        replace(each, clip=clip, curve=curve) if each.request == request else each for each in state.queue
+    )
+
+
+def put_back(state: AppState, request: TrainRequest, reason: str) -> None:
+    """Its clip cannot be opened: it waits until it is asked for again, or taken out."""
+    state.queue = tuple(
+        replace(each, asleep=True) if each.request == request else each for each in state.queue
+    )
+    actions.fail(state, f"{request.run_path.name} is not made, it waits on: {reason}")
 
 
 # ---- closing the window
@@ -44,7 +125,17 @@ def at_stake(state: AppState) -> str:
     if run.is_alive:
         name = run.run_path.name if run.run_path else "A reconstruction"
         return f"{name} is still being made{f', and {waits}' if count else ''}."
-    return f"{'1 reconstruction waits' if count == 1 else f'{count} reconstructions wait'}." if count else ""
+    if not count or to_keep(state):
+        return ""
+    return "1 reconstruction waits." if count == 1 else f"{count} reconstructions wait."
+
+
+def what_is_kept(state: AppState) -> str:
+    """Of that, in sentences."""
+    begun = "What is done up to the last checkpoint is kept: Continue goes on from there."
+    if not state.queue:
+        return begun
+    return f"{begun} What waits {'waits at the next start, too' if to_keep(state) else 'is forgotten'}."
 
 
 def may_close(state: AppState) -> bool:

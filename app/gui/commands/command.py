@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 
 Act = Callable[[AppState], object]
@@ -71,3 +72,4 @@ class Outside:
     quit: Callable[[], None]
     toggle_panel: Callable[[str], None]
     panel_shown: Callable[[str], bool]
+    make_job: MakeJob

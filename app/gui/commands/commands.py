@@ -11,6 +11,7 @@ from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
 from app.gui.commands.command import Act, Asks, Command, Outside, Section, start
 from app.gui.commands.edit_commands import edit_sections
+from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import MODES, SLOTS, Mode, Slot
@@ -32,6 +33,7 @@ def sections(state: AppState, outside: Outside) -> tuple[Section, ...]:
         *_picture(),
         *_compare(),
         *_clip(),
+        *job_sections(outside),
         *camera_sections(state, outside),
         *edit_sections(),
         *view_sections(outside),

@@ -10,8 +10,6 @@ from app.gui.frame import dockings
 from app.gui.look.widgets import em, question
 from app.gui.state.app_state import AppState
 
-KEPT = "What is done up to the last checkpoint is kept: Continue goes on from there. What waits is forgotten."
-
 
 def ask_before_quitting(state: AppState) -> None:
     """Unsaved edits and reconstructions under way keep the window open until a person has answered.
@@ -36,7 +34,7 @@ def _draw_question(state: AppState) -> None:
             return
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_unformatted(queue_actions.at_stake(state))
-            imgui.text_unformatted(KEPT)
+            imgui.text_unformatted(queue_actions.what_is_kept(state))
         imgui.spacing()
         half = (imgui.get_content_region_avail().x - em(0.5)) / 2
         close = imgui.button("Close", ImVec2(half, em(2)))

@@ -46,9 +46,12 @@ def _draw_queue(state: AppState) -> None:
     if not state.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().warning, reason)
+    if queue_actions.sleeps(state):
+        button("Start what waits", lambda: queue_actions.wake(state), width=-1.0)
+        explain("These waited when the window was closed. They are not made until you say so.")
     for place, waiting in enumerate(state.queue):
         with imgui_ctx.push_id(f"waiting {place}"):
-            _draw_waiting(state, waiting, first=place == 0)
+            _draw_waiting(state, waiting, first=place == 0 and not waiting.asleep)
 
 
 def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
@@ -106,8 +109,12 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     request = waiting.request
     imgui.align_text_to_frame_padding()
     end = imgui.get_content_region_avail().x - 2 * (imgui.get_frame_height() + em(0.3))
-    imgui.text_unformatted(f"{request.config.method} · {request.input} · {request.config.iterations:,} steps")
-    explain(f"{legible(waiting.clip.name)}: {request.run_path}")
+    ink = theme.now().muted if waiting.asleep else theme.now().text
+    imgui.text_colored(
+        ink, f"{request.config.method} · {request.input} · {request.config.iterations:,} steps"
+    )
+    since = " It waits since an earlier session." if waiting.asleep else ""
+    explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)
     imgui.begin_disabled(first)
     if imgui.button(f"{icons.ICON_FA_ARROW_UP}###to front"):

@@ -137,6 +137,8 @@ class AppState:
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
     queue: tuple[Waiting, ...] = ()
     """Reconstructions to be made after the present one, the next one first."""
+    wakings: int = 0
+    """How often a person has said that some of an earlier session are to be made."""
     closing: Closing = "no"
     preview: ShownModel | None = None
     """The model as it was last seen, of the newest run that was cut short."""

@@ -33,10 +33,17 @@ class Job(Protocol):
 class Waiting:
     """A reconstruction whose turn has not come yet, by value: what is chosen later does not change it."""
 
-    clip: Clip
+    clip: Clip | None
+    """None: of an earlier session, still to be opened."""
     request: TrainRequest
     curve: tuple[Progress, ...] = ()
     """Of a run that goes on: what it has said so far."""
+    asleep: bool = False
+    """Of an earlier session: not made until a person says so."""
+
+    @property
+    def clip_name(self) -> str:
+        return self.request.clip_path.name if self.clip is None else self.clip.name
 
 
 @dataclass

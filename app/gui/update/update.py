@@ -24,6 +24,7 @@ from app.gui.update.answered import answered
 from app.gui.update.compare_work import CompareWork
 from app.gui.update.job_events import follow_job
 from app.gui.update.measure_work import MeasureWork
+from app.gui.update.queue_work import QueueWork
 from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
 from app.gui.work.baking import Baked, BakeRequest, bake, can_bake
@@ -73,13 +74,14 @@ class Channels:
     runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
     exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
     strip: StripWork = field(default_factory=StripWork)
+    queue: QueueWork = field(default_factory=QueueWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
-        return (*self.measure.all, *self.strip.all, self.omissions, self.runs)
+        return (*self.measure.all, *self.strip.all, self.omissions, self.runs, *self.queue.all)
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
@@ -101,6 +103,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     channels.compare.take(state)
     channels.measure.take(state)
     channels.strip.take(state)
+    channels.queue.take(state)
     _take_omissions(state, channels)
     if (found := channels.runs.take()) is not None:
         run_actions.take_found(state, found[1])
@@ -308,6 +311,7 @@ def _ask(state: AppState, channels: Channels) -> None:
     channels.compare.ask(state)
     channels.measure.ask(state)
     channels.strip.ask(state)
+    channels.queue.ask(state)
     channels.runs.want(state.runs_request)
     state.asks_for_runs = False
     channels.omissions.want(state.omissions_request)

@@ -105,7 +105,7 @@ class FakeJob:
 def outside(**doing: Callable[[], None]) -> Outside:
     """Nothing is done outside the state but what is named."""
     nothing = {name: lambda *given: None for name in Outside.__dataclass_fields__}
-    return Outside(**nothing | {"panel_shown": lambda name: False} | doing)  # type: ignore[arg-type]
+    return Outside(**nothing | {"panel_shown": lambda name: False, "make_job": FakeJob} | doing)  # type: ignore[arg-type]
 
 
 @pytest.fixture(autouse=True)

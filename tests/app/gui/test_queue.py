@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import json
+import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from app.gui.actions import job_actions, queue_actions
+from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.job import Cancelled, Failed
+from app.kept_queue import queue_file
 from app.training import TrainRequest
+from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.events import Finished, Started
 from tests.app.gui.conftest import FakeJob, make_model
 from tests.app.gui.ui import Ui
@@ -129,11 +138,17 @@ def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: App
     queued(state, jobs, 100, 200)
     assert not queue_actions.may_close(state)
     assert "1 more waits" in queue_actions.at_stake(state)
+    assert "next start" in queue_actions.what_is_kept(state)
     queue_actions.answer_closing(state, close=False)
     assert not queue_actions.may_close(state)
     queue_actions.answer_closing(state, close=True)
     assert queue_actions.may_close(state)
-    state.closing, state.queue, state.reconstruction.status = "no", (), "finished"
+    state.closing, state.reconstruction.status = "no", "finished"
+    assert queue_actions.may_close(state)  # What waits is kept.
+    actions.remember_recent(state, False)
+    assert not queue_actions.may_close(state)
+    assert "forgotten" in queue_actions.what_is_kept(state)
+    state.closing, state.queue = "no", ()
     assert queue_actions.may_close(state)
 
 
@@ -143,3 +158,117 @@ def test_the_list_of_what_waits_draws(ui: Ui, state: AppState, jobs: Jobs) -> No
     ui.frame(lambda: draw_runs(state, FakeJob))
     state.editing.active, state.reconstruction.status = True, "finished"
     ui.frame(lambda: draw_runs(state, FakeJob))
+
+
+@pytest.fixture
+def later(state: AppState, jobs: Jobs, places: Places, tmp_path: Path) -> AppState:
+    """The next window, after one in which a job of 100 steps ran and three waited died."""
+    clip_path = tmp_path / "real"
+    write_phantom(clip_path, PhantomParams(n_frames=6, width=32, height=24), "endonerf")
+    assert state.clip is not None
+    state.clip = replace(state.clip, path=clip_path)
+    queued(state, jobs, 100, 200, 300, 400)
+    channels = Channels()
+    frame(state, jobs, channels)
+    while channels.queue.kept.run_waiting():
+        pass
+    die(places)
+    again = AppState(places, Settings(acknowledged=True))
+    queue_actions.take_up(again)
+    return again
+
+
+def die(places: Places) -> None:
+    """The file of this process is that of one that has ended."""
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    own = queue_file(places.config)
+    own.rename(own.with_name(f"queue-{dead.pid}.json"))
+
+
+def test_what_waits_is_there_after_a_restart_and_starts_at_a_word(
+    state: AppState, later: AppState, jobs: Jobs
+) -> None:
+    before = [waiting.request for waiting in state.queue]
+    assert [waiting.request for waiting in later.queue] == before
+    new, channels = Jobs(), Channels()
+    for _ in range(3):
+        frame(later, new, channels)
+        assert not channels.queue.clips.run_waiting()
+    assert new.all == []  # Nobody has said so.
+    queue_actions.wake(later)
+    for _ in range(3):
+        frame(later, new, channels)
+        channels.queue.clips.run_waiting()
+    assert new.requests == before[:1]
+    assert later.reconstruction.clip is not None
+    assert len(later.reconstruction.clip) == 6
+    assert [waiting.request for waiting in later.queue] == before[1:]
+
+
+def test_what_is_asked_for_now_goes_before_what_sleeps(later: AppState, clip: Clip) -> None:
+    new = Jobs()
+    later.clip = clip
+    job_actions.start_reconstruction(later, new.make)
+    job_actions.start_reconstruction(later, new.make)
+    assert len(new.all) == 1
+    assert [waiting.asleep for waiting in later.queue] == [False, True, True, True]
+    new.all[0].inbox = [Cancelled()]
+    frame(later, new, channels := Channels())
+    new.all[1].inbox = [Cancelled()]
+    frame(later, new, channels)
+    frame(later, new, channels)
+    assert len(new.all) == 2  # The others sleep on.
+    four = later.queue[-1]
+    queue_actions.to_front(later, four)  # A word for this one alone.
+    for _ in range(3):
+        frame(later, new, channels)
+        channels.queue.clips.run_waiting()
+    assert new.requests[2:] == [four.request]
+    assert all(waiting.asleep for waiting in later.queue)
+
+
+def test_without_its_clip_one_waits_on_and_says_so(later: AppState) -> None:
+    shutil.rmtree(later.queue[0].request.clip_path)
+    queue_actions.wake(later)
+    new, channels = Jobs(), Channels()
+    for _ in range(3):
+        frame(later, new, channels)
+        channels.queue.clips.run_waiting()
+    assert later.banner is not None
+    assert "real" in later.banner.message
+    assert new.all == []
+    assert len(later.queue) == 3
+    assert later.queue[0].asleep
+
+
+def test_a_damaged_file_gives_what_can_be_read_and_is_kept(
+    state: AppState, jobs: Jobs, places: Places
+) -> None:
+    queued(state, jobs, 100, 200, 300)
+    queue_actions.keep_now(state)
+    own = queue_file(places.config)
+    told = json.loads(own.read_text())
+    told[0]["config"]["iterations"] = -1
+    own.write_text(json.dumps(told))
+    die(places)
+    again = AppState(places, Settings(acknowledged=True))
+    queue_actions.take_up(again)
+    assert [waiting.request for waiting in again.queue] == [state.queue[1].request]
+    assert again.banner is not None
+    assert ".broken" in again.banner.message
+    assert len(list(places.config.glob("*.broken"))) == 1
+    third = AppState(places, Settings(acknowledged=True))
+    queue_actions.take_up(third)
+    assert third.queue == ()  # They are the other window's, which lives.
+
+
+def test_an_empty_queue_leaves_no_file_and_nothing_is_kept_where_paths_are_not_remembered(
+    state: AppState, jobs: Jobs, places: Places
+) -> None:
+    queued(state, jobs, 100, 200)
+    queue_actions.keep_now(state)
+    assert queue_file(places.config).exists()
+    actions.remember_recent(state, False)
+    queue_actions.keep_now(state)
+    assert not queue_file(places.config).exists()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from dataclasses import replace
 
 import glfw
@@ -10,7 +13,8 @@ from imgui_bundle import glfw_utils, imgui
 
 from app.gui.actions import actions
 from app.gui.state.settings import Places, Settings
-from app.job import Failed
+from app.job import Failed, Paused
+from app.kept_queue import keep_queue, queue_file
 from app.run_folder import RunFolder
 from app.training import TrainRequest, run_training
 from assets import phantom_path
@@ -99,3 +103,43 @@ def test_what_was_cut_short_before_is_found_and_goes_on(places: Places) -> None:
 
     driver.run(drive)
     assert jobs[0].request == replace(request, resume=True)
+
+
+@pytest.mark.display
+def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(places: Places) -> None:
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    waited = [
+        TrainRequest(
+            clip_path=phantom_path(), run_path=places.runs / name, config=TrainConfig(iterations=count)
+        )
+        for name, count in (("first", 100), ("second", 200))
+    ]
+    keep_queue(places.config / f"queue-{dead.pid}.json", waited)
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        ctx.window_focus("//Runs")
+        ctx.yield_(20)
+        assert len(state.queue) == 2
+        assert jobs == []
+        ctx.item_click("//Runs/Start what waits")
+        wait(ctx, lambda: bool(jobs), "the first of them")
+        jobs[0].inbox = [Started(0, 100, 30, ())]
+        wait(ctx, lambda: state.reconstruction.can_pause, "its start")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.p)
+        wait(ctx, lambda: "pause" in jobs[0].told, "the pause")
+        jobs[0].inbox = [Paused()]
+        wait(ctx, lambda: state.reconstruction.can_resume, "standing still")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.p)
+        wait(ctx, lambda: "resume" in jobs[0].told, "going on")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.x)
+        wait(ctx, lambda: "cancel" in jobs[0].told, "its end")
+        state.closing = "agreed"
+
+    driver.run(drive)
+    assert jobs[0].request == waited[0]
+    left = json.loads(queue_file(places.config).read_bytes())
+    assert [one["config"]["iterations"] for one in left] == [200]  # It is there for the next window.

@@ -1,0 +1,42 @@
+"""The commands of reconstructions: the one that is made, and those that wait."""
+
+from __future__ import annotations
+
+from app.gui.actions import job_actions, queue_actions, run_actions
+from app.gui.commands.command import Command, Outside, Section
+from app.gui.state.app_state import AppState
+
+
+def job_sections(outside: Outside) -> tuple[Section, ...]:
+    make_job = outside.make_job
+    making = (
+        Command("Reconstruct", lambda s: job_actions.start_reconstruction(s, make_job), ("Ctrl+R",),
+                text="reconstruct as it is set: at once, or after those before it",
+                applies=lambda s: not job_actions.why_not_reconstruct(s)),
+        Command("Pause reconstruction", job_actions.toggle_pause, ("Ctrl+P",),
+                text="pause training, and resume it", ticked=lambda s: s.reconstruction.can_resume,
+                applies=lambda s: s.reconstruction.can_pause or s.reconstruction.can_resume),
+        Command("Cancel reconstruction", job_actions.cancel, ("Ctrl+Shift+X",),
+                text="end training; its last checkpoint is kept",
+                applies=lambda s: s.reconstruction.is_alive),
+    )  # fmt: skip
+    ended = (
+        Command("Continue the run cut short", lambda s: job_actions.continue_reconstruction(s, make_job),
+                text="from its last checkpoint", applies=job_actions.can_continue),
+        Command("Look at the run cut short", run_actions.look_at_preview,
+                text="the model as it was last seen", applies=_has_preview),
+    )  # fmt: skip
+    waiting = (
+        Command("Start what waits", queue_actions.wake,
+                text="make what waits since an earlier session, each in its turn",
+                applies=queue_actions.sleeps),
+        Command("Move the last to the front", queue_actions.last_to_front,
+                text="of those that wait, make the last one next", applies=lambda s: len(s.queue) > 1),
+        Command("Empty the queue", queue_actions.empty,
+                text="make none of those that wait", applies=lambda s: bool(s.queue)),
+    )  # fmt: skip
+    return tuple(Section("Reconstruct", commands) for commands in (making, ended, waiting))
+
+
+def _has_preview(state: AppState) -> bool:
+    return run_actions.has_preview(state, state.reconstruction.run_path)

@@ -1,0 +1,59 @@
+"""Background work for the reconstructions that wait: keeping them on disk, opening clips of kept ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from app.gui.actions import actions, queue_actions
+from app.gui.state.app_state import AppState
+from app.gui.work.background import Channel, Failure
+from app.gui.work.taking_up import TakenUp, TakeUpRequest, take_up
+from app.kept_queue import keep_queue, queue_file
+from app.training import TrainRequest
+
+
+@dataclass(frozen=True)
+class KeepRequest:
+    """What the file is to hold."""
+
+    path: Path
+    waiting: tuple[TrainRequest, ...]
+
+
+def keep(request: KeepRequest) -> Iterator[Path]:
+    """Answers a KeepRequest. Raises OSError or UserError."""
+    keep_queue(request.path, request.waiting)
+    yield request.path
+
+
+@dataclass
+class QueueWork:
+    """Served after all that a picture waits for."""
+
+    kept: Channel[KeepRequest, Path] = field(default_factory=lambda: Channel(keep))
+    clips: Channel[TakeUpRequest, TakenUp] = field(default_factory=lambda: Channel(take_up))
+
+    @property
+    def all(self) -> Sequence[Channel[Any, Any]]:
+        return (self.kept, self.clips)
+
+    def take(self, state: AppState) -> None:
+        """Note what has been done since the last frame."""
+        if (opened := self.clips.take()) is not None:
+            request, answer = opened
+            if isinstance(answer, Failure):
+                queue_actions.put_back(state, request.request, answer.message)
+            else:
+                queue_actions.give_clip(state, request.request, answer.clip, answer.curve)
+        written = self.kept.take()
+        if written is not None and isinstance(written[1], Failure):
+            actions.say(state, f"what waits cannot be kept: {written[1].message}")
+
+    def ask(self, state: AppState) -> None:
+        """Ask for what is not there."""
+        self.kept.want(KeepRequest(queue_file(state.places.config), queue_actions.to_keep(state)))
+        if (wanted := queue_actions.without_clip(state)) is not None:
+            self.clips.want(TakeUpRequest(wanted, state.wakings))

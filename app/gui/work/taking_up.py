@@ -1,0 +1,36 @@
+"""Opens the clip of a reconstruction that waits since an earlier session, off the window's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from app.gui.work.opening import logged
+from app.run_folder import RunFolder
+from app.training import TrainRequest
+from renderer.clip import Clip
+from renderer.sources import open_clip
+from renderer.train.events import Progress
+
+
+@dataclass(frozen=True)
+class TakeUpRequest:
+    """Which one is to be made; `attempt` grows when a person tries again."""
+
+    request: TrainRequest
+    attempt: int
+
+
+@dataclass(frozen=True, eq=False)
+class TakenUp:
+    """What the window needs beside the request."""
+
+    clip: Clip
+    curve: tuple[Progress, ...]
+    """Of a run that goes on: what it has said so far."""
+
+
+def take_up(request: TakeUpRequest) -> Iterator[TakenUp]:
+    """Raises ClipError: the clip cannot be opened any more."""
+    wanted = request.request
+    yield TakenUp(open_clip(wanted.clip_path, wanted.clip_options), logged(RunFolder(wanted.run_path)))
