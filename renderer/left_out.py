@@ -86,6 +86,7 @@ def _measured(clip: Clip, config: TrainConfig, milliseconds: float, spread: floa
     assert isinstance(started, Started)
     assert isinstance(finished, Finished)
     numbers = sum(value.nbytes for value in finished.model.arrays().values())
-    psnr = next((event.psnr for event in events if isinstance(event, Evaluated)), math.nan)
+    measured = [event.psnr for event in events if isinstance(event, Evaluated)]
+    psnr = measured[-1] if measured else math.nan
     omitted = (*started.omitted, *finished.omitted)
     return Side(milliseconds, spread, finished.seconds, 3 * numbers / 1e6, psnr, omitted)

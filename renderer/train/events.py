@@ -49,10 +49,13 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class Evaluated:
-    """PSNR in dB on held-out frames, masked over all pixels (the convention of the field)."""
+    """The model as it stands, on frames that training does not see: means over them."""
 
     iteration: int
     psnr: float
+    """dB, masked over all pixels (the convention of the field)."""
+    depth_rmse: float | None = None
+    """In the clip's unit along z, over evaluated pixels with depth; None where none is measured."""
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,10 @@ import numpy as np
 
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
-from renderer.metrics import psnr
 from renderer.near_plane import NEAR_SHARE
-from renderer.rasterize.cpu import render
 from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import (
-    Evaluated,
     Finished,
     Omission,
     Progress,
@@ -31,6 +28,7 @@ from renderer.train.events import (
 )
 from renderer.train.frames import TrainFrame, halved, train_frame
 from renderer.train.guards import LossWatch
+from renderer.train.held_out import HeldOut, evaluated
 from renderer.train.hidden import settled
 from renderer.train.initialize import scene_size, with_points
 from renderer.train.losses import Measured
@@ -79,6 +77,7 @@ def train(
     yield Started(start, recipe.iterations, len(model), needs.omitted)
 
     meter, watch = _Meter(recipe, seconds), LossWatch()
+    held = HeldOut(clip, held_out or clip.test_indices, size)
     for iteration in range(start, recipe.iterations):
         frame = pool.frame(iteration, recipe.stage_at(iteration))
         began = time.perf_counter()
@@ -93,6 +92,8 @@ def train(
             write_checkpoint(folder, state)
         if meter.progress_is_due() or done == recipe.iterations:
             yield meter.progress(done)
+        if done < recipe.iterations and held.is_due(meter.seconds):
+            yield held.measure(model.gaussians, done, meter.seconds)
         if meter.snapshot_is_due():
             yield Snapshot(done, model.snapshot())
     for notice in model.trouble.notices():
@@ -105,7 +106,10 @@ def train(
         gaussians, resting = settled(gaussians, pool.full, NEAR_SHARE * size)
         omitted += resting
     if held_out:
-        yield Evaluated(recipe.iterations, held_out_psnr(gaussians, clip, held_out, size))
+        views = [clip.read_frame(index) for index in held_out]
+        yield evaluated(gaussians, views, recipe.iterations, size)
+    elif clip.test_indices:
+        yield held.measure(gaussians, recipe.iterations, meter.seconds)
     yield Finished(recipe.iterations, meter.seconds, gaussians, omitted)
 
 
@@ -137,17 +141,6 @@ def fingerprint(clip: Clip, config: TrainConfig) -> str:
     """What a checkpoint must have in common with the run that resumes it."""
     identity = {"clip": clip.name, "labels": clip.labels, "size": clip.size, "config": asdict(config)}
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
-
-
-def held_out_psnr(gaussians: DynamicGaussians, clip: Clip, indices: tuple[int, ...], size: float) -> float:
-    """Mean PSNR in dB over the frames, masked over all pixels, 8-bit rounded."""
-    values = []
-    for index in indices:
-        frame = clip.read_frame(index)
-        picture = render(gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size).image
-        rounded = np.rint(np.clip(picture, 0, 1) * 255) / 255
-        values.append(psnr(rounded, frame.image / 255.0, frame.evaluation_mask))
-    return float(np.mean(values))
 
 
 def _resumed(model: TrainModel, folder: Path, clip: Clip, config: TrainConfig) -> tuple[int, float]:

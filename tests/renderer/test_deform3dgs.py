@@ -147,7 +147,7 @@ def finished(config: TrainConfig, unit: float = 1.0) -> tuple[DynamicGaussians, 
     """Model and held-out PSNR, from a sheet that hardly slides: the published rates are for slow motion."""
     events = list(train(moving_sheet(unit, shift=1.0), config))
     assert isinstance(events[-1], Finished)
-    (held_out,) = [event.psnr for event in events if isinstance(event, Evaluated)]
+    *_, held_out = [event.psnr for event in events if isinstance(event, Evaluated)]
     return events[-1].model, held_out
 
 

@@ -25,7 +25,7 @@ NEEDS = needs_of(moving_sheet(), SMALL)
 def held_out_psnr(config: TrainConfig, unit: float = 1.0) -> float:
     """Of a sheet that hardly slides: the published rates are for slow motion."""
     events = train(moving_sheet(unit, shift=1.0), config)
-    return next(event.psnr for event in events if isinstance(event, Evaluated))
+    return [event.psnr for event in events if isinstance(event, Evaluated)][-1]
 
 
 def test_motion_is_learned(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,7 @@ def finished(clip: Clip, config: TrainConfig, **arguments: object) -> tuple[Dyna
     assert isinstance(events[0], Started)
     assert isinstance(events[-1], Finished)
     held_out = [event.psnr for event in events if isinstance(event, Evaluated)]
-    return events[-1].model, held_out[0] if held_out else float("nan")
+    return events[-1].model, held_out[-1] if held_out else float("nan")
 
 
 def same_bytes(a: DynamicGaussians, b: DynamicGaussians) -> bool:

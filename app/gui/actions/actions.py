@@ -134,8 +134,8 @@ def _show_run(state: AppState, opened: Opened) -> None:
         clip=opened.clip,
         request=run.request,
         status="finished" if run.model else "cancelled",
-        progress=run.progress[-1] if run.progress else None,
-        curve=list(run.progress),
+        progress=run.told.progress[-1] if run.told.progress else None,
+        told=run.told,
     )
 
 

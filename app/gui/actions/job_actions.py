@@ -50,7 +50,7 @@ def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
     run = state.reconstruction
     clip, request = run.clip, run.request
     if can_continue(state) and clip is not None and request is not None:
-        enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), tuple(run.curve)),))
+        enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), run.told),))
 
 
 def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
@@ -85,7 +85,7 @@ def start_first(state: AppState, make_job: MakeJob) -> None:
         job=job,
         clip=first.clip,
         request=first.request,
-        curve=list(first.curve),
+        told=first.told,
     )
     job.start()
     say(state, f"reconstruction of {first.clip.name} started: {first.request.run_path.name}")

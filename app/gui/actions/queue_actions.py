@@ -10,10 +10,10 @@ from app.gui.actions import actions, job_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
+from app.gui.work.told import Told
 from app.kept_queue import keep_queue, queue_file, take_over
 from app.training import TrainRequest
 from renderer.clip import Clip
-from renderer.train.events import Progress
 
 
 def advance(state: AppState, make_job: MakeJob) -> None:
@@ -97,13 +97,13 @@ def without_clip(state: AppState) -> TrainRequest | None:
     return first.request if first is not None and first.clip is None else None
 
 
-def give_clip(state: AppState, request: TrainRequest, clip: Clip, curve: tuple[Progress, ...]) -> None:
+def give_clip(state: AppState, request: TrainRequest, clip: Clip, told: Told) -> None:
     """Its clip is open. Where it is the one that is shown, that very one."""
     shown = state.clip
     if shown is not None and (shown.path, state.opened_options) == (clip.path, request.clip_options):
         clip = shown
     state.queue = tuple(
-        replace(each, clip=clip, curve=curve) if each.request == request else each for each in state.queue
+        replace(each, clip=clip, told=told) if each.request == request else each for each in state.queue
     )
 
 

@@ -53,7 +53,7 @@ def why_not_open(state: AppState, run: ListedRun) -> str:
 def continue_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
     """Go on with it as it was begun: at once, or when its turn comes."""
     if state.clip is not None and not why_not_continue(state, run):
-        waiting = Waiting(state.clip, replace(run.request, resume=True), run.curve)
+        waiting = Waiting(state.clip, replace(run.request, resume=True), run.told)
         job_actions.enqueue(state, make_job, (waiting,))
 
 

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, implot
+from numpy.typing import NDArray
 
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.state.reconstruction import Reconstruction
+from app.views import SCENE_UNITS
 from renderer.train.events import Evaluated, Progress
 
 FLAGS = (
@@ -19,38 +21,38 @@ FLAGS = (
     | implot.Flags_.no_mouse_text
     | implot.Flags_.no_legend
 )
-HELD_OUT = (
-    "Line: of the training frames' tissue. Dot: of frames held out, over all pixels, measured at the end."
-)
-
+PSNR = "Line: of the training frames' tissue. Dots: of up to 4 frames held out of training, over all pixels."
+DEPTH = "Root mean square error along z on the same frames, where the clip has a depth and the model, too."
 COUNT = "How many make up the model."
+
+Line = NDArray[np.float64]
+NO_DOTS: Line = np.empty((2, 0))
 
 
 def draw_curves(run: Reconstruction) -> None:
-    """Nothing before the first Progress."""
-    if not run.curve:
+    """Nothing before the first Progress; no depth where none is measured."""
+    if not run.told.progress:
         return
-    curve, end, ink = run.curve, run.iterations, theme.now()
-    now, measured = curve[-1], run.evaluated
-    held_out = f", held out {measured[-1].psnr:.1f} dB" if measured else ""
-    _draw("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, _line(curve, "psnr"), end, HELD_OUT, measured)
+    curve, end, ink = run.told.progress, run.iterations, theme.now()
+    now, seen = curve[-1], _line(run.told.evaluated, "psnr")
+    held_out = f", held out {seen[1, -1]:.1f} dB" if seen.size else ""
+    _draw("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, _line(curve, "psnr"), end, PSNR, seen)
+    depth = _line([each for each in run.told.evaluated if each.depth_rmse is not None], "depth_rmse")
+    if depth.size:
+        unit = run.clip.unit if run.clip is not None else SCENE_UNITS
+        _draw("Depth error", f"{depth[1, -1]:.3g} {unit}", ink.danger, depth, end, DEPTH, depth)
     _draw("Loss", f"{now.loss:.4f}", ink.warning, _line(curve, "loss"), end, "Mean since the point before.")
     _draw("Gaussians", f"{now.n_gaussians:,}", ink.shade(0.75), _line(curve, "n_gaussians"), end, COUNT)
 
 
-def _line(curve: Sequence[Progress], name: str) -> np.ndarray:
+def _line(events: Sequence[Progress] | Sequence[Evaluated], name: str) -> Line:
     """(2, N): iterations, values."""
-    return np.array([[event.iteration for event in curve], [getattr(event, name) for event in curve]], float)
+    values = [getattr(event, name) for event in events]
+    return np.array([[event.iteration for event in events], values], float)
 
 
 def _draw(
-    name: str,
-    value: str,
-    color: ImVec4,
-    line: np.ndarray,
-    iterations: int,
-    text: str,
-    dots: Sequence[Evaluated] = (),
+    name: str, value: str, color: ImVec4, line: Line, iterations: int, text: str, dots: Line = NO_DOTS
 ) -> None:
     imgui.text_colored(color, name)
     explain(text)
@@ -71,8 +73,7 @@ def _draw(
         np.ascontiguousarray(line[1]),
         implot.Spec(line_color=color, line_weight=em(0.1)),
     )
-    if dots:
-        x = np.array([float(dot.iteration) for dot in dots])
-        y = np.array([dot.psnr for dot in dots])
-        implot.plot_scatter("held out", x, y, implot.Spec(marker_fill_color=color, marker_size=em(0.25)))
+    if dots.size:
+        marks = implot.Spec(marker_fill_color=color, marker_size=em(0.25))
+        implot.plot_scatter("held out", np.ascontiguousarray(dots[0]), np.ascontiguousarray(dots[1]), marks)
     implot.end_plot()

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, Protocol
 
+from app.gui.work.told import NOTHING_TOLD, Told
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Omission, Progress, Started
+from renderer.train.events import Omission, Progress, Started
 
 JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
 InputKind = Literal["original", "enhanced", "both in turn"]
@@ -36,7 +37,7 @@ class Waiting:
     clip: Clip | None
     """None: of an earlier session, still to be opened."""
     request: TrainRequest
-    curve: tuple[Progress, ...] = ()
+    told: Told = NOTHING_TOLD
     """Of a run that goes on: what it has said so far."""
     asleep: bool = False
     """Of an earlier session: not made until a person says so."""
@@ -64,9 +65,8 @@ class Reconstruction:
     """What the run was begun with."""
     started: Started | None = None
     progress: Progress | None = None
-    curve: list[Progress] = field(default_factory=list)
-    """All of them, also of the run's earlier processes."""
-    evaluated: list[Evaluated] = field(default_factory=list)
+    told: Told = NOTHING_TOLD
+    """For the curves: also of the run's earlier processes."""
     warnings: list[str] = field(default_factory=list)
     failure: str = ""
     way_out: str = ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.gui.actions import actions, job_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.job import Cancelled, Failed, Paused, Resumed
@@ -31,12 +33,12 @@ def _hear(state: AppState, event: object) -> None:
         case Started():
             run.started, run.status = event, "running"
             # What was done after the checkpoint is done again.
-            run.curve = [point for point in run.curve if point.iteration <= event.iteration]
+            run.told = run.told.until(event.iteration)
         case Progress():
             run.progress = event
-            run.curve.append(event)
+            run.told = replace(run.told, progress=(*run.told.progress, event))
         case Evaluated():
-            run.evaluated.append(event)
+            run.told = replace(run.told, evaluated=(*run.told.evaluated, event))
         case Warned():
             run.warnings.append(event.message)
             actions.say(state, event.message)

@@ -47,7 +47,7 @@ class QueueWork:
             if isinstance(answer, Failure):
                 queue_actions.put_back(state, request.request, answer.message)
             else:
-                queue_actions.give_clip(state, request.request, answer.clip, answer.curve)
+                queue_actions.give_clip(state, request.request, answer.clip, answer.told)
         written = self.kept.take()
         if written is not None and isinstance(written[1], Failure):
             actions.say(state, f"what waits cannot be kept: {written[1].message}")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.errors import UserError
 from app.gui.work.origin import Origin, origin_of
 from app.gui.work.reported import Reported, read
+from app.gui.work.told import Told, told
 from app.gui.work.viewing import ShownModel
 from app.provenance import digest
 from app.report.saved import is_report
@@ -23,7 +24,6 @@ from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
-from renderer.train.events import Progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +44,7 @@ class OpenedRun:
     """What it was begun with."""
     model: ShownModel | None
     """None for a run that is not finished."""
-    progress: tuple[Progress, ...]
-    """Every step of it that was logged."""
+    told: Told
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +130,7 @@ def _open_run(folder: RunFolder) -> Opened:
             warning = f"the model is shown as trained: {error}"
     else:
         notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
-    run = OpenedRun(folder.path, record, request_of(folder, record), model, logged(folder))
+    run = OpenedRun(folder.path, record, request_of(folder, record), model, told(folder))
     return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
 
 
@@ -146,14 +145,6 @@ def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
         input=record.input,
         enhance_params=params,
     )
-
-
-def logged(folder: RunFolder) -> tuple[Progress, ...]:
-    """What of events.jsonl the curves show; lines of another version are passed over."""
-    names = {item.name for item in fields(Progress)}
-    events = [event for event in folder.events() if event["event"] == "Progress"]
-    plain = [{name: value for name, value in event.items() if name in names} for event in events]
-    return tuple(Progress(**values) for values in plain if values.keys() == names)
 
 
 def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.errors import UserError
-from app.gui.work.opening import logged, request_of
+from app.gui.work.opening import request_of
+from app.gui.work.told import NOTHING_TOLD, Told, told
 from app.provenance import digest
 from app.run_folder import RunFolder, RunRecord
 from app.run_holder import holder
 from app.training import TrainRequest
 from renderer.clip import Clip
-from renderer.train.events import Progress
 
 Made = Literal["finished", "unfinished", "being made"]
 
@@ -42,7 +42,7 @@ class ListedRun:
     has_checkpoint: bool
     psnr: float | None
     """dB: of held-out frames where that was measured, else the newest of the training frames."""
-    curve: tuple[Progress, ...]
+    told: Told
     """Of an unfinished run: what it has said so far."""
 
     @property
@@ -50,7 +50,7 @@ class ListedRun:
         """Steps that are known to be done."""
         if self.made == "finished":
             return self.request.config.iterations
-        return self.curve[-1].iteration if self.curve else 0
+        return self.told.progress[-1].iteration if self.told.progress else 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,15 +115,14 @@ def _made(run: RunFolder) -> Made:
 
 
 def _listed(run: RunFolder) -> tuple[RunRecord, ListedRun]:
-    record, curve = run.record(), logged(run)
-    measured = [event.get("psnr") for event in run.events() if event["event"] == "Evaluated"]
-    psnr = measured[-1] if measured else (curve[-1].psnr if curve else None)
+    record, said = run.record(), told(run)
+    newest = (said.evaluated or said.progress)[-1:]
     return record, ListedRun(
         path=run.path,
         created=record.created,
         request=request_of(run, record),
         made=_made(run),
         has_checkpoint=run.has_checkpoint,
-        psnr=float(psnr) if psnr is not None else None,
-        curve=() if run.is_finished else curve,
+        psnr=newest[0].psnr if newest else None,
+        told=NOTHING_TOLD if run.is_finished else said,
     )

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.gui.work.opening import logged
+from app.gui.work.told import Told, told
 from app.run_folder import RunFolder
 from app.training import TrainRequest
 from renderer.clip import Clip
 from renderer.sources import open_clip
-from renderer.train.events import Progress
 
 
 @dataclass(frozen=True)
@@ -26,11 +25,11 @@ class TakenUp:
     """What the window needs beside the request."""
 
     clip: Clip
-    curve: tuple[Progress, ...]
+    told: Told
     """Of a run that goes on: what it has said so far."""
 
 
 def take_up(request: TakeUpRequest) -> Iterator[TakenUp]:
     """Raises ClipError: the clip cannot be opened any more."""
     wanted = request.request
-    yield TakenUp(open_clip(wanted.clip_path, wanted.clip_options), logged(RunFolder(wanted.run_path)))
+    yield TakenUp(open_clip(wanted.clip_path, wanted.clip_options), told(RunFolder(wanted.run_path)))

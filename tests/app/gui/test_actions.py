@@ -10,6 +10,7 @@ from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import load_settings
 from app.gui.work.opening import Opened
+from app.gui.work.told import Told
 from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
@@ -171,7 +172,7 @@ def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
 ) -> None:
     first = started(state, make_job).request
     run = state.reconstruction
-    run.status, run.curve = "cancelled", [Progress(1, 7, 0.5, 20.0, 1.0, 9.0, 30)]
+    run.status, run.told = "cancelled", Told((Progress(1, 7, 0.5, 20.0, 1.0, 9.0, 30),))
     run.config = replace(run.config, iterations=7)
     actions.set_params(state, EnhanceParams(z=0.9))
     assert job_actions.can_continue(state)
@@ -180,7 +181,7 @@ def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
     assert isinstance(job, FakeJob)
     assert isinstance(first, TrainRequest)
     assert job.request == replace(first, resume=True)
-    assert state.reconstruction.curve == run.curve
+    assert state.reconstruction.told == run.told
 
 
 def test_continue_is_not_offered_for_another_clip(

@@ -74,7 +74,7 @@ def test_a_finished_run_shows_its_clip_its_model_and_its_curves(
     assert state.model.cameras[0] == state.clip.cameras[0]
     assert state.reconstruction.status == "finished"
     assert state.reconstruction.input == "enhanced"
-    assert [point.iteration for point in state.reconstruction.curve] == [20, 40]
+    assert [point.iteration for point in state.reconstruction.told.progress] == [20, 40]
     assert not job_actions.can_continue(state)
 
 

@@ -15,6 +15,7 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
+from app.gui.work.told import Told
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Progress, Started
@@ -73,8 +74,10 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     run.status, run.input, run.failure = status, "enhanced", "out of memory"  # type: ignore[assignment]
     run.started = Started(0, 100, 30, ())
     run.progress = Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
-    run.curve = [Progress(1, 100, 0.5, 10.0, 1.0, 99.0, 20_000), run.progress]
-    run.evaluated = [Evaluated(100, 24.0)]
+    run.told = Told(
+        (Progress(1, 100, 0.5, 10.0, 1.0, 99.0, 20_000), run.progress),
+        (Evaluated(50, 22.0), Evaluated(100, 24.0, 0.5)),
+    )
     run.warnings = ["a warning"]
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))

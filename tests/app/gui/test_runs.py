@@ -124,7 +124,7 @@ def test_an_unfinished_run_goes_on_as_it_was_begun_and_only_once(
     (waiting,) = opened.queue
     assert waiting.request == replace(run.request, resume=True)
     assert waiting.request.config == CONFIG
-    assert waiting.curve == run.curve
+    assert waiting.told == run.told
     events = list(run_training(waiting.request))
     assert RunFolder(run.path).is_finished
     assert events

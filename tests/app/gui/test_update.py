@@ -13,6 +13,7 @@ from app.gui.update.update import PATIENCE, SLOW_VIEW, Channels, update, view_re
 from app.gui.work.background import Channel, Worker
 from app.gui.work.enhancing import PictureRequest, Pictures
 from app.gui.work.opening import Opened
+from app.gui.work.told import Told
 from app.gui.work.viewing import View
 from app.job import Cancelled, Failed, Paused, Resumed
 from enhance import EnhanceParams
@@ -222,7 +223,7 @@ def test_a_job_is_followed_from_start_to_end(
     progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
     job.inbox = [STARTED, progress]
     update(state, channels, 0.1)
-    assert (run.status, run.curve, run.omitted) == ("running", [progress], STARTED.omitted)
+    assert (run.status, run.told.progress, run.omitted) == ("running", (progress,), STARTED.omitted)
     job.inbox, job.model = [Paused()], model
     update(state, channels, 0.2)
     assert run.status == "paused"
@@ -230,7 +231,7 @@ def test_a_job_is_followed_from_start_to_end(
     assert state.model.live
     job.inbox = [Resumed(), Warned("few Gaussians"), Evaluated(100, 31.0), Finished(100, 12.0, model)]
     update(state, channels, 0.3)
-    assert (run.status, run.warnings, run.evaluated[-1].psnr) == ("finished", ["few Gaussians"], 31.0)
+    assert (run.status, run.warnings, run.told.evaluated[-1].psnr) == ("finished", ["few Gaussians"], 31.0)
     assert not state.model.live
     assert job.told[-1] == "close"
     assert run.job is None
@@ -242,10 +243,10 @@ def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
     job_actions.start_reconstruction(state, make_job)
     run = state.reconstruction
     assert isinstance(run.job, FakeJob)
-    run.curve = [Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)]
+    run.told = Told(tuple(Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)))
     run.job.inbox = [replace(STARTED, iteration=20), Progress(25, 100, 0.4, 21.0, 1.0, 9.0, 30)]
     update(state, channels, 0.1)
-    assert [point.iteration for point in run.curve] == [10, 20, 25]
+    assert [point.iteration for point in run.told.progress] == [10, 20, 25]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,55 @@
+"""What a run has said of its progress, from events.jsonl: for the curves."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, Field, dataclass, fields
+from typing import Any, Final, TypeVar
+
+from app.run_folder import RunFolder
+from renderer.train.events import Evaluated, Progress
+
+Event = TypeVar("Event", Progress, Evaluated)
+
+
+@dataclass(frozen=True)
+class Told:
+    """Oldest first, of all its processes."""
+
+    progress: tuple[Progress, ...] = ()
+    evaluated: tuple[Evaluated, ...] = ()
+
+    def until(self, iteration: int) -> Told:
+        """Without what is done again by a run that goes on from there."""
+        return Told(
+            tuple(event for event in self.progress if event.iteration <= iteration),
+            tuple(event for event in self.evaluated if event.iteration <= iteration),
+        )
+
+
+NOTHING_TOLD: Final = Told()
+
+
+def told(folder: RunFolder) -> Told:
+    """Lines of other versions are taken where they have what is needed, else passed over."""
+    events = folder.events()
+    return Told(_of(Progress, events), _of(Evaluated, events))
+
+
+def _of(kind: type[Event], events: list[dict[str, Any]]) -> tuple[Event, ...]:
+    """Those of one kind; what is no number, such as the null of an infinite one, counts as missing."""
+    known, found = {item.name: item for item in fields(kind)}, []
+    for event in events:
+        if event["event"] != kind.__name__:
+            continue
+        values = {name: value for name, value in event.items() if name in known and _is_number(value)}
+        if all(name in values or _is_optional(item) for name, item in known.items()):
+            found.append(kind(**values))
+    return tuple(found)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_optional(item: Field[Any]) -> bool:
+    return item.default is not MISSING

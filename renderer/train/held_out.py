@@ -1,0 +1,60 @@
+"""Frames that training does not see, measured while it goes on, at a bounded share of its time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from time import perf_counter
+
+import numpy as np
+
+from renderer.clip import Clip, Frame
+from renderer.gaussians import DynamicGaussians
+from renderer.metrics import depth_rmse, psnr
+from renderer.near_plane import NEAR_SHARE
+from renderer.rasterize.cpu import render
+from renderer.train.events import Evaluated
+
+MOST = 4
+"""Frames that are measured now and then; they stay in memory."""
+SHARE = 0.03
+"""Of the time of training that measuring may take."""
+FIRST_SECONDS = 2.0
+"""Of training before it is measured at all."""
+
+
+class HeldOut:
+    """`size` is the scene size in the clip's unit."""
+
+    def __init__(self, clip: Clip, indices: Sequence[int], size: float) -> None:
+        places = np.linspace(0, len(indices) - 1, min(MOST, len(indices))).round().astype(int)
+        self._clip, self._size = clip, size
+        self._indices = tuple(indices[place] for place in places)
+        self._frames: tuple[Frame, ...] = ()
+        self._next = FIRST_SECONDS
+
+    def is_due(self, seconds: float) -> bool:
+        """After so many seconds of training."""
+        return bool(self._indices) and seconds >= self._next
+
+    def measure(self, gaussians: DynamicGaussians, iteration: int, seconds: float) -> Evaluated:
+        """The model as it stands; the next time is when this one is a small share of what was trained."""
+        began = perf_counter()
+        if not self._frames:
+            self._frames = tuple(self._clip.read_frame(index) for index in self._indices)
+        event = evaluated(gaussians, self._frames, iteration, self._size)
+        self._next = seconds + max((perf_counter() - began) / SHARE, FIRST_SECONDS)
+        return event
+
+
+def evaluated(gaussians: DynamicGaussians, frames: Sequence[Frame], iteration: int, size: float) -> Evaluated:
+    """Means over the frames; a depth error where some frame has a measured depth that the model covers."""
+    quality, errors = [], []
+    for frame in frames:
+        drawn = render(gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size)
+        rounded = np.rint(np.clip(drawn.image, 0, 1) * 255) / 255
+        quality.append(psnr(rounded, frame.image / 255.0, frame.evaluation_mask))
+        if frame.measured_depth is not None:
+            errors.append(depth_rmse(drawn.depth, frame.measured_depth, frame.evaluation_mask))
+    known = [error for error in errors if not math.isnan(error)]
+    return Evaluated(iteration, float(np.mean(quality)), float(np.mean(known)) if known else None)

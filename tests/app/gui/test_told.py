@@ -1,0 +1,38 @@
+"""What events.jsonl says of a run, whichever version wrote it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from app.gui.work.told import told
+from app.run_folder import RunFolder
+from renderer.train.events import Evaluated, Progress
+
+STEP = Progress(10, 20, 0.5, 20.0, 1.0, 9.0, 30)
+
+
+def test_events_come_back_as_they_were_logged(tmp_path: Path) -> None:
+    run, events = RunFolder(tmp_path), (STEP, Evaluated(10, 21.0, 0.25), Evaluated(20, 22.0))
+    for event in events:
+        run.log(event)
+    said = told(run)
+    assert said.progress == events[:1]
+    assert said.evaluated == events[1:]
+    assert said.until(10).evaluated == events[1:2]
+
+
+def test_lines_of_older_and_newer_versions_and_broken_ones_load_as_far_as_they_go(tmp_path: Path) -> None:
+    lines = [
+        {"event": "Evaluated", "iteration": 5, "psnr": 20.0},  # As before there was a depth error.
+        {"event": "Evaluated", "iteration": 6, "psnr": 20.5, "depth_rmse": None, "lpips": 0.1},
+        {"event": "Evaluated", "iteration": 7, "psnr": None, "depth_rmse": 0.5},  # It was infinite.
+        {"event": "Evaluated", "iteration": "8", "psnr": True},
+        {"event": "Progress", "iteration": 9},
+        {"event": "Other"},
+    ]
+    text = "\n".join(json.dumps(line) for line in lines) + "\n{half"
+    (tmp_path / "events.jsonl").write_text(text, encoding="utf-8")
+    said = told(RunFolder(tmp_path))
+    assert said.evaluated == (Evaluated(5, 20.0), Evaluated(6, 20.5))
+    assert said.progress == ()

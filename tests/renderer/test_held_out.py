@@ -1,0 +1,81 @@
+"""Frames that training does not see: what is said of them is true, and costs a bounded share of the time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+import pytest
+
+from renderer.accuracy import measured
+from renderer.clip import Clip
+from renderer.train import held_out
+from renderer.train.events import Evaluated, Finished
+from renderer.train.held_out import MOST, SHARE, HeldOut
+from renderer.train.trainer import train
+from tests.renderer.sheet import SMALL, moving_sheet
+from tests.renderer.test_training import same_bytes
+
+PLAIN = replace(SMALL, iterations=90, hold_out=False)
+
+
+def run(clip: Clip) -> tuple[list[Evaluated], Finished]:
+    events = list(train(clip, PLAIN))
+    assert isinstance(events[-1], Finished)
+    return [event for event in events if isinstance(event, Evaluated)], events[-1]
+
+
+def test_what_is_said_at_the_end_is_what_is_measured_afterwards() -> None:
+    clip = moving_sheet()
+    (*_, last), finished = run(clip)
+    psnr, _, _, depth = measured(finished.model, clip, clip.test_indices)
+    assert last.psnr == pytest.approx(psnr, abs=0.01)
+    assert last.depth_rmse == pytest.approx(depth, rel=0.01)
+
+
+def test_watching_changes_nothing_and_shows_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    clip = moving_sheet()
+    _, alone = run(clip)
+    monkeypatch.setattr(held_out, "FIRST_SECONDS", 0.0)
+    monkeypatch.setattr(held_out, "SHARE", 1e9)
+    watched, finished = run(clip)
+    assert same_bytes(alone.model, finished.model)
+    assert len(watched) == PLAIN.iterations
+    assert [event.iteration for event in watched] == list(range(1, PLAIN.iterations + 1))
+    assert watched[-1].psnr > watched[0].psnr + 3
+    errors = [event.depth_rmse for event in watched]
+    assert None not in errors
+    assert errors[-1] < errors[0]  # type: ignore[operator]
+
+
+def test_a_guessed_depth_is_no_measure_of_error() -> None:
+    clip = moving_sheet()
+    guessed = replace(clip, read_frame=lambda index: replace(clip.read_frame(index), depth_is_guess=True))
+    (*_, last), _ = run(guessed)
+    assert last.depth_rmse is None
+    assert np.isfinite(last.psnr)
+
+
+def test_it_takes_a_bounded_share_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second a time, so a few frames, read once, and then not before its share has passed."""
+    clip = moving_sheet()
+    read: list[int] = []
+    own = clip.read_frame
+    watched = replace(clip, read_frame=lambda index: (read.append(index), own(index))[1])
+    _, finished = run(clip)
+    clock = count(0.0, 1.0)
+    monkeypatch.setattr(held_out, "perf_counter", lambda: next(clock))
+    held = HeldOut(watched, tuple(range(12)), 50.0)
+    assert not held.is_due(held_out.FIRST_SECONDS - 0.1)
+    assert held.is_due(held_out.FIRST_SECONDS)
+    for seconds in (3.0, 3.0 + 1 / SHARE):
+        assert held.is_due(seconds)
+        held.measure(finished.model, 1, seconds)
+        assert not held.is_due(seconds + 0.99 / SHARE)
+    assert len(read) == MOST
+    assert {read[0], read[-1]} == {0, 11}
+
+
+def test_without_held_out_frames_nothing_is_measured() -> None:
+    assert not HeldOut(moving_sheet(), (), 50.0).is_due(1e9)
