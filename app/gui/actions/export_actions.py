@@ -99,7 +99,7 @@ def _lacks(state: AppState, offer: Offer) -> str:
     if offer.sees != "no" and (reason := _too_large(state)):
         return reason
     if offer.form == "view video" and state.model is not None and state.model.live:
-        return "Wait for the reconstruction to end: its model changes."
+        return "The reconstruction is not finished: wait for it, or continue it."
     if offer.sees == "path" and not state.cameras.views.path.keyframes:
         return "There is no camera path yet: the panel Cameras makes one."
     if not offer.sides or (offer.sees == "still" and state.clip is None):

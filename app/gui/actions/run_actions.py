@@ -30,7 +30,7 @@ def is_present(state: AppState, run: ListedRun) -> bool:
 
 
 def open_run(state: AppState, run: ListedRun) -> None:
-    """In place of what is shown; while another one is made, a finished one beside it."""
+    """In place of what is shown; while another one is made, beside it. An unfinished one as last kept."""
     if why_not_open(state, run):
         return
     if state.reconstruction.is_alive:
@@ -45,8 +45,8 @@ def why_not_open(state: AppState, run: ListedRun) -> str:
         return "This one is being made now: see Reconstruction."
     if not state.reconstruction.is_alive:
         return ""
-    if run.made != "finished":
-        return "It has no finished model to show beside the one that is being made."
+    if run.made != "finished" and not run.has_checkpoint:
+        return "It left nothing to show beside the one that is being made."
     return "" if state.model is not None else "Wait for the first preview of the one that is being made."
 
 
@@ -85,7 +85,31 @@ def has_preview(state: AppState, path: Path | None) -> bool:
     return state.preview is not None and path is not None and state.preview.name == path.name
 
 
-def look_at_preview(state: AppState) -> None:
+def why_not_look(state: AppState, path: Path | None, *, has_checkpoint: bool) -> str:
+    """Why a run that was cut short cannot be looked at, in a sentence; empty when it can."""
+    if has_preview(state, path) or (path is not None and has_checkpoint):
+        return ""
+    return "It left neither a preview nor a checkpoint."
+
+
+def look(state: AppState, path: Path | None) -> None:
+    """At a run that was cut short: the model as it was last seen, else as its last checkpoint has it."""
+    if has_preview(state, path):
+        _show_preview(state)
+    elif path is not None and state.reconstruction.is_alive:
+        second_actions.open_second(state, path)
+    elif path is not None:
+        actions.open_path(state, path)
+
+
+def look_at_present(state: AppState) -> None:
+    """At the one that this window made last."""
+    run = state.reconstruction
+    if not why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint):
+        look(state, run.run_path)
+
+
+def _show_preview(state: AppState) -> None:
     """At the model as it was last seen before its run was cut short."""
     preview = state.preview
     if preview is None:

@@ -23,8 +23,8 @@ def job_sections(outside: Outside) -> tuple[Section, ...]:
     ended = (
         Command("Continue the run cut short", lambda s: job_actions.continue_reconstruction(s, make_job),
                 text="from its last checkpoint", applies=job_actions.can_continue),
-        Command("Look at the run cut short", run_actions.look_at_preview,
-                text="the model as it was last seen", applies=_has_preview),
+        Command("Look at the run cut short", run_actions.look_at_present,
+                text="the model as it was last seen", applies=_can_look),
     )  # fmt: skip
     waiting = (
         Command("Start what waits", queue_actions.wake,
@@ -38,5 +38,7 @@ def job_sections(outside: Outside) -> tuple[Section, ...]:
     return tuple(Section("Reconstruct", commands) for commands in (making, ended, waiting))
 
 
-def _has_preview(state: AppState) -> bool:
-    return run_actions.has_preview(state, state.reconstruction.run_path)
+def _can_look(state: AppState) -> bool:
+    run = state.reconstruction
+    ended = run.status in ("failed", "cancelled")
+    return ended and not run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)

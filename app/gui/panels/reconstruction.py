@@ -142,9 +142,9 @@ def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
     button("Continue", onward, enabled=again, width=half)
     explain("From the run's last checkpoint." if again else "It goes on only with its own clip: open that.")
     imgui.same_line(0, em(0.5))
-    seen = run_actions.has_preview(state, run.run_path)
-    button("Look at it", lambda: run_actions.look_at_preview(state), enabled=seen, width=half)
-    explain("The model as it was last seen before the run was cut short." if seen else "There is no preview.")
+    reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
+    button("Look at it", lambda: run_actions.look_at_present(state), enabled=not reason, width=half)
+    explain(reason or "The model as it was last seen, or last kept, before the run was cut short.")
     imgui.separator()
 
 

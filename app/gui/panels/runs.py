@@ -85,10 +85,10 @@ def _draw_unfinished(state: AppState, make_job: MakeJob, run: ListedRun) -> None
     button("Continue", onward, enabled=not reason)
     kept = "From its last checkpoint." if run.has_checkpoint else "It left no checkpoint: from the start."
     explain(reason or kept)
-    if run_actions.has_preview(state, run.path):
-        imgui.same_line(0, em(0.5))
-        button("Look at it", lambda: run_actions.look_at_preview(state))
-        explain("The model as it was last seen before the run was cut short.")
+    imgui.same_line(0, em(0.5))
+    reason = run_actions.why_not_look(state, run.path, has_checkpoint=run.has_checkpoint)
+    button("Look at it", lambda: run_actions.look(state, run.path), enabled=not reason)
+    explain(reason or "The model as it was last seen, or last kept, before the run was cut short.")
 
 
 def _made(state: AppState, run: ListedRun) -> str:

@@ -251,9 +251,7 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     tags: list[Tag] = []
     if model.live:
         count = f"{model.iteration} / {model.iterations}"
-        run = state.reconstruction
-        of_job = run.is_alive and run.run_path is not None and run.run_path.name == model.name
-        name = "LIVE PREVIEW" if of_job else "LAST PREVIEW"
+        name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
         tags.append((f"{name} · iteration {count}", theme.TAG_CAUTION))
     if second is not None:
         other = state.model if model is second else second

@@ -136,7 +136,8 @@ def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
     if source == RENDER and model is not None:
         frames = model.origin.facts.get("input", "") if model.origin else ""
         what = f"RENDER · {legible(model.name)}" + (f" · of {frames} frames" if frames else "")
-        live = (Tag(f"LIVE PREVIEW · iteration {model.iteration}", "caution"),) if model.live else ()
+        name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
+        live = (Tag(f"{name} · iteration {model.iteration}", "caution"),) if model.live else ()
         return Tag(what, "enhanced"), *live
     if made.made is None:
         return (Tag(f"METHOD {source}", "enhanced"),)

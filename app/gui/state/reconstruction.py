@@ -68,6 +68,8 @@ class Reconstruction:
     told: Told = NOTHING_TOLD
     """For the curves: also of the run's earlier processes."""
     warnings: list[str] = field(default_factory=list)
+    has_checkpoint: bool = False
+    """It was cut short, and something of it can be looked at."""
     failure: str = ""
     way_out: str = ""
     """What can be done after a failure."""
@@ -79,6 +81,8 @@ class Reconstruction:
     @property
     def iterations(self) -> int:
         """Of the run that is shown, else of the next one."""
+        if self.progress is not None:
+            return self.progress.iterations
         return self.request.config.iterations if self.request else self.config.iterations
 
     @property
@@ -88,6 +92,10 @@ class Reconstruction:
     @property
     def is_alive(self) -> bool:
         return self.status in ("starting", "running", "paused")
+
+    def is_of(self, name: str) -> bool:
+        """It goes on, and its run has this name."""
+        return self.is_alive and self.run_path is not None and self.run_path.name == name
 
     @property
     def can_pause(self) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from app.gui.actions import actions, job_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.job import Cancelled, Failed, Paused, Resumed
+from app.run_folder import RunFolder
 from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
 
 
@@ -20,6 +21,8 @@ def follow_job(state: AppState) -> None:
     if not state.reconstruction.is_alive:
         if state.model is not None and state.model.live:
             state.preview = state.model
+        path = state.reconstruction.run_path
+        state.reconstruction.has_checkpoint = path is not None and RunFolder(path).has_checkpoint
         job.close()
         state.reconstruction.job = None
     elif (model := job.latest_model()) is not None:

@@ -24,6 +24,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
+from renderer.train.checkpoint import read_newest_checkpoint
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +44,12 @@ class OpenedRun:
     request: TrainRequest
     """What it was begun with."""
     model: ShownModel | None
-    """None for a run that is not finished."""
+    """Of a run that is not finished: its last checkpoint's, live; None where it left none."""
     told: Told
+
+    @property
+    def is_finished(self) -> bool:
+        return self.model is not None and not self.model.live
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,19 +124,37 @@ def _open_splats(path: Path) -> Opened:
 def _open_run(folder: RunFolder) -> Opened:
     record = folder.record()
     clip, notices = _clip_of(record)
-    model, warning = shown_model(folder, record) if folder.is_finished else None, ""
-    if model is not None:
-        if clip is not None and clip.cameras == model.cameras:
-            # The same objects, so that comparing them is quick; it is done in every frame.
-            model = replace(model, cameras=clip.cameras)
+    finished, warning, said = folder.is_finished, "", told(folder)
+    model = shown_model(folder, record) if finished else last_checkpoint(folder, record, said)
+    if model is not None and clip is not None and clip.cameras == model.cameras:
+        # The same objects, so that comparing them is quick; it is done in every frame.
+        model = replace(model, cameras=clip.cameras)
+    if model is not None and finished:
         try:
             model = replace(model, saved_edits=read_edits(folder, len(model.model)))
         except UserError as error:
             warning = f"the model is shown as trained: {error}"
-    else:
-        notices = (*notices, f"{folder.path.name} is not finished: Continue goes on from its last checkpoint")
-    run = OpenedRun(folder.path, record, request_of(folder, record), model, told(folder))
+    if not finished:
+        shown = "; that is shown" if model is not None else ""
+        onward = f"{folder.path.name} is not finished: Continue goes on from its last checkpoint{shown}"
+        notices = (*notices, onward)
+    run = OpenedRun(folder.path, record, request_of(folder, record), model, said)
     return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
+
+
+def last_checkpoint(folder: RunFolder, record: RunRecord, said: Told) -> ShownModel | None:
+    """The model as it was at the newest checkpoint that can be read; None where there is none."""
+    checkpoint = read_newest_checkpoint(folder.path)
+    if checkpoint is None:
+        return None
+    try:
+        model = DynamicGaussians.from_arrays(checkpoint.arrays)
+    except (ValueError, KeyError):
+        return None
+    # Methods with a stage of their own before take more steps than they are asked for.
+    steps = said.progress[-1].iterations if said.progress else record.config.iterations
+    shown = finished_model(folder, model, _cameras(record), steps, record.clip.unit)
+    return replace(shown, iteration=checkpoint.iteration, live=True)
 
 
 def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
@@ -157,8 +180,13 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
 
 def shown_model(folder: RunFolder, record: RunRecord) -> ShownModel:
     """The finished model of a run, ready to be looked at through its clip's cameras."""
-    cameras = tuple(record.camera(index) for index in range(record.clip.frames))
-    return finished_model(folder, folder.model(), cameras, record.config.iterations, record.clip.unit)
+    return finished_model(
+        folder, folder.model(), _cameras(record), record.config.iterations, record.clip.unit
+    )
+
+
+def _cameras(record: RunRecord) -> tuple[Camera, ...]:
+    return tuple(record.camera(index) for index in range(record.clip.frames))
 
 
 def finished_model(

@@ -37,7 +37,7 @@ class ShownModel:
     iterations: int
     """0 for a file of splats."""
     live: bool
-    """Still being trained."""
+    """Not finished: still being trained, or cut short."""
     origin: Origin | None = None
     """The run or file it comes from; None when that left nothing to read."""
     mode: RenderMode = "default"

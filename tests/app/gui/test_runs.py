@@ -6,7 +6,9 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
+import numpy as np
 import pytest
 
 from app.gui.actions import job_actions, run_actions
@@ -14,7 +16,9 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
+from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
+from app.gui.work.viewing import ShownModel
 from app.job import Failed
 from app.run_folder import RunFolder
 from app.run_holder import held
@@ -23,7 +27,7 @@ from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
-from renderer.train.config import TrainConfig
+from renderer.train.config import Method, TrainConfig
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.ui import Ui
 
@@ -140,7 +144,7 @@ def test_a_finished_run_opens_in_place_or_beside_the_one_that_is_made(
     opened.opening = None
     job_actions.start_reconstruction(opened, make_job)
     job_actions.show_live_model(opened, model)
-    run_actions.open_run(opened, short)
+    run_actions.open_run(opened, replace(short, has_checkpoint=False))
     assert opened.second.opening is None
     run_actions.open_run(opened, whole)
     assert opened.opening is None
@@ -182,7 +186,7 @@ def test_a_failure_says_what_can_be_done(
     assert said in run.way_out
     assert run_actions.has_preview(state, run.run_path)
     state.model = None
-    run_actions.look_at_preview(state)
+    run_actions.look(state, run.run_path)
     assert state.model is not None
     assert state.model.model is model
 
@@ -198,3 +202,56 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))
     opened.clip = None
     ui.frame(lambda: draw_runs(opened, FakeJob))
+
+
+def kept_model(path: Path) -> ShownModel:
+    """What is shown of a run folder."""
+    (answer,) = open_path(OpenRequest(path))
+    assert answer.run is not None
+    assert answer.run.model is not None
+    return answer.run.model
+
+
+@pytest.mark.parametrize("method", get_args(Method))
+def test_the_last_checkpoint_shows_the_model_as_training_left_it(
+    folder: Path, tmp_path: Path, method: Method
+) -> None:
+    """At the end of a run that drops nothing it is the model itself."""
+    config = replace(CONFIG, method=method, keep=("unseen", "hidden"))
+    run = RunFolder(tmp_path / method)
+    list(run_training(TrainRequest(clip_path=folder / "clip", run_path=run.path, config=config)))
+    finished = kept_model(run.path)
+    run.model_path.unlink()
+    shown = kept_model(run.path)
+    assert shown.live
+    assert shown.iteration == shown.iterations >= config.iterations
+    assert not finished.live
+    assert (shown.cameras, shown.distance) == (finished.cameras, finished.distance)
+    for name, values in finished.model.arrays().items():
+        np.testing.assert_array_equal(shown.model.arrays()[name], values, err_msg=name)
+
+
+def test_a_run_that_was_killed_is_looked_at_and_not_edited(opened: AppState) -> None:
+    short = named(opened, "short")
+    opened.preview = None  # Another window made it.
+    assert not run_actions.why_not_look(opened, short.path, has_checkpoint=short.has_checkpoint)
+    run_actions.look(opened, short.path)
+    channels = Channels()
+    for step in range(3):
+        update(opened, channels, 0.1 * step)
+        channels.opening.run_waiting()
+    assert opened.model is not None
+    assert (opened.model.live, opened.model.iteration) == (True, 8)
+    assert opened.editing.base is None
+    assert opened.reconstruction.status == "cancelled"
+    assert job_actions.can_continue(opened)
+
+
+def test_damaged_checkpoints_are_no_model(folder: Path) -> None:
+    short = folder / "runs" / "short"
+    assert kept_model(short).iteration == 8
+    for path in short.glob("checkpoint-*"):
+        path.write_bytes(b"x")
+    (answer,) = open_path(OpenRequest(short))
+    assert answer.run is not None
+    assert answer.run.model is None
