@@ -31,6 +31,7 @@ SUM_Q, SUM_QX, SUM_QY, SUM_QXX, SUM_QXY, SUM_QYY, SUM_RED, SUM_GREEN, SUM_BLUE, 
 SUM_SIZE = 10
 
 LOG2_E = 1.0 / math.log(2.0)
+LN_2 = np.float32(math.log(2.0))
 
 
 def camera_vector(camera: Camera, near: float) -> FloatArray:
@@ -302,3 +303,21 @@ def project_backward(
             by_scales[n, k] = by_scale[k]
         _quaternion_gradient(quats[n], by_rotation, by_quats[n])
         by_opacities[n] = total[SUM_Q] / opacities[n]
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
+def center_gradients(
+    records: NDArray[np.float32],  # (N, RECORD_SIZE)
+    sums: NDArray[np.float32],  # (N, SUM_SIZE)
+    seen: NDArray[np.bool_],  # (N,)
+    by_centers: NDArray[np.float32],  # (N, 2), out
+) -> None:
+    """Gradient by the centres on screen, in pixels, from the raster's sums; 0 where a splat is not seen."""
+    two = np.float32(2.0)
+    # The moments are of offsets from the centre to the pixels, hence the signs.
+    for n in prange(len(seen)):
+        by_centers[n] = 0.0
+        if seen[n]:
+            record, total = records[n], sums[n]
+            by_centers[n, 0] = -LN_2 * (two * record[A] * total[SUM_QX] + record[B] * total[SUM_QY])
+            by_centers[n, 1] = -LN_2 * (record[B] * total[SUM_QX] + two * record[C] * total[SUM_QY])

@@ -17,6 +17,7 @@ from renderer.projection import (
     SUM_RED,
     SUM_SIZE,
     camera_vector,
+    center_gradients,
     compensations,
     project,
     project_backward,
@@ -164,6 +165,12 @@ class Rasterizer:
                 splats.means, splats.harmonics, self._center, self.visible, colors, harmonics, means
             )
         return Gradients(means, quats, scales, opacities, colors, harmonics)
+
+    def by_centers(self) -> Float32Array:
+        """(N, 2) gradient by the centres on screen, in pixels, of the last `backward`."""
+        by = np.empty((len(self.visible), 2), np.float32)
+        center_gradients(self.records, self.sums, self.visible, by)
+        return by
 
     def rendered(self, width: int, height: int, background: Background) -> Rendered:
         """The blended planes as a picture over the background."""

@@ -9,12 +9,9 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.projection import SUM_QX, SUM_QY, A, B, C
-from renderer.rasterize.cpu import Rasterizer
 from renderer.raw_gaussians import Arrays, RawGaussians, sigmoid
 from renderer.splats import Float32Array
 
-LN_2 = np.float32(np.log(2.0))
 SHRINK = 1.6
 """Children of a split are smaller by this."""
 CHILDREN = 2
@@ -60,10 +57,10 @@ class Densifier:
         self._control, self._size = control, size
         self._sums, self._counts = np.zeros(count, np.float32), np.zeros(count, np.int32)
 
-    def add(self, rasterizer: Rasterizer, camera: Camera) -> None:
-        """Take note of the step whose backward pass `rasterizer` has just done."""
+    def add(self, by_centers: Float32Array, seen: NDArray[np.bool_], camera: Camera) -> None:
+        """Take note of a step: gradient by the centres on screen in pixels (N, 2), and who was seen (N,)."""
         half = np.float32(camera.width / 2), np.float32(camera.height / 2)
-        _add_lengths(rasterizer.records, rasterizer.sums, rasterizer.visible, *half, self._sums, self._counts)
+        _add_lengths(by_centers, seen, *half, self._sums, self._counts)
 
     def is_due(self, done: int) -> bool:
         """After `done` steps."""
@@ -117,9 +114,8 @@ def _offsets(raw: RawGaussians, index: NDArray[np.int64], rng: np.random.Generat
 
 @njit(parallel=True, cache=True, error_model="numpy")
 def _add_lengths(
-    records: NDArray[np.float32],
-    sums: NDArray[np.float32],
-    seen: NDArray[np.bool_],
+    by_centers: NDArray[np.float32],  # (N, 2)
+    seen: NDArray[np.bool_],  # (N,)
     half_width: np.float32,
     half_height: np.float32,
     lengths: NDArray[np.float32],  # (N,), added to
@@ -128,9 +124,6 @@ def _add_lengths(
     """Length of the gradient by the centre on screen, where the picture spans -1 to 1."""
     for n in prange(len(lengths)):
         if seen[n]:
-            record, total = records[n], sums[n]
-            two = np.float32(2.0)
-            by_u = LN_2 * (two * record[A] * total[SUM_QX] + record[B] * total[SUM_QY]) * half_width
-            by_v = LN_2 * (record[B] * total[SUM_QX] + two * record[C] * total[SUM_QY]) * half_height
+            by_u, by_v = by_centers[n, 0] * half_width, by_centers[n, 1] * half_height
             lengths[n] += np.sqrt(by_u * by_u + by_v * by_v)
             counts[n] += 1

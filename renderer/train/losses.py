@@ -36,8 +36,8 @@ COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, SQUARED_ERROR = range(4)
 N_SUMS = 4
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 BYTE = np.float32(1.0 / 255.0)
-GUESS_STEP = 4
-"""Every so many rows and columns of a guessed depth are compared with what is drawn."""
+SPARSE = slice(None, None, 4), slice(None, None, 4)
+"""Rows and columns of a guessed depth that are compared with what is drawn."""
 FEWEST_GUESSES = 50
 
 
@@ -98,18 +98,25 @@ def picture_loss(rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights
 
 def _fitted(planes: NDArray[np.float32], frame: TrainFrame) -> NDArray[np.float32]:
     """A guessed depth, its inverse scaled and shifted to what is drawn: only its shape supervises."""
-    sparse = slice(None, None, GUESS_STEP), slice(None, None, GUESS_STEP)
-    guess, light = frame.depth[sparse], ONE - planes[LEFT][sparse]
-    drawn = (guess > 0) & (light > HALF)
-    nothing = np.zeros_like(frame.depth)
-    if np.count_nonzero(drawn) < FEWEST_GUESSES:
-        return nothing
-    inverse_guess = ONE / np.where(guess > 0, guess, ONE)
-    inverse_drawn = light / np.where(drawn, planes[PLANE_DEPTH][sparse], ONE)
-    scale, shift = aligned(inverse_guess, inverse_drawn, drawn)
+    light, drawn = ONE - planes[LEFT][SPARSE], planes[PLANE_DEPTH][SPARSE]
+    scale, shift = guess_line(frame.depth[SPARSE], light, drawn)
     inverse = np.float32(scale) / np.where(frame.depth > 0, frame.depth, ONE) + np.float32(shift)
     usable = (frame.depth > 0) & (inverse > 0) & (scale > 0)
-    return np.where(usable, ONE / np.where(usable, inverse, ONE), nothing)
+    return np.where(usable, ONE / np.where(usable, inverse, ONE), ZERO)
+
+
+def guess_line(
+    guess: NDArray[np.float32], light: NDArray[np.float32], drawn: NDArray[np.float32]
+) -> tuple[float, float]:
+    """Scale and shift that take the inverse of a guessed depth to that of what is drawn; scale 0: too little.
+
+    All are of one shape: `light` the alpha of what is drawn, `drawn` its depth times that.
+    """
+    compared = (guess > 0) & (light > HALF)
+    if np.count_nonzero(compared) < FEWEST_GUESSES:
+        return 0.0, 0.0
+    inverse_drawn = light / np.where(compared, drawn, ONE)
+    return aligned(ONE / np.where(guess > 0, guess, ONE), inverse_drawn, compared)
 
 
 def _extra_terms(

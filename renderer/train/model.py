@@ -9,28 +9,35 @@ import numpy as np
 
 from renderer.gaussians import DynamicGaussians
 from renderer.harmonics import BANDS
-from renderer.near_plane import NEAR_SHARE
-from renderer.rasterize.cpu import Gradients, Rasterizer
 from renderer.raw_gaussians import FIELDS, Arrays, RawGaussians
-from renderer.splats import Float32Array, Splats
+from renderer.splats import Float32Array
 from renderer.train.adam import corrected_rate, update_rows
 from renderer.train.densify import Densifier, Plan
 from renderer.train.frames import TrainFrame
 from renderer.train.guards import Trouble, hold_scales, leave_out_broken
-from renderer.train.losses import Measured, picture_loss
+from renderer.train.losses import Measured
+from renderer.train.pictures import CpuPictures, Pictures
 from renderer.train.recipe import BoolArray, MotionTrainer, Recipe
 
 
 class TrainModel:
-    """Trains Gaussians and their motion. `size` is the scene size in the clip's unit."""
+    """Trains Gaussians and their motion. `size` is the scene size in the clip's unit; `pictures` draws, by
+    the numba kernels when there is none."""
 
-    def __init__(self, raw: RawGaussians, motion: MotionTrainer, recipe: Recipe, size: float) -> None:
+    def __init__(
+        self,
+        raw: RawGaussians,
+        motion: MotionTrainer,
+        recipe: Recipe,
+        size: float,
+        pictures: Pictures | None = None,
+    ) -> None:
         self.raw = raw
+        self._pictures: Pictures = pictures or CpuPictures()
         self._motion, self._recipe, self._size = motion, recipe, size
         self._first = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
         self._second = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
         self._density = Densifier(recipe.density, size, len(raw)) if recipe.density else None
-        self._rasterizers: dict[tuple[int, int], Rasterizer] = {}
         self.trouble = Trouble()
 
     def __len__(self) -> int:
@@ -67,14 +74,9 @@ class TrainModel:
         self._raise_degree(BANDS[self._recipe.degree_at(iteration)])
         moves = self._recipe.stage_at(iteration).moves
         now = self._motion.moved(self.raw, frame.time) if moves else self.raw
-        splats = now.splats()
-        rasterizer = self._rasterizer(frame)
-        whole = self._recipe.every_tile or self._recipe.losses.takes_whole_picture
-        rasterizer.forward(
-            splats, frame.camera, NEAR_SHARE * self._size, None if whole else frame.tile_wanted
-        )
-        measured = picture_loss(rasterizer, frame, self._recipe.losses, self._size)
-        by, seen = _by_raw(rasterizer.backward(splats), splats), rasterizer.visible
+        recipe = self._recipe
+        slopes = self._pictures.slopes(now, frame, recipe.losses, self._size, every_tile=recipe.every_tile)
+        by, seen = slopes.by, slopes.seen
         reached = seen.copy()
         self.trouble.not_finite += leave_out_broken(by, seen)
         if self._recipe.every_moment:
@@ -84,10 +86,10 @@ class TrainModel:
             self._motion.update(frame.time, by, seen, iteration)
         self.trouble.held += hold_scales(self.raw.log_scales, self._size)
         if self._density:
-            self._density.add(rasterizer, frame.camera)
+            self._density.add(self._pictures.by_centers(), seen, frame.camera)
             if self._density.is_due(iteration + 1):
                 self._carry_out(self._density.plan(self.raw, iteration + 1))
-        return measured
+        return slopes.measured
 
     def _raise_degree(self, bands: int) -> None:
         """Harmonics of `bands` functions: the new ones are 0."""
@@ -109,12 +111,6 @@ class TrainModel:
         assert self._density is not None
         self._density.start_again(len(plan.index))
 
-    def _rasterizer(self, frame: TrainFrame) -> Rasterizer:
-        size = (frame.camera.width, frame.camera.height)
-        if size not in self._rasterizers:
-            self._rasterizers = {size: Rasterizer(*size)}
-        return self._rasterizers[size]
-
     def _update(self, by: RawGaussians, seen: BoolArray, iteration: int) -> None:
         for name in FIELDS:
             values = getattr(self.raw, name)
@@ -129,15 +125,3 @@ class TrainModel:
 def _flat(values: Float32Array) -> Float32Array:
     """(N, numbers of each), a view."""
     return values.reshape(len(values), -1)
-
-
-def _by_raw(by: Gradients, splats: Splats) -> RawGaussians:
-    """Gradients by the raw values from those by the activated ones."""
-    return RawGaussians(
-        means=by.means,
-        quats=by.quats,
-        log_scales=by.scales * splats.scales,
-        opacity_logits=by.opacities * splats.opacities * (1 - splats.opacities),
-        colors=by.colors,
-        harmonics=by.harmonics,
-    )

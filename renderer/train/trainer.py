@@ -35,6 +35,7 @@ from renderer.train.losses import Measured
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
 from renderer.train.needs import decide
+from renderer.train.pictures import Pictures
 from renderer.train.recipe import Recipe, Stage
 from renderer.train.unseen import without_unseen
 
@@ -51,12 +52,18 @@ class TrainingError(RuntimeError):
 
 
 def train(
-    clip: Clip, config: TrainConfig, *, folder: Path | None = None, resume: bool = False
+    clip: Clip,
+    config: TrainConfig,
+    *,
+    folder: Path | None = None,
+    resume: bool = False,
+    pictures: Pictures | None = None,
 ) -> Iterator[TrainEvent]:
     """Reconstruct `clip` from its training frames.
 
-    With a `folder`, checkpoints are written there; `resume` goes on from the newest. One seed gives the
-    same bytes on the CPU, whether interrupted or not and whatever the number of threads.
+    With a `folder`, checkpoints are written there; `resume` goes on from the newest. `pictures` draws, by
+    the numba kernels when there is none. One seed gives the same bytes on the CPU, whether interrupted or
+    not and whatever the number of threads.
 
     Raises:
         ClipError: frames cannot be read, or there is no depth to start from.
@@ -70,7 +77,7 @@ def train(
     needs = decide(clip, frames, config)
     recipe = recipe_for(config, needs)
     raw = recipe.initialize(seeds)
-    model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size)
+    model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
     pool = _Pool([train_frame(frame) for frame in frames], config.seed, needs.has_masks)
     del frames, seeds
     start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)

@@ -46,7 +46,8 @@ def test_gathered_length_is_the_slope_by_the_centre_on_screen() -> None:
     frame = train_frame(moving_sheet().read_frame(0))
     raw = replace(blobs(1), means=np.float32([[0.3, -0.2, 50]]), log_scales=np.full((1, 3), 3.4, np.float32))
     density = Densifier(DensityControl(), 50.0, 1)
-    density.add(loss_of(raw, CAMERA, frame)[1], CAMERA)
+    rasterizer = loss_of(raw, CAMERA, frame)[1]
+    density.add(rasterizer.by_centers(), rasterizer.visible, CAMERA)
     step = 0.02
     slopes = []
     for name in ("cx", "cy"):
