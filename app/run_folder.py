@@ -17,6 +17,7 @@ from pydantic.dataclasses import dataclass
 
 from app.arguments import problem
 from app.atomic import make_folder, replaced, write_bytes
+from app.device import Device
 from app.errors import UserError
 from app.methods import PAPER, VESSEL, Preset, preset_of
 from app.provenance import strict_json
@@ -85,6 +86,7 @@ class RunRecord:
     config: TrainConfig
     enhancement: Enhancement | None = None
     """None when the run was trained on the original photos."""
+    device: Device = "cpu"
 
     def camera(self, index: int) -> Camera:
         """The camera of frame `index`."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from app.device import Asked, Choice, Device, choose, pictures_on
 from app.errors import UserError
 from app.memory import peak_memory_mb
 from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
@@ -26,6 +27,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
+from renderer.train.pictures import Pictures
 from renderer.train.trainer import TrainingError, require_depth, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
@@ -47,6 +49,8 @@ class TrainRequest:
     input: Input = "original"
     enhance_params: RecordedLook = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
+    device: Asked = "auto"
+    """For a run that goes on, "auto" is what it began with."""
     resume: bool = False
     """Go on from the newest checkpoint in `run_path`; start when there is nothing there yet."""
 
@@ -57,7 +61,8 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     Raises:
         ClipError: the clip cannot be read.
         UserError: the run folder holds something else, or another run than the one to resume; the path of
-            the clip is not UTF-8, so that run.json cannot name it; or the training does not converge.
+            the clip is not UTF-8, so that run.json cannot name it; the device that is asked for is not
+            there; or the training does not converge.
     """
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
@@ -68,14 +73,24 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         _check_same(request, record)
     else:
         require_depth(clip)
-        record = _new_record(request, clip)
+        record = _new_record(request, clip, device_of(request).device)
     if run.is_finished:
         yield _finished_before(run)
         return
+    pictures = pictures_on(device_of(request).device)
     try:
-        yield from _train(record, run, input_clip(clip, record), _notices(clip))
+        yield from _train(record, run, input_clip(clip, record), pictures, _notices(clip))
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
+
+
+def device_of(request: TrainRequest) -> Choice:
+    """What the request is trained on. Raises UserError: that is not there, or the run began with another."""
+    run = RunFolder(request.run_path)
+    began = run.record().device if request.resume and run.is_run else request.device
+    if request.device not in ("auto", began):
+        raise UserError(f"cannot resume: the run began with device {began}, got {request.device}")
+    return choose(began)
 
 
 def _notices(clip: Clip) -> tuple[str, ...]:
@@ -85,12 +100,12 @@ def _notices(clip: Clip) -> tuple[str, ...]:
 
 
 def _train(
-    record: RunRecord, run: RunFolder, clip: Clip, notices: tuple[str, ...]
+    record: RunRecord, run: RunFolder, clip: Clip, pictures: Pictures, notices: tuple[str, ...]
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
         if run.is_run:
             meanwhile.enter_context(held(run.path))
-        for event in train(clip, record.config, folder=run.path, resume=run.is_run):
+        for event in train(clip, record.config, folder=run.path, resume=run.is_run, pictures=pictures):
             # A clip that cannot be trained on has failed by now: nothing is left behind for it.
             if not run.is_run:
                 run.create(record)
@@ -134,7 +149,7 @@ def pooled(clip: Clip, params: Look) -> Enhancement:
     return Enhancement(params=params, statistics=measure_for(params, images, masks))
 
 
-def _new_record(request: TrainRequest, clip: Clip) -> RunRecord:
+def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
     return RunRecord(
         version=version(),
@@ -151,6 +166,7 @@ def _new_record(request: TrainRequest, clip: Clip) -> RunRecord:
         input=request.input,
         config=request.config,
         enhancement=pooled(clip, request.enhance_params) if request.input == "enhanced" else None,
+        device=device,
     )
 
 

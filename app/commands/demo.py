@@ -24,7 +24,7 @@ from app.progress import progress
 from app.provenance import NOTICE, provenance, source, strict_json, write_png
 from app.run_folder import Input, RunFolder
 from app.sheet import ByteImage, Tile, sheet
-from app.training import RECONSTRUCTION_PARAMS, TrainRequest, enhanced_clip, pooled
+from app.training import RECONSTRUCTION_PARAMS, TrainRequest, device_of, enhanced_clip, pooled
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
@@ -56,7 +56,8 @@ def run(flags: argparse.Namespace) -> None:
         _write_enhanced(out / "enhanced", clip)
     for name, run_path in runs.items():
         with _timed(f"train {name}", seconds):
-            follow(TrainRequest(clip_path=path, run_path=run_path, config=CONFIG, input=name))
+            request = TrainRequest(clip_path=path, run_path=run_path, config=CONFIG, input=name)
+            follow(request, device_of(request).device)
     evaluations = {name: open_evaluation(run_path) for name, run_path in runs.items()}
     with _timed("evaluate", seconds):
         reports = {name: evaluation.report(measured(evaluation)) for name, evaluation in evaluations.items()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import ctypes
 import os
 import platform
 import sys
@@ -11,13 +10,13 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed_version
 from typing import Any
 
+from app.device import cuda_devices, missing
 from app.display import has_display
 from app.provenance import NOTICE, strict_json, version
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 
 PACKAGES = ("numpy", "numba", "opencv-contrib-python-headless", "torch", "gsplat", "moderngl", "imgui-bundle")
 LICENSE = "VesselSplat: Apache-2.0; its dependencies carry their own licences, see LICENSE"
-CUDA_DRIVERS = {"win32": "nvcuda.dll"}
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +47,9 @@ def collect() -> dict[str, Any]:
         "opengl": _opengl(),
         "cuda_devices": cuda_devices(),
         "display": has_display(),
-        "training": "numba on the CPU",
+        "training": f"numba on the CPU: {lacks}"
+        if (lacks := missing())
+        else "gsplat on CUDA, numba on the CPU",
         "licences": LICENSE,
         "notice": NOTICE,
     }
@@ -69,15 +70,3 @@ def _opengl() -> str:
     name = renderer_name(context)
     context.release()
     return name
-
-
-def cuda_devices() -> int:
-    """How many devices the CUDA driver sees; 0 without a driver."""
-    try:
-        driver = ctypes.CDLL(CUDA_DRIVERS.get(sys.platform, "libcuda.so.1"))
-    except OSError:
-        return 0
-    count = ctypes.c_int(0)
-    if driver.cuInit(0) != 0 or driver.cuDeviceGetCount(ctypes.byref(count)) != 0:
-        return 0
-    return count.value

@@ -6,15 +6,16 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from app.arguments import add_fields, parameters
+from app.device import Asked, Device
 from app.errors import UserError
 from app.methods import PAPER, Look
 from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.run_folder import RunFolder
-from app.training import PRESETS, TrainRequest, run_training
+from app.training import PRESETS, TrainRequest, device_of, run_training
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Progress, Warned
@@ -39,7 +40,11 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     add_fields(parser, TrainConfig, ("iterations", "seed", "sh_degree", "keep", "leave_out"))
     add_fields(parser, ClipOptions, EVERY_OPTION)
     parser.add_argument(
-        "--device", choices=("auto", "cpu", "cuda"), default="auto", help="what computes (default auto)"
+        "--device",
+        choices=get_args(Asked),
+        default="auto",
+        help="what draws and differentiates: auto takes an NVIDIA card where gsplat can use it, else the "
+        "processor (default auto)",
     )
     parser.add_argument("--resume", action="store_true", help="go on from the last checkpoint in RUN")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
@@ -47,8 +52,6 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     config = parameters(TrainConfig, flags)
-    if flags.device == "cuda":
-        raise UserError("--device cuda: training on CUDA is not available in this version; use cpu or auto")
     run_folder = RunFolder(flags.run)
     request = TrainRequest(
         clip_path=flags.clip,
@@ -57,10 +60,12 @@ def run(flags: argparse.Namespace) -> None:
         clip_options=parameters(ClipOptions, flags),
         input=flags.input,
         enhance_params=_look(flags),
+        device=flags.device,
         resume=flags.resume,
     )
+    device = device_of(request)
     try:
-        finished = follow(request)
+        finished = follow(request, device.device)
     except KeyboardInterrupt as interrupt:
         raise KeyboardInterrupt(f"interrupted; {_kept(run_folder)}") from interrupt
     summary: dict[str, Any] = {
@@ -68,13 +73,16 @@ def run(flags: argparse.Namespace) -> None:
         "iterations": finished.iteration,
         "train_seconds": finished.seconds,
         "n_gaussians": len(finished.model),
+        "device": device.device,
         "enhancement": run_folder.record().enhancement,
         "omitted": run_folder.omitted(),
     }
     if flags.json:
         sys.stdout.write(strict_json(provenance(config=config, input=flags.input, **summary)) + "\n")
     else:
-        done = f"{finished.iteration} iterations in {finished.seconds:.1f} s"
+        done = (
+            f"{finished.iteration} iterations in {finished.seconds:.1f} s on {device.device} ({device.why})"
+        )
         sys.stdout.write(f"{flags.run}: {len(finished.model)} Gaussians, {done}\n")
         sys.stdout.write(_table(summary["omitted"]))
 
@@ -102,10 +110,10 @@ def _kept(folder: RunFolder) -> str:
     return f"there is no checkpoint in {folder.path} yet, --resume starts again"
 
 
-def follow(request: TrainRequest) -> Finished:
+def follow(request: TrainRequest, device: Device) -> Finished:
     """Train with progress on stderr."""
     finished: Finished | None = None
-    with progress(f"train {request.input}", request.config.iterations) as report:
+    with progress(f"train {request.input} on {device}", request.config.iterations) as report:
         for event in run_training(request):
             match event:
                 case Progress():

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from renderer.camera import Camera
     from renderer.rasterize.reference import Rendered
 
-Backend = Literal["auto", "cpu", "reference"]
+Backend = Literal["auto", "cpu", "cuda", "reference"]
 
 
 def rasterize(
@@ -27,19 +27,28 @@ def rasterize(
 ) -> Rendered:
     """Image (H, W, 3), alpha (H, W) and expected depth (H, W; 0 where alpha is 0) of activated Gaussians.
 
-    Differentiable in the first five arguments. "cpu", which "auto" chooses, computes in float32 with
-    numba kernels; "reference" in float64 with plain torch, slowly. `near` is in scene units.
+    Differentiable in the first five arguments. "cpu" computes in float32 with numba kernels; "cuda" in
+    float32 with gsplat's; "reference" in float64 with plain torch, slowly. "auto" is "cuda" for tensors that
+    are on a card, else "cpu". `near` is in scene units.
 
     Raises:
         ValueError: shapes that do not agree, or an unknown backend.
+        ImportError: "cuda" without gsplat.
     """
+    from renderer.rasterize.cuda import rasterize_cuda
     from renderer.rasterize.differentiable import CpuRasterize
     from renderer.rasterize.reference import Rendered, rasterize_reference
 
     if backend == "reference":
         return rasterize_reference(means, quats, scales, opacities, colors, camera, background, near=near)
-    if backend not in ("auto", "cpu"):
-        raise ValueError(f"backend must be auto, cpu or reference, got {backend!r}")
-    floats = [value.float() for value in (means, quats, scales, opacities, colors)]
-    image, alpha, depth = CpuRasterize.apply(*floats, camera, background, near)  # type: ignore[no-untyped-call]
+    if backend not in ("auto", "cpu", "cuda"):
+        raise ValueError(f"backend must be auto, cpu, cuda or reference, got {backend!r}")
+    floats = (value.float() for value in (means, quats, scales, opacities, colors))
+    means, quats, scales, opacities, colors = floats
+    if backend == "cuda" or (backend == "auto" and means.is_cuda):
+        drawn = rasterize_cuda(means, quats, scales, opacities, colors, camera, background, near=near)
+        return drawn.picture
+    image, alpha, depth = CpuRasterize.apply(  # type: ignore[no-untyped-call]
+        means, quats, scales, opacities, colors, camera, background, near
+    )
     return Rendered(image, alpha, depth)

@@ -1,0 +1,79 @@
+"""What trains: the processor, or a card through gsplat. torch is loaded only where there may be one."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Literal
+
+from app.errors import UserError
+
+if TYPE_CHECKING:
+    from renderer.train.pictures import Pictures
+
+Asked = Literal["auto", "cpu", "cuda"]
+Device = Literal["cpu", "cuda"]
+CUDA_DRIVERS = {"win32": "nvcuda.dll"}
+
+
+@dataclass(frozen=True)
+class Choice:
+    device: Device
+    why: str
+
+
+def choose(asked: Asked) -> Choice:
+    """The device to train on.
+
+    Raises:
+        UserError: CUDA was asked for and something is missing: what, and where it comes from.
+    """
+    if asked == "cpu":
+        return Choice("cpu", "as asked")
+    lacks = missing() or _trouble()
+    if not lacks:
+        return Choice("cuda", "a card and gsplat are at hand")
+    if asked == "cuda":
+        raise UserError(f"--device cuda: {lacks}; --device cpu needs none of this")
+    return Choice("cpu", lacks)
+
+
+def pictures_on(device: Device) -> Pictures:
+    """What draws and differentiates there."""
+    if device == "cuda":
+        from renderer.torch_train.pictures import TorchPictures
+
+        return TorchPictures("cuda")
+    from renderer.train.pictures import CpuPictures
+
+    return CpuPictures()
+
+
+def missing() -> str:
+    """What the machine lacks for CUDA, as far as can be told without loading torch; empty: nothing."""
+    lacks = []
+    if not cuda_devices():
+        lacks.append("the NVIDIA driver finds no card")
+    if find_spec("gsplat") is None:
+        lacks.append("gsplat is not installed (pip install 'vesselsplat[cuda]')")
+    return " and ".join(lacks)
+
+
+def _trouble() -> str:
+    from renderer.torch_train.card import trouble
+
+    return trouble() or ""
+
+
+def cuda_devices() -> int:
+    """How many devices the CUDA driver sees; 0 without a driver."""
+    try:
+        driver = ctypes.CDLL(CUDA_DRIVERS.get(sys.platform, "libcuda.so.1"))
+    except OSError:
+        return 0
+    count = ctypes.c_int(0)
+    if driver.cuInit(0) != 0 or driver.cuDeviceGetCount(ctypes.byref(count)) != 0:
+        return 0
+    return count.value
