@@ -18,8 +18,6 @@ from renderer.clip import ByteImage
 from renderer.paint import by_motion, by_normal
 from renderer.splats import Float32Array, Shape, Splats
 
-RECOLORED: Final = ("normals", "motion")
-"""Views whose splats have other colours than the model's."""
 ViewKind = Literal["color", "depth", "normals", "opacity", "ellipsoids", "points", "motion", "difference"]
 SHAPES: Final[Mapping[ViewKind, Shape]] = MappingProxyType(
     {

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from renderer.camera import Camera
-from renderer.draw.splat_view import Precision, SplatView
+from renderer.draw.splat_view import Paint, Precision, SplatView
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
 
@@ -40,9 +40,16 @@ def layers_offscreen(
         view.release()
 
 
-def read_layers(view: SplatView, camera: Camera, shape: Shape = "soft", *, with_depth: bool = True) -> Layers:
+def read_layers(
+    view: SplatView,
+    camera: Camera,
+    shape: Shape = "soft",
+    *,
+    paint: Paint = "color",
+    with_depth: bool = True,
+) -> Layers:
     """What a view holds, as `camera` sees it. Depth is a second drawing: `with_depth` False gives 0."""
-    color = view.read_color(camera, shape)
+    color = view.read_color(camera, shape, paint)
     depth = view.read_depth(camera, shape) if with_depth else np.zeros(color.shape[:2], np.float32)
     return Layers(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), depth)
 

@@ -32,6 +32,10 @@ _NO_PIVOT: Rgb = (0.0, 0.0, 0.0)
 _OVER = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
 """Source and destination of colour, then of transmittance."""
 _GUARD_BAND = 0.3
+Paint = Literal["color", "depth", "normals", "motion"]
+"""What splats are painted with: their colours, their depth, where they face (as `by_normal` of
+renderer.paint), or how far they are from where they were at the first keyframe."""
+_PAINTS: dict[Paint, int] = {"color": 0, "depth": 1, "normals": 2, "motion": 3}
 _BODIES: dict[Shape, int] = {"soft": 0, "ellipsoid": 1, "point": 2}
 
 
@@ -134,22 +138,22 @@ class SplatView:
             target = self._accumulate(_fitted(camera, framebuffer), self._precision, pivot=pivot)
             self._resolve(target, framebuffer, background, pivot)
 
-    def read_color(self, camera: Camera, shape: Shape = "soft") -> Float32Array:
+    def read_color(self, camera: Camera, shape: Shape = "soft", paint: Paint = "color") -> Float32Array:
         """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first."""
         with self._state.preserved():
-            return self._read(camera, depth_as_color=False, shape=shape)
+            return self._read(camera, shape, paint)
 
     def read_depth(self, camera: Camera, shape: Shape = "soft") -> Float32Array:
         """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
         with self._state.preserved():
-            sums = self._read(camera, depth_as_color=True, shape=shape)
+            sums = self._read(camera, shape, "depth")
         depth = np.zeros((camera.height, camera.width), dtype=np.float32)
         np.divide(sums[..., 0], sums[..., 3], out=depth, where=sums[..., 3] > 0)
         return depth
 
-    def _read(self, camera: Camera, *, depth_as_color: bool, shape: Shape) -> Float32Array:
-        """Sums of colour or depth, and alpha."""
-        target = self._accumulate(camera, "float", depth_as_color=depth_as_color, shape=shape)
+    def _read(self, camera: Camera, shape: Shape, paint: Paint) -> Float32Array:
+        """Sums of the paint, and alpha."""
+        target = self._accumulate(camera, "float", shape, paint)
         raw = target.framebuffer.read(components=4, dtype="f4")
         sums = np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4).copy()
         np.subtract(1, sums[..., 3], out=sums[..., 3])
@@ -169,12 +173,11 @@ class SplatView:
         self,
         camera: Camera,
         precision: Precision,
-        *,
-        depth_as_color: bool = False,
         shape: Shape = "soft",
+        paint: Paint = "color",
         pivot: Rgb = _NO_PIVOT,
     ) -> _Target:
-        """Blend the splats, their colour from `pivot` or depth times alpha, into the owned target."""
+        """Blend the splats, their paint from `pivot` times alpha, into the owned target."""
         target = self._target((camera.width, camera.height), precision)
         target.framebuffer.use()
         target.framebuffer.clear(alpha=1.0)
@@ -185,7 +188,7 @@ class SplatView:
         self._ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
         self._ctx.blend_func = _OVER  # type: ignore[assignment]
         self._aim(camera)
-        self._program["depth_as_color"], self._program["pivot"] = depth_as_color, pivot
+        self._program["painted"], self._program["pivot"] = _PAINTS[paint], pivot
         self._program["compensated"] = self._mode == "mip"
         self._program["body"] = _BODIES[shape]
         self._program["widest"], self._program["faintest"] = self._cut.widest, self._cut.faintest

@@ -13,11 +13,13 @@ from imgui_bundle import imgui
 from app.drawing import Drawn
 from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
-from app.gui.work.viewing import BACKGROUND, View, ViewRequest
-from app.views import RECOLORED, SHAPES, Composed, Scale, splats_for
+from app.gui.work.baking import Baked
+from app.gui.work.viewing import BACKGROUND, ShownModel, View, ViewRequest
+from app.views import SHAPES, Composed, Scale, ViewKind, splats_for
+from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
-from renderer.draw.splat_view import SplatView
+from renderer.draw.splat_view import Paint, SplatView
 
 
 @dataclass(frozen=True)
@@ -44,15 +46,22 @@ class Watch:
     keyframes: Callable[[AppState], Keyframes | None]
 
 
-def keyframes_of(state: AppState) -> Keyframes | None:
+def keyframes_of(shown: ShownModel | None, baked: Baked | None) -> Keyframes | None:
     """Of the model that is shown, once they are there."""
-    baked = state.baked
-    return baked.keyframes if baked is not None and baked.request.shown is state.model else None
+    return baked.keyframes if baked is not None and baked.request.shown is shown else None
 
 
-FIRST = Watch("view", lambda state: state.view_request, lambda state: state.view, keyframes_of)
+FIRST = Watch(
+    "view",
+    lambda state: state.view_request,
+    lambda state: state.view,
+    lambda state: keyframes_of(state.model, state.baked),
+)
 SECOND = Watch(
-    "second view", lambda state: state.second_request, lambda state: state.second.view, lambda state: None
+    "second view",
+    lambda state: state.second_request,
+    lambda state: state.second.view,
+    lambda state: keyframes_of(state.second.shown, state.second.baked),
 )
 
 
@@ -121,8 +130,9 @@ class GraphicsViewport:
         _forget_errors(self._ctx)
         splats = self._upload(request, keyframes)
         if request.kind != "color":
-            shape, with_depth = SHAPES[request.kind], request.kind == "depth"
-            layers = read_layers(splats, request.camera, shape, with_depth=with_depth)
+            paint, with_depth = _paint(request.kind, keyframes), request.kind == "depth"
+            shape = SHAPES[request.kind]
+            layers = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
             self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
             self._finish(request)
             return
@@ -145,14 +155,14 @@ class GraphicsViewport:
         if self._splats is None or self._near != request.near:
             self._release_splats()
             self._splats, self._near = SplatView(self._ctx, near=request.near), request.near
-        shown, time, kind = request.shown, request.time, request.kind
-        recolored = (kind, request.camera) if kind in RECOLORED else None
-        wanted = keyframes if keyframes is not None and recolored is None else (shown, time, recolored)
-        if self._uploaded != wanted and isinstance(wanted, Keyframes):
-            self._splats.upload_keyframes(wanted, shown.mode)
+        shown = request.shown
+        time = 0.0 if isinstance(shown.model.motion, Still) else request.time
+        kind: ViewKind = "motion" if request.kind == "motion" else "color"
+        wanted = (shown, time, kind) if keyframes is None else keyframes
+        if self._uploaded != wanted and keyframes is not None:
+            self._splats.upload_keyframes(keyframes, shown.mode)
         elif self._uploaded != wanted:
-            splats = splats_for(kind, keyframes or shown.model, time, request.camera)
-            self._splats.upload(splats, shown.mode)
+            self._splats.upload(splats_for(kind, shown.model, time, request.camera), shown.mode)
         self._uploaded = wanted
         self._splats.seek(time)
         return self._splats
@@ -175,6 +185,13 @@ class GraphicsViewport:
     def release(self) -> None:
         self._release_target()
         self._release_splats()
+
+
+def _paint(kind: ViewKind, keyframes: Keyframes | None) -> Paint:
+    """What the card finds by itself. Where a splat was at the start it knows from keyframes alone."""
+    if kind == "normals" or (kind == "motion" and keyframes is not None):
+        return kind
+    return "color"
 
 
 def _forget_errors(ctx: moderngl.Context) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.gui.work.baking import Baked
 from app.gui.work.opening import OpenRequest
 from app.gui.work.viewing import ShownModel, View
 
@@ -16,3 +17,5 @@ class Second:
     shown: ShownModel | None = None
     view: View | None = None
     """The newest picture of it that the processor drew."""
+    baked: Baked | None = None
+    """Keyframes of it for the graphics card; more to come while they are None."""

@@ -21,13 +21,13 @@ from app.gui.actions import (
 from app.gui.actions.session_actions import WriteRequest, write
 from app.gui.state.app_state import AppState
 from app.gui.update.answered import answered
+from app.gui.update.bake_work import BakeWork
 from app.gui.update.compare_work import CompareWork
 from app.gui.update.job_events import follow_job
 from app.gui.update.measure_work import MeasureWork
 from app.gui.update.queue_work import QueueWork
 from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
-from app.gui.work.baking import Baked, BakeRequest, bake, can_bake
 from app.gui.work.editing import Selected, Selector, SelectRequest
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.exporting import ExportRequest, Step, export
@@ -63,7 +63,7 @@ class Channels:
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     second: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     second_opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
-    bakes: Channel[BakeRequest, Baked] = field(default_factory=lambda: Channel(bake))
+    bakes: BakeWork = field(default_factory=BakeWork)
     saving: Channel[ExportRequest, Step] = field(default_factory=lambda: Channel(export, depth=16))
     windows: Channel[WindowRequest, Step] = field(default_factory=lambda: Channel(save_window, depth=4))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
@@ -86,7 +86,7 @@ class Channels:
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
         first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
-        views = (self.view, self.second, self.second_opening, self.bakes)
+        views = (self.view, self.second, self.second_opening, *self.bakes.all)
         last = (self.saving, self.windows, self.cells, self.sessions, self.exports)
         return (*first, *self.compare.all, *views, *last)
 
@@ -111,7 +111,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_selected(state, channels)
     _take_view(state, channels)
     _take_second(state, channels)
-    _take_baked(state, channels)
+    channels.bakes.take(state)
     _take_saved(state, channels)
     _take_cell(state, channels)
     _take_written(state, channels)
@@ -233,18 +233,6 @@ def _take_second(state: AppState, channels: Channels) -> None:
         state.second.view = drawn[1]
 
 
-def _take_baked(state: AppState, channels: Channels) -> None:
-    taken = channels.bakes.take()
-    if taken is None or taken[0].shown is not state.model:
-        return
-    if isinstance(taken[1], Failure):
-        actions.say(state, f"the 3D view does without keyframes: {taken[1].message}")
-        return
-    state.baked = taken[1]
-    if state.baked.said:
-        actions.say(state, state.baked.said)
-
-
 def _take_saved(state: AppState, channels: Channels) -> None:
     while (taken := channels.saving.take()) is not None:
         export_actions.take_saved(state, taken[1])
@@ -304,7 +292,7 @@ def _ask(state: AppState, channels: Channels) -> None:
     channels.picks.want(state.viewer.pick)
     channels.selecting.want(state.editing.wish)
     channels.photos.want(state.photo_request)
-    _ask_for_keyframes(state, channels)
+    channels.bakes.ask(state)
     channels.cells.want(state.tuning.request)
     if (session := session_actions.autosave_request(state)) is not None:
         channels.sessions.ask(session)
@@ -328,14 +316,3 @@ def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) 
     if first is None or second.shown is None or not state.processor_draws:
         return
     channels.second.want(replace(first, shown=second.shown))
-
-
-def _ask_for_keyframes(state: AppState, channels: Channels) -> None:
-    """Part by part, so that pictures are made between them."""
-    shown, asked, baked = state.model, channels.bakes.asked, state.baked
-    if shown is None or state.processor_draws or not can_bake(shown):
-        return
-    if asked is None or asked.shown is not shown:
-        channels.bakes.ask(BakeRequest(shown))
-    elif baked is not None and baked.request is asked and baked.keyframes is None:
-        channels.bakes.ask(BakeRequest(shown, baked.baker))

@@ -38,7 +38,7 @@ class Baked:
         if kept is None or not kept.offsets or len(kept) == frames:
             return ""
         return (
-            f"the 3D view holds {len(kept)} of {frames} moments, as many as fit into "
+            f"holds {len(kept)} of {frames} moments, as many as fit into "
             f"{kept.n_bytes >> 20} MB: between them Gaussians are up to {kept.error:.3g} units off"
         )
 

@@ -11,6 +11,7 @@ const float ELLIPSOID_REACH = 1.5;     // standard deviations
 const float LEAST_OPACITY = 0.1;       // of ellipsoids
 const float POINT_RADIUS = 1.25;       // px
 const float RIM = 0.55;                // an ellipsoid is so much darker at its edge
+const int DEPTH = 1, NORMALS = 2, MOTION = 3;
 
 const int ROW = 1024;            // splats in a row of records and offsets
 const int HARMONICS_ROW = 256;
@@ -30,7 +31,7 @@ uniform vec4 slopes;             // least x/z, y/z and greatest x/z, y/z that th
 uniform float widest;            // standard deviations that a quad reaches at most
 uniform float faintest;          // alpha at which it ends
 uniform vec2 size;               // width height
-uniform bool depth_as_color;
+uniform int painted;             // 0: in the splat's colour
 uniform int body;                // 0: soft
 uniform bool compensated;        // opacity makes up for the low-pass
 
@@ -67,6 +68,14 @@ vec3 seen_from(vec3 direction, ivec2 at) {
     return sum;
 }
 
+// The shortest axis, turned to face the camera: red right, green up, blue to the camera; 0.5 is 0.
+vec3 normal_color(mat3 axes, vec3 scales, vec3 local) {
+    bool first = scales.x <= min(scales.y, scales.z);
+    vec3 normal = first ? axes[0] : scales.y <= scales.z ? axes[1] : axes[2];
+    if (dot(normal, local) > 0.0) normal = -normal;
+    return 0.5 + 0.5 * normal * vec3(1.0, -1.0, -1.0);
+}
+
 mat3 rotation_from(vec4 quat) {
     vec4 magnitude = abs(quat);
     float largest = max(max(magnitude.x, magnitude.y), max(magnitude.z, magnitude.w));
@@ -98,8 +107,10 @@ void main() {
     vec4 color_slot = texelFetch(records, texel + ivec2(3, 0), 0);
     vec3 color = color_slot.rgb;
     int slot = int(color_slot.a) - 1;
+    vec4 moved = vec4(0.0);
     if (slot >= 0) {
-        if (moves.x) mean_opacity += offset(place_offsets, slot);
+        if (moves.x) moved = offset(place_offsets, slot);
+        mean_opacity += moved;
         if (moves.y) quat += offset(turn_offsets, slot);
         if (moves.z) scales += offset(size_offsets, slot).xyz;
         if (moves.w) color += offset(paint_offsets, slot).rgb;
@@ -130,7 +141,10 @@ void main() {
     float remainder = dot(minors, minors) + LOW_PASS * (c / a + dot(first * root, first * root));
     shape = vec3(b / a, 1.0 / a, 1.0 / remainder);
     if (compensated) opacity *= length(minors) * inversesqrt(remainder);
-    paint = vec4(depth_as_color ? vec3(z) : color, opacity);
+    if (painted == DEPTH) color = vec3(z);
+    if (painted == NORMALS) color = normal_color(spread, scales, local);
+    if (painted == MOTION) color = vec3(length(moved.xyz));
+    paint = vec4(color, opacity);
 
     float reach = min(widest, sqrt(max(0.0, 2.0 * log(opacity / faintest))));
     solid = vec2(0.0);
@@ -138,7 +152,7 @@ void main() {
     if (body != 0) {
         hidden = body == ELLIPSOID && mean_opacity.w < LEAST_OPACITY;
         reach = body == POINT ? POINT_RADIUS : ELLIPSOID_REACH;
-        solid = vec2(reach * reach, body == POINT || depth_as_color ? 0.0 : RIM);
+        solid = vec2(reach * reach, body == POINT || painted != 0 ? 0.0 : RIM);
         if (body == POINT) {
             a = c = remainder = 1.0;
             b = 0.0;

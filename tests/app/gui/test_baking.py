@@ -8,13 +8,16 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui.actions import actions
+from app.gui.actions import actions, camera_actions, view_actions
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import GraphicsViewport, keyframes_of
+from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, keyframes_of
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
 from app.gui.work.viewing import ShownModel, draw_view
+from app.views import EXPLAINED, ViewKind
+from renderer.draw import splat_view
 from renderer.draw.offscreen import read_image
+from renderer.draw.storage import Storage
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 
@@ -39,13 +42,13 @@ def drifting(state: AppState, model: DynamicGaussians) -> AppState:
 def settle(state: AppState, channels: Channels) -> None:
     for _ in range(20):
         update(state, channels, 0.0)
-        while channels.bakes.run_waiting():
+        while any(channel.run_waiting() for channel in channels.bakes.all):
             pass
 
 
 def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) -> None:
     settle(drifting, Channels())
-    keyframes = keyframes_of(drifting)
+    keyframes = keyframes_of(drifting.model, drifting.baked)
     assert keyframes is not None
     np.testing.assert_allclose(keyframes.times, np.arange(6) / 6)
     assert drifting.model is not None
@@ -53,7 +56,7 @@ def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) 
         away = keyframes.at(time).means - drifting.model.model.at(time).means
         assert np.abs(away).max() <= 0.02 * 50 / drifting.model.cameras[0].fx
     drifting.model = replace(drifting.model)
-    assert keyframes_of(drifting) is None
+    assert keyframes_of(drifting.model, drifting.baked) is None
     assert not drifting.log
 
 
@@ -65,7 +68,7 @@ def test_what_needs_no_keyframes_gets_none(drifting: AppState, model: DynamicGau
     drifting.model = replace(drifting.model, model=shown, live=why == "live")
     channels = Channels()
     settle(drifting, channels)
-    assert channels.bakes.asked is None
+    assert channels.bakes.first.asked is None
 
 
 def test_a_model_that_cannot_be_baked_is_drawn_without(
@@ -76,9 +79,65 @@ def test_a_model_that_cannot_be_baked_is_drawn_without(
 
     monkeypatch.setattr("app.gui.work.baking.Baker", broken)
     settle(drifting, Channels())
-    assert keyframes_of(drifting) is None
+    assert keyframes_of(drifting.model, drifting.baked) is None
     assert [line for line in drifting.log if "no room" in line] == [*drifting.log]
     assert len(drifting.log) == 1
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("watch", [FIRST, SECOND], ids=lambda watch: watch.slot)
+@pytest.mark.parametrize("kind", [kind for kind in EXPLAINED if kind != "difference"])
+def test_scrubbing_and_turning_upload_an_order_and_no_more(
+    ctx: moderngl.Context, drifting: AppState, monkeypatch: pytest.MonkeyPatch, watch: Watch, kind: ViewKind
+) -> None:
+    """In both 3D views and all kinds of view, and they show what the rasteriser shows of the model."""
+    assert drifting.model is not None
+    drifting.second.shown = replace(drifting.model)
+    view_actions.choose_view(drifting, kind)
+    graphics, requests = GraphicsViewport(ctx, Textures(ctx), watch), []
+    for index, angle in ((2, 0.0), (5, 0.0), (5, 0.2)):
+        actions.seek(drifting, index)
+        camera_actions.turn(drifting, angle, 0.0)
+        requests.append(watch.request(drifting))
+    settle(drifting, Channels())
+    graphics.show(drifting)
+    wanted = [next(draw_view(request)).image.astype(int) for request in requests if request is not None]
+    assert len(wanted) == 3
+
+    uploaded: list[int] = []
+    write_order = Storage.write_order
+    monkeypatch.setattr(
+        Storage, "write_order", lambda *given: (uploaded.append(given[1].nbytes), write_order(*given))[1]
+    )
+    monkeypatch.setattr(splat_view, "Storage", None)
+    monkeypatch.setattr(DynamicGaussians, "at", None)
+    for request, image in zip(requests, wanted, strict=True):
+        monkeypatch.setattr(graphics, "_watch", replace(watch, request=lambda _, asked=request: asked))
+        shown = graphics.show(drifting)
+        assert shown is not None
+        assert graphics._target is not None or kind != "color"
+        picture = graphics._composed.image if graphics._composed else read_image(graphics._target) * 255
+        away = np.abs(np.rint(picture).astype(int) - image).max(axis=2)
+        assert np.mean(away > 3) < 0.01
+    assert 0 < len(uploaded) <= 3
+    assert max(uploaded) <= 4 * len(drifting.model.model)
+    graphics.release()
+
+
+@pytest.mark.gl
+def test_a_model_that_stands_still_is_uploaded_once(
+    ctx: moderngl.Context, drifting: AppState, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert drifting.model is not None
+    drifting.model = replace(drifting.model, model=model)
+    graphics = GraphicsViewport(ctx, Textures(ctx))
+    graphics.show(drifting)
+    monkeypatch.setattr(splat_view, "Storage", None)
+    for index, kind in ((1, "color"), (2, "normals"), (3, "depth")):
+        view_actions.choose_view(drifting, kind)
+        actions.seek(drifting, index)
+        assert graphics.show(drifting) is not None
+    graphics.release()
 
 
 @pytest.mark.gl

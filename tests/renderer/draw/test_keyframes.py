@@ -13,9 +13,10 @@ from renderer.draw import splat_view
 from renderer.draw.keyframes import Baker, Keyframes, Tolerance, baked
 from renderer.draw.offscreen import read_image, render_offscreen
 from renderer.draw.records import PAINT, PLACE, SIZE, TURN
-from renderer.draw.splat_view import SplatView
+from renderer.draw.splat_view import Paint, SplatView
 from renderer.draw.storage import Storage
 from renderer.gaussians import DynamicGaussians
+from renderer.paint import by_motion, by_normal
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Splats
 from tests.renderer.draw.oracle import levels, psnr
@@ -141,6 +142,26 @@ def test_the_card_draws_what_is_baked(ctx: moderngl.Context, change: Change) -> 
     np.testing.assert_array_equal(pictures[-1], pictures[-2])
     view.release()
     framebuffer.release()
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("paint", ["normals", "motion"])
+def test_the_card_paints_as_renderer_paint_does(ctx: moderngl.Context, paint: Paint) -> None:
+    """But for the few whose shortest axis lies across the view, where rounding decides which end is seen."""
+    model = model_of(swing)
+    keyframes = baked(model, TIMES, TOLERANCE)
+    moving, arrays = SplatView(ctx), SplatView(ctx)
+    moving.upload_keyframes(keyframes)
+    for time in (0.0, 0.37, 0.95):
+        splats = keyframes.at(time)
+        moving.seek(time)
+        arrays.upload(by_normal(splats, CAMERA) if paint == "normals" else by_motion(splats, keyframes.rest))
+        got, wanted = moving.read_color(CAMERA, paint=paint), arrays.read_color(CAMERA)
+        close = np.isclose(got, wanted, rtol=1e-3, atol=1e-3).all(axis=2)
+        assert close.mean() > 0.999
+    assert wanted[..., :3].std() > 0.05
+    moving.release()
+    arrays.release()
 
 
 @pytest.mark.gl
