@@ -59,18 +59,19 @@ def _gl() -> tuple[Draw, str]:
     from moderngl import Error
 
     from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
-    from renderer.draw.offscreen import layers_offscreen
+    from renderer.draw.offscreen import Offscreen
 
     try:
         context = standalone_context()
     except OpenGLUnavailable as error:
         raise UserError(f"{error} Or draw with --with cpu.") from error
+    offscreen = Offscreen(context)
 
     def draw(
         splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
     ) -> Drawn:
         try:
-            layers = layers_offscreen(context, splats, camera, near=near, mode=mode, shape=shape)
+            layers = offscreen.layers(splats, camera, near, mode, shape)
             return Drawn(layers.color, layers.depth, layers.alpha)
         except Error as error:
             size = f"{camera.width}x{camera.height}"

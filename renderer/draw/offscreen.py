@@ -22,22 +22,38 @@ class Layers:
     depth: Float32Array
 
 
-def layers_offscreen(
-    ctx: moderngl.Context,
-    splats: Splats,
-    camera: Camera,
-    *,
-    near: float,
-    mode: RenderMode = "default",
-    shape: Shape = "soft",
-) -> Layers:
-    """Colour, alpha and depth in float32, from one upload and one sort."""
-    view = SplatView(ctx, precision="float", keys="float32", near=near)
-    try:
-        view.upload(splats, mode)
-        return read_layers(view, camera, shape)
-    finally:
-        view.release()
+class Offscreen:
+    """Draws pictures one after another, with the shaders and targets of the first."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._view: SplatView | None = None
+        self._near = 0.0
+
+    def layers(
+        self,
+        splats: Splats,
+        camera: Camera,
+        near: float,
+        mode: RenderMode = "default",
+        shape: Shape = "soft",
+    ) -> Layers:
+        """Colour, alpha and depth in float32, from one upload and one sort.
+
+        Raises:
+            ValueError: as `SplatView.upload`.
+        """
+        if self._view is None or near != self._near:
+            self.release()
+            self._view, self._near = SplatView(self._ctx, precision="float", near=near), near
+        self._view.upload(splats, mode)
+        return read_layers(self._view, camera, shape)
+
+    def release(self) -> None:
+        """Give the OpenGL objects back; the next picture makes them anew."""
+        if self._view is not None:
+            self._view.release()
+            self._view = None
 
 
 def read_layers(

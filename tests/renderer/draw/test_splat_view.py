@@ -10,7 +10,7 @@ import pytest
 
 from renderer.camera import Camera
 from renderer.draw import splat_view
-from renderer.draw.offscreen import layers_offscreen, read_image, render_offscreen
+from renderer.draw.offscreen import Layers, Offscreen, read_image, render_offscreen
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.splat_view import Precision, SplatView
 from renderer.rasterize.cpu import render
@@ -44,6 +44,13 @@ def splat(
     return Splats(means, quats, scales_, opacities, colors)
 
 
+def layers(ctx: moderngl.Context, splats: Splats, camera: Camera) -> Layers:
+    offscreen = Offscreen(ctx)
+    seen = offscreen.layers(splats, camera, 0.01)
+    offscreen.release()
+    return seen
+
+
 @pytest.mark.parametrize(("precision", "least"), [("half", 60.0), ("float", 75.0)])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_picture_is_that_of_the_reference(
@@ -56,6 +63,20 @@ def test_the_picture_is_that_of_the_reference(
     assert oracle.std() > 0.05
     assert psnr(image, oracle) >= least
     assert levels(image, oracle, 0.999) <= 1.0
+
+
+def test_pictures_one_after_another_are_those_drawn_alone(ctx: moderngl.Context) -> None:
+    """Other splats, sizes and near planes leave nothing behind."""
+    offscreen = Offscreen(ctx)
+    wide = CAMERA.resized(128, 40)
+    asked = [(scene(1), CAMERA, 0.01), (random_splats(50, wide, 2), wide, 0.01), (scene(1), CAMERA, 60.0)]
+    for splats, camera, near in (*asked, asked[0]):
+        alone = Offscreen(ctx)
+        got, wanted = (one.layers(splats, camera, near) for one in (offscreen, alone))
+        for name in ("color", "alpha", "depth"):
+            np.testing.assert_array_equal(getattr(got, name), getattr(wanted, name))
+        alone.release()
+    offscreen.release()
 
 
 def test_half_floats_hold_hundreds_of_faint_layers(ctx: moderngl.Context) -> None:
@@ -75,7 +96,7 @@ def test_half_floats_hold_hundreds_of_faint_layers(ctx: moderngl.Context) -> Non
 def test_expected_depth_is_that_of_the_reference(ctx: moderngl.Context, seed: int) -> None:
     splats = random_splats(150, CAMERA, seed)
     oracle = reference(splats, CAMERA)
-    depth, alpha = layers_offscreen(ctx, splats, CAMERA, near=0.01).depth, oracle.alpha.numpy()
+    depth, alpha = layers(ctx, splats, CAMERA).depth, oracle.alpha.numpy()
     assert (alpha > 0.5).any()
     assert (alpha == 0).any()
     np.testing.assert_allclose(depth[alpha > 0], oracle.depth.numpy()[alpha > 0], rtol=1e-5)
@@ -172,7 +193,7 @@ def test_nothing_to_see_shows_the_background(ctx: moderngl.Context, splats: Spla
     camera = Camera.from_fov(60, 24, 16)
     image = render_offscreen(ctx, splats, camera, BACKGROUND)
     np.testing.assert_allclose(image, np.broadcast_to(BACKGROUND, (16, 24, 3)), atol=1e-7)
-    assert not layers_offscreen(ctx, splats, camera, near=0.01).depth.any()
+    assert not layers(ctx, splats, camera).depth.any()
 
 
 def test_a_view_without_an_upload_shows_the_background(ctx: moderngl.Context) -> None:
