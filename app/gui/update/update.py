@@ -86,9 +86,9 @@ class Channels:
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
         first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
-        views = (self.view, self.second, self.second_opening, *self.bakes.all)
+        views = (self.view, self.second, self.second_opening)
         last = (self.saving, self.windows, self.cells, self.sessions, self.exports)
-        return (*first, *self.compare.all, *views, *last)
+        return (*first, *self.compare.all, *views, *self.bakes.all, *last)
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
