@@ -14,7 +14,6 @@ from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 from app.errors import UserError
 from app.gui.actions import (
     actions,
-    export_actions,
     path_actions,
     preset_actions,
     queue_actions,
@@ -35,6 +34,7 @@ from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.window_shots import WindowShots
+from app.gui.frame.writing import Writing
 from app.gui.look import theme
 from app.gui.panels import menus, overlays
 from app.gui.panels.cameras import draw_cameras
@@ -42,7 +42,6 @@ from app.gui.panels.compare import draw_compare
 from app.gui.panels.edit_view import draw_edit_tools
 from app.gui.panels.editing import PANEL, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
-from app.gui.panels.export import draw_export
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
@@ -102,6 +101,7 @@ class Window:
         self._worker = Worker(self._channels.all, self._refresh)
         self._beside = Worker(self._channels.beside, self._refresh)
         self._dialogs = Dialogs(self._open, Path.home())
+        self.writing = Writing(state, self._channels, self._dialogs)
         self._openers = Openers(
             lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
         )
@@ -121,7 +121,7 @@ class Window:
             folder=self._openers.folder,
             file=self._openers.file,
             phantom=self._openers.phantom,
-            screenshot=self.save_picture,
+            screenshot=self.writing.save_picture,
             session=self.save_session,
             import_views=self._import_views,
             second_run=lambda: ask("folder", self._open_second),
@@ -191,7 +191,7 @@ class Window:
         ground = theme.THEMES[self.state.settings.theme].shade(0.11)
         params.callbacks.add_edge_toolbar(
             hello_imgui.EdgeToolbarType.bottom,
-            lambda: draw_timeline(self.state, self.save_picture, self._strip_texture),
+            lambda: draw_timeline(self.state, self.writing.save_picture, self._strip_texture),
             hello_imgui.EdgeToolbarOptions(size_em=5.4, window_padding_em=(0.6, 0.5), window_bg=ground),
         )
 
@@ -310,7 +310,7 @@ class Window:
         overlays.draw_help(self.state, all_commands)
         draw_question(self.state)
         overlays.draw_notice(self.state)
-        draw_export(self.state, self.export, self.cancel_export)
+        self.writing.draw()
         draw_recovery(self.state)
         self._dialogs.draw()
         draw_palette(self.state, all_commands)
@@ -319,25 +319,10 @@ class Window:
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
 
-    def save_picture(self) -> None:
-        """Ask for a PNG of what is shown, made in the background."""
-        if (request := export_actions.save_request(self.state)) is not None:
-            self._channels.saving.ask(request)
-
     def save_session(self) -> None:
         """Ask for a session file of what is open and how it is set, written in the background."""
         if (request := session_actions.save_request(self.state)) is not None:
             self._channels.sessions.ask(request)
-
-    def export(self, what: export_actions.What) -> None:
-        """Ask for an export, made in the background a step at a time."""
-        if (request := export_actions.export_request(self.state, what)) is not None:
-            self._channels.exports.ask(request)
-
-    def cancel_export(self) -> None:
-        """Nothing of it is left behind."""
-        self._channels.exports.cancel()
-        export_actions.cancelled(self.state)
 
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""

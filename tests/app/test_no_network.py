@@ -73,7 +73,7 @@ def drive(ctx):
     ctx.item_click("//Before you begin/I understand")
     actions.open_path(driver.state, phantom_path())
     wait(ctx, lambda: is_settled(driver.state), "the phantom")
-    driver.window.save_picture()
+    driver.window.writing.save_picture()
     driver.window.save_session()
     wait(ctx, lambda: driver.state.toast is not None, "the saved files")
 

@@ -285,7 +285,7 @@ def export(person: Person) -> None:
     person.click("//Export/###video of both panes")
     exports = person.state.exports
     person.wait(lambda: exports.under_way is None or exports.under_way.done > 3, "a few frames")
-    person.window.cancel_export()
+    person.window.writing.cancel_export()
     person.wait(lambda: person.state.exports.under_way is None, "the cancelled export")
     person.press(CTRL | SHIFT | K.e)
 

@@ -6,7 +6,15 @@ from functools import partial
 
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, clip_actions, comparing, export_actions, tuning_actions, window_actions
+from app.gui.actions import (
+    actions,
+    batch_actions,
+    clip_actions,
+    comparing,
+    export_actions,
+    tuning_actions,
+    window_actions,
+)
 from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
 from app.gui.commands.command import Act, Asks, Command, Outside, Section, start
@@ -81,6 +89,12 @@ def _file(state: AppState, outside: Outside) -> tuple[Section, ...]:
             ("Ctrl+Shift+E",),
             text="export panes, videos and measures",
             applies=has_something,
+        ),
+        Command(
+            "Enhance files and folders…",
+            batch_actions.toggle_batches,
+            ("Ctrl+Shift+B",),
+            text="enhance many pictures, videos and folders by the present setting",
         ),
         Command(
             "Save session",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
 from app.gui.state.clip_settings import ClipSettings
 from app.gui.state.comparison import Comparison, Side
@@ -170,6 +171,7 @@ class AppState:
 
     tuning: Tuning = field(default_factory=Tuning)
     exports: Exports = field(default_factory=Exports)
+    batches: Batches = field(default_factory=Batches)
 
     report: Reported | None = None
     report_place: int = 0
@@ -254,6 +256,7 @@ class AppState:
             or self.tuning.request is not None
             or self.editing.wish is not None
             or self.exports.is_busy
+            or self.batches.under_way is not None
         )
 
     @property

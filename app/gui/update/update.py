@@ -9,6 +9,7 @@ from typing import Any
 
 from app.gui.actions import (
     actions,
+    batch_actions,
     camera_actions,
     edit_actions,
     export_actions,
@@ -28,6 +29,7 @@ from app.gui.update.measure_work import MeasureWork
 from app.gui.update.queue_work import QueueWork
 from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
+from app.gui.work.batching import BatchRequest, Progressed, batch
 from app.gui.work.editing import Selected, Selector, SelectRequest
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.exporting import ExportRequest, Step, export
@@ -73,6 +75,7 @@ class Channels:
     measure: MeasureWork = field(default_factory=MeasureWork)
     runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
     exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
+    batches: SteppedChannel[BatchRequest, Progressed] = field(default_factory=lambda: SteppedChannel(batch))
     strip: StripWork = field(default_factory=StripWork)
     queue: QueueWork = field(default_factory=QueueWork)
     photo: Pictures | None = None
@@ -87,7 +90,7 @@ class Channels:
     def all(self) -> Sequence[Channel[Any, Any]]:
         first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
         views = (self.view, self.second, self.second_opening)
-        last = (self.saving, self.windows, self.cells, self.sessions, self.exports)
+        last = (self.saving, self.windows, self.cells, self.sessions, self.exports, self.batches)
         return (*first, *self.compare.all, *views, *self.bakes.all, *last)
 
 
@@ -253,6 +256,8 @@ def _take_written(state: AppState, channels: Channels) -> None:
 def _take_step(state: AppState, channels: Channels) -> None:
     while (taken := channels.exports.take()) is not None:
         export_actions.take_step(state, *taken)
+    while (progressed := channels.batches.take()) is not None:
+        batch_actions.take_progress(state, *progressed)
 
 
 def _play(state: AppState, elapsed: float) -> None:

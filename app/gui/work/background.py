@@ -73,6 +73,9 @@ class Channel(Generic[Request, Answer]):
         """Call `wake` whenever there is something to do."""
         self._wake = wake
 
+    def close(self) -> None:
+        """Called by the thread that has done the work, when no more will be done."""
+
     def run_waiting(self, on_answer: Callable[[], None] = lambda: None) -> bool:
         """Do what waits, in the calling thread. False when nothing waited."""
         with self._lock:
@@ -136,6 +139,10 @@ class SteppedChannel(Channel[Request, Answer]):
         on_answer()
         return True
 
+    def close(self) -> None:
+        """What is under way leaves nothing half-written."""
+        self._end()
+
     def _end(self) -> None:
         """Close the steps, which removes what they had begun to write."""
         self._cancelled.clear()
@@ -170,3 +177,5 @@ class Worker:
                 served = [channel.run_waiting(self._on_answer) for channel in self._channels]
                 if not any(served):
                     break
+        for channel in self._channels:
+            channel.close()

@@ -1,0 +1,113 @@
+"""What a person can do with many files and folders at once, as functions on the state."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+
+from app.enhanced_files import Setting
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.work.background import Failure
+from app.gui.work.batching import BatchRequest, Progressed
+from app.gui.work.enhancing import POOLED_FRAMES
+from app.methods import preset_of
+from enhance import EnhanceParams
+
+
+def toggle_batches(state: AppState) -> None:
+    state.batches.shown = not state.batches.shown
+
+
+def add_input(state: AppState, path: Path) -> None:
+    """A file or a folder, once."""
+    if path.absolute() not in state.batches.inputs:
+        state.batches.inputs = (*state.batches.inputs, path.absolute())
+
+
+def remove_input(state: AppState, place: int) -> None:
+    inputs = state.batches.inputs
+    state.batches.inputs = inputs[:place] + inputs[place + 1 :]
+
+
+def clear_inputs(state: AppState) -> None:
+    state.batches.inputs = ()
+
+
+def choose_folder(state: AppState, path: Path) -> None:
+    state.batches.folder = path
+
+
+def results_folder(state: AppState) -> Path:
+    """Where the folder of the next results is made."""
+    return state.batches.folder or state.places.pictures
+
+
+def summary(state: AppState) -> str:
+    """The present setting in a line."""
+    look = state.params
+    if isinstance(look, EnhanceParams):
+        z = "auto" if look.z is None else f"{look.z:.2f}"
+        p = "auto" if look.p is None else "own" if isinstance(look.p, tuple) else f"{look.p:.2f}"
+        said = f"paper · z {z} · P {p} · d {look.d_factor:.2f}"
+    else:
+        said = f"vessel · strength {look.strength:.2f} · lift {look.lift:.2f} · d {look.d_factor:.2f}"
+    measured = "each clip as a whole" if state.scope == "clip" else "each picture on its own"
+    return f"{said} · {measured}{' · without the surround' if state.tissue_only else ''}"
+
+
+def why_not_start(state: AppState) -> str:
+    """What a batch still lacks, in a sentence; empty when it can start."""
+    if state.batches.under_way is not None:
+        return "A batch is under way."
+    return "" if state.batches.inputs else "Add files or folders first."
+
+
+def batch_request(state: AppState) -> BatchRequest | None:
+    """The batch by the present setting, which is then under way; None where `why_not_start` says why."""
+    if why_not_start(state):
+        return None
+    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
+    setting = Setting(
+        preset_of(state.params),
+        state.params,
+        state.scope,
+        "tissue" if state.tissue_only else "all",
+        POOLED_FRAMES if state.scope == "clip" else None,
+    )
+    request = BatchRequest(state.batches.inputs, results_folder(state) / f"enhanced-{stamp}", setting)
+    state.batches.under_way, state.batches.progressed = request, None
+    return request
+
+
+def take_progress(state: AppState, request: BatchRequest, answer: Progressed | Failure) -> None:
+    """It has come further, has ended, or could not begin."""
+    batches = state.batches
+    if batches.under_way is not request:
+        return
+    if isinstance(answer, Failure):
+        batches.under_way = None
+        actions.fail(state, f"nothing was enhanced: {answer.message}")
+        return
+    batches.progressed = answer
+    if answer.has_ended:
+        batches.under_way = None
+        _tell(state, request, answer)
+
+
+def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
+    count, folder = answer.step.count, f"{request.output.parent.name}/{request.output.name}/"
+    if not answer.failed:
+        actions.announce(state, f"{count} of {count} enhanced into {folder}")
+        return
+    for one in answer.failed:
+        actions.say(state, f"{one.item.name} was not enhanced: {one.reason}")
+    state.batches.shown = True
+    done = count - len(answer.failed)
+    actions.fail(state, f"{done} of {count} enhanced into {folder}: the reasons for the others are listed")
+
+
+def cancelled(state: AppState) -> None:
+    """What is whole stays; of the one under way nothing does."""
+    state.batches.under_way = None
+    actions.announce(state, "batch cancelled: what was whole stays")

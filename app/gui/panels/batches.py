@@ -1,0 +1,136 @@
+"""Many files and folders enhanced by the present setting: which, where to, how far, what failed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
+
+from app.batch import Failed
+from app.gui.actions import batch_actions
+from app.gui.legible import legible
+from app.gui.look import theme
+from app.gui.look.widgets import button, em, explain, row
+from app.gui.state.app_state import AppState
+
+TEXT = (
+    "Every picture and video of the list, and of all folders below, is enhanced by the present setting into "
+    "a new folder of the same structure. The originals stay as they are."
+)
+LISTED = 6
+"""Lines of a list before it scrolls."""
+Act = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Asking:
+    """What the panel can ask for."""
+
+    folder: Act
+    file: Act
+    target: Act
+    start: Act
+    cancel: Act
+
+
+def draw_batches(state: AppState, asking: Asking) -> None:
+    """A window of its own."""
+    batches = state.batches
+    if not batches.shown:
+        return
+    viewport = imgui.get_main_viewport()
+    imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
+    width = min(em(42), viewport.work_size.x)
+    most = ImVec2(width, 0.9 * viewport.work_size.y)
+    imgui.set_next_window_size_constraints(ImVec2(width, 0), most)
+    flags = (
+        imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking | imgui.WindowFlags_.always_auto_resize
+    )
+    with imgui_ctx.begin("Enhance files and folders", True, flags) as window:
+        batches.shown = bool(window.opened)
+        if not window:
+            return
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.now().muted, TEXT)
+        imgui.spacing()
+        _draw_adding(state, asking)
+        _draw_inputs(state)
+        imgui.spacing()
+        _draw_choices(state, asking)
+        imgui.separator()
+        _draw_progress(state, asking)
+        if batches.progressed is not None and batches.progressed.failed:
+            _draw_failed(batches.progressed.failed)
+
+
+def _draw_adding(state: AppState, asking: Asking) -> None:
+    button(f"{icons.ICON_FA_PLUS}  Folder…###add folder", asking.folder, width=8)
+    explain("A folder with pictures, videos and folders of them, or a clip.")
+    imgui.same_line()
+    button(f"{icons.ICON_FA_PLUS}  File…###add file", asking.file, width=8)
+    explain("One picture or one video.")
+    imgui.same_line()
+    clear, some = lambda: batch_actions.clear_inputs(state), bool(state.batches.inputs)
+    button("Clear###clear", clear, enabled=some, width=6)
+    explain("Take all off the list; no file is touched.")
+
+
+def _draw_inputs(state: AppState) -> None:
+    inputs = state.batches.inputs
+    lines = min(max(len(inputs), 1), LISTED)
+    height = lines * imgui.get_text_line_height_with_spacing() + em(1.1)
+    with imgui_ctx.begin_child("inputs", ImVec2(0, height), imgui.ChildFlags_.borders):
+        if not inputs:
+            imgui.text_colored(theme.now().muted, "Nothing yet: add folders or files.")
+        for place, path in enumerate(inputs):
+            with imgui_ctx.push_id(str(place)):
+                if imgui.small_button(f"{icons.ICON_FA_TRASH}###remove"):
+                    batch_actions.remove_input(state, place)
+                explain("Take it off the list; no file is touched.")
+                imgui.same_line()
+                imgui.text_unformatted(legible(path.name))
+                explain(str(path))
+
+
+def _draw_choices(state: AppState, asking: Asking) -> None:
+    row("Setting", "The panel Enhancement changes it. Masks drawn over a clip belong to that clip alone.")
+    imgui.text_unformatted(batch_actions.summary(state))
+    row("Into", "A new folder is made there for every batch: nothing is overwritten.")
+    button("Choose…###target", asking.target)
+    explain("Another folder for the results.")
+    imgui.same_line()
+    folder = batch_actions.results_folder(state)
+    imgui.text_unformatted(f"{legible(folder.name)}/enhanced-…/")
+    explain(str(folder))
+
+
+def _draw_progress(state: AppState, asking: Asking) -> None:
+    reason, batches = batch_actions.why_not_start(state), state.batches
+    if batches.under_way is None:
+        with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
+            button("Enhance all###start", asking.start, enabled=not reason, width=-1)
+        explain(reason or "In the background; sliders and pictures go on. Each file says how it was made.")
+        return
+    step = batches.progressed.step if batches.progressed is not None else None
+    if step is None:
+        share, said = 0.0, "looking for pictures…"
+    else:
+        share = (step.place + (step.done / step.total if step.total else 0.0)) / step.count
+        said = f"{step.place} of {step.count}   {legible(step.name)}   {step.done} / {step.total}"
+    imgui.progress_bar(min(share, 1.0), ImVec2(-em(7), 0), said)
+    imgui.same_line()
+    button("Cancel", asking.cancel, width=6)
+    explain("What is whole stays; nothing is left half-written.")
+
+
+def _draw_failed(failed: tuple[Failed, ...]) -> None:
+    imgui.text_colored(theme.now().warning, f"{len(failed)} could not be enhanced")
+    height = min(len(failed), LISTED) * 2 * imgui.get_text_line_height_with_spacing() + em(1.1)
+    with (
+        imgui_ctx.begin_child("failed", ImVec2(0, height), imgui.ChildFlags_.borders),
+        imgui_ctx.push_text_wrap_pos(0),
+    ):
+        for one in failed:
+            imgui.text_unformatted(legible(f"{one.item.name}: {one.reason}"))

@@ -1,0 +1,43 @@
+"""Many files and folders enhanced by one setting, by value, a picture at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.batch import Failed, Step, enhance_batch, items_in
+from app.enhanced_files import Setting
+
+
+@dataclass(frozen=True, eq=False)
+class BatchRequest:
+    """One batch; a second wish for the same is another request."""
+
+    inputs: tuple[Path, ...]
+    output: Path
+    """A folder that is not there yet, with the structure of the inputs."""
+    setting: Setting
+
+
+@dataclass(frozen=True)
+class Progressed:
+    """How far a batch has come, with all that has failed so far: answers in between may be passed over."""
+
+    step: Step
+    failed: tuple[Failed, ...]
+    has_ended: bool = False
+
+
+def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
+    """Raises OSError or UserError where there is nothing to enhance; what fails later is in the answers."""
+    failed: tuple[Failed, ...] = ()
+    items = items_in(request.inputs, request.output, below=True)
+    steps = enhance_batch(items, request.setting)
+    try:
+        for step in steps:
+            if step.failed is not None:
+                failed = (*failed, step.failed)
+            yield Progressed(step, failed, has_ended=step.place == step.count)
+    finally:
+        steps.close()

@@ -1,0 +1,192 @@
+"""Many files and folders enhanced from the window: by the present setting, beside sliders, whole or not."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.gui.actions import actions, batch_actions
+from app.gui.panels.batches import Asking, draw_batches
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
+from app.gui.update.update import Channels, update
+from app.gui.work.background import Worker
+from app.pictures import read_image
+from app.provenance import read_provenance
+from app.replay import replay
+from assets import phantom_path
+from enhance import EnhanceParams, enhance
+from enhance.vessel import VesselParams
+from tests.app.conftest import tissue
+from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.ui import Ui
+from tests.app.test_batch import files, write_avi
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    """A video and a folder of three pictures."""
+    root = tmp_path / "case"
+    (root / "stills").mkdir(parents=True)
+    for index in range(3):
+        cv2.imwrite(str(root / f"stills/{index}.png"), tissue(index))
+    write_avi(root / "scope.avi")
+    return root
+
+
+class Person:
+    """The window without its drawing."""
+
+    def __init__(self, places: Places) -> None:
+        self.state, self.channels = AppState(places, Settings(acknowledged=True)), Channels()
+
+    def turn(self, frames: int = 1) -> None:
+        for _ in range(frames):
+            for channel in self.channels.all:
+                channel.run_waiting()
+            update(self.state, self.channels, self.state.now + 0.01)
+
+    def begin(self, *inputs: Path) -> Path:
+        """The folder that the results come into."""
+        for path in inputs:
+            batch_actions.add_input(self.state, path)
+        request = batch_actions.batch_request(self.state)
+        assert request is not None
+        self.channels.batches.ask(request)
+        return request.output
+
+    def finish(self) -> None:
+        for _ in range(100):
+            self.turn()
+            if self.state.batches.under_way is None:
+                return
+        raise AssertionError("the batch never ended")
+
+
+def test_the_present_setting_is_used_and_every_file_comes_again(
+    places: Places, case: Path, tmp_path: Path
+) -> None:
+    person = Person(places)
+    assert batch_actions.why_not_start(person.state) == "Add files or folders first."
+    actions.set_params(person.state, EnhanceParams(d_factor=0.3))
+    assert "d 0.30" in batch_actions.summary(person.state)
+    output = person.begin(case)
+    actions.set_params(person.state, EnhanceParams(d_factor=4.0))  # Too late for this batch.
+    assert person.state.is_busy
+    person.finish()
+    assert files(output) == {"scope.mp4", "scope.mp4.json", *(f"stills/{index}.png" for index in range(3))}
+    expected = enhance(read_image(case / "stills/1.png"), EnhanceParams(d_factor=0.3)).image
+    np.testing.assert_array_equal(read_image(output / "stills/1.png"), expected)
+    assert person.state.toast is not None
+    assert "2 of 2 enhanced" in person.state.toast.message
+    for name, source in (("scope.mp4", case), ("stills/2.png", case / "stills")):
+        again = tmp_path / f"again{Path(name).suffix}"
+        assert replay(output / name, (source,), again).difference.is_none
+    assert person.begin(case) != output
+
+
+def test_scope_and_tissue_are_those_of_the_panel(places: Places, case: Path) -> None:
+    person = Person(places)
+    actions.set_params(person.state, VesselParams())
+    person.state.scope, person.state.tissue_only = "clip", True
+    output = person.begin(case / "stills", case / "scope.avi")
+    person.finish()
+    facts = read_provenance(output / "stills/0.png")
+    assert (facts["method"], facts["pixels"], facts["statistics"]["scope"]) == ("vessel", "tissue", "clip")
+    assert (output / "scope.mp4").is_file()
+
+
+def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Places, case: Path) -> None:
+    person = Person(places)
+    actions.open_path(person.state, phantom_path())
+    person.turn(4)
+    output = person.begin(case)
+    for _ in range(50):
+        person.turn()
+        now = person.state.batches.progressed
+        if now is not None and now.step.place == 1 and now.step.done == 1:
+            break
+    actions.set_params(person.state, EnhanceParams(z=0.4))
+    person.turn(2)
+    assert person.state.pictures is not None
+    assert person.state.pictures.request == person.state.picture_request
+    assert person.state.batches.under_way is not None
+    person.channels.batches.cancel()
+    batch_actions.cancelled(person.state)
+    person.turn(2)
+    assert files(output) == {"scope.mp4", "scope.mp4.json"}
+    assert not list(output.rglob("*.partial"))
+
+
+def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> None:
+    person = Person(places)
+    (case / "stills/1.png").write_bytes(b"no picture")
+    (case / "broken.mp4").write_bytes(b"no video")
+    output = person.begin(case)
+    person.finish()
+    assert files(output) == {"scope.mp4", "scope.mp4.json"}
+    assert person.state.banner is not None
+    assert "1 of 3 enhanced" in person.state.banner.message
+    assert person.state.batches.progressed is not None
+    failed = person.state.batches.progressed.failed
+    assert [one.item.name for one in failed] == ["case/broken.mp4", "case/stills"]
+    assert person.state.batches.shown
+    nothing = Asking(*[lambda: None] * 5)
+    ui.frame(lambda: draw_batches(person.state, nothing))
+    ui.frame(lambda: draw_batches(person.state, nothing))
+
+
+def test_nothing_to_enhance_is_a_sentence(places: Places, tmp_path: Path) -> None:
+    person = Person(places)
+    (tmp_path / "empty").mkdir()
+    person.begin(tmp_path / "empty")
+    person.finish()
+    assert person.state.banner is not None
+    assert "found none in empty" in person.state.banner.message
+    assert not places.pictures.exists()
+
+
+def test_closing_the_window_leaves_nothing_half_written(places: Places, case: Path) -> None:
+    person = Person(places)
+    write_avi(case / "scope.avi", 300)
+    worker = Worker((person.channels.batches,), lambda: None)
+    output = person.begin(case)
+    end = time.monotonic() + 30
+    while not any(case.parent.rglob("*.partial*")):
+        assert time.monotonic() < end
+        time.sleep(0.002)
+    worker.close(10)
+    assert not list(case.parent.rglob("*.partial*"))
+    assert not output.exists() or files(output) == set()
+
+
+@pytest.mark.display
+def test_from_the_key_to_the_files(places: Places, case: Path) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.b)
+        ctx.yield_(2)
+        batch_actions.add_input(state, case)
+        batch_actions.add_input(state, case / "scope.avi")
+        ctx.yield_(2)
+        inputs = ctx.window_info("//Enhance files and folders/inputs")
+        ctx.set_ref(inputs.id_)
+        ctx.item_click("1/###remove")
+        ctx.set_ref("")
+        assert state.batches.inputs == (case,)
+        ctx.item_click("//Enhance files and folders/###start")
+        wait(ctx, lambda: state.batches.progressed is not None, "the first step")
+        wait(ctx, lambda: state.batches.under_way is None, "its end")
+
+    driver.run(drive)
+    (output,) = places.pictures.glob("enhanced-*")
+    assert len(files(output)) == 5
