@@ -49,7 +49,12 @@ class Runs:
             self.say(f"training {setting_of(config)}, {photos} photos")
             folder = RunFolder(self.work / key)
             request = TrainRequest(
-                clip_path=self.clip_path, run_path=folder.path, config=config, input=photos, resume=True
+                clip_path=self.clip_path,
+                run_path=folder.path,
+                config=config,
+                input=photos,
+                device="cpu",
+                resume=True,
             )
             finished = next(event for event in run_training(request) if isinstance(event, Finished))
             self._known[key] = Trained(folder, finished, input_clip(self.clip, folder.record()))
