@@ -20,6 +20,9 @@ from renderer.rotations import conjugate, logarithm, matrix, product, quaternion
 SAME: Final = 1e-9
 """Two poses nearer than this, in radians or in shares of the path's size, are one: there the camera rests."""
 
+TRACK: Final = 24
+"""Points of a track from one keyframe to the next."""
+
 
 @dataclass(frozen=True)
 class Keyframe:
@@ -76,6 +79,11 @@ class CameraPath:
     def _curve(self) -> _Curve:
         return _Curve(self.keyframes)
 
+    @cached_property
+    def track(self) -> FloatArray:
+        """(P, 3) points along its way, so many from one keyframe to the next that it looks smooth."""
+        return self._curve.track() if self.keyframes else np.zeros((0, 3))
+
     def moments(self, per_second: float) -> tuple[Keyframe, ...]:
         """So many views a second, evenly, from the first keyframe on to the end."""
         count = math.floor((self.end - self.start) * per_second + 1e-9) + 1
@@ -122,6 +130,15 @@ class _Curve:
             return self._keyframes[right]
         step = float(self._seconds[right] - self._seconds[right - 1])
         return self._between(right - 1, right, (seconds - self._seconds[right - 1]) / step, step)
+
+    def track(self) -> FloatArray:
+        shares = np.linspace(0, 1, TRACK, endpoint=False)[:, None]
+        steps = np.diff(self._seconds)
+        ways = [
+            hermite(self._points, self._point_speeds, place, place + 1, shares, float(step))
+            for place, step in enumerate(steps)
+        ]
+        return np.concatenate([*ways, self._points[-1:]])
 
     def _between(self, a: int, b: int, share: float, step: float) -> Keyframe:
         """A share in (0, 1) of the way from keyframe a to b, which is `step` seconds long."""
@@ -178,8 +195,10 @@ def monotone(differences: FloatArray, steps: FloatArray) -> FloatArray:
     return np.asarray(found[:, None])
 
 
-def hermite(values: FloatArray, speeds: FloatArray, a: int, b: int, share: float, step: float) -> FloatArray:
-    """(D,) of the cubic from knot a to b with the given velocities there."""
+def hermite(
+    values: FloatArray, speeds: FloatArray, a: int, b: int, share: float | FloatArray, step: float
+) -> FloatArray:
+    """(D,) of the cubic from knot a to b with the given velocities there; (S, D) for shares (S, 1)."""
     s = share
     start, end = values[a], values[b] - values[a]
     return np.asarray(

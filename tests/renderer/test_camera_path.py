@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from renderer.camera import Camera
-from renderer.camera_path import CameraPath, Keyframe
+from renderer.camera_path import TRACK, CameraPath, Keyframe
 from renderer.rotations import conjugate, exponential, logarithm, matrix, product, quaternion
 
 LENS = Camera(500.0, 480.0, 310.0, 250.0, 640, 512)
@@ -49,6 +49,14 @@ def test_it_passes_through_its_keyframes_to_the_bit() -> None:
     near = [motion(PATH, key.seconds + 1e-9) for key in PATH.keyframes[:-1]]
     for numbers, key in zip(near, PATH.keyframes, strict=False):
         assert numbers == pytest.approx(motion(PATH, key.seconds), abs=1e-5)
+
+
+def test_its_track_is_where_the_camera_goes() -> None:
+    steps = [np.linspace(a.seconds, b.seconds, TRACK, endpoint=False) for a, b in pairwise(PATH.keyframes)]
+    wanted = [PATH.at(second).camera.position for second in (*np.concatenate(steps), PATH.end)]
+    np.testing.assert_allclose(PATH.track, wanted, rtol=0, atol=1e-9 * np.abs(wanted).max())
+    assert CameraPath(PATH.keyframes[:1]).track.shape == (1, 3)
+    assert CameraPath(()).track.shape == (0, 3)
 
 
 def test_it_has_no_corners() -> None:

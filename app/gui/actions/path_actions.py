@@ -132,6 +132,19 @@ def toggle_path(state: AppState) -> None:
         cameras.playhead = path.start
 
 
+def toggle_path_shown(state: AppState) -> None:
+    """Draw the path in the 3D view, or not."""
+    state.cameras.path_shown = not state.cameras.path_shown
+
+
+def sees_path(state: AppState) -> bool:
+    """Whether the 3D view shows where the path goes: not while it is what the path itself sees."""
+    cameras, path = state.cameras, state.cameras.views.path
+    if not (cameras.path_shown and path.keyframes) or cameras.playing:
+        return False
+    return present_camera(state) != path.at(cameras.playhead).camera
+
+
 def seek_path(state: AppState, seconds: float) -> None:
     """See what the path sees there, at its time of the clip."""
     cameras = state.cameras

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import actions
+from app.gui.actions import actions, path_actions
 from app.gui.commands.command import Command, Outside, Section, start
 from app.gui.state.settings import TEXT_PERCENTS, Theme
 
@@ -23,11 +23,19 @@ def view_sections(outside: Outside) -> tuple[Section, ...]:
             ("Report", "panel: a report of measurements that was opened"),
         )
     )
+    path = Command(
+        "Camera path",
+        path_actions.toggle_path_shown,
+        text="draw the camera path in the 3D view",
+        applies=lambda s: bool(s.cameras.views.path.keyframes),
+        ticked=lambda s: s.cameras.path_shown,
+    )
     layout = Command(
         "Standard layout", start(outside.layout), text="all panels back where they were at first"
     )
     return (
         Section("View", panels),
+        Section("View", (path,)),
         Section("View", (_theme("dark"), _theme("light"))),
         Section("View", TEXT_SIZE),
         Section("View", (layout,)),

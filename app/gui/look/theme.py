@@ -78,6 +78,7 @@ SURROUND = grey(0.085)
 """Around pictures, and with them the same in both themes: dark and neutral. So are all marks on pictures."""
 INK = grey(0.97)
 MARK = ImVec4(0.95, 0.72, 0.30, 1.0)
+PATH = ImVec4(0.35, 0.80, 0.95, 1.0)
 TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)
 TAG_ENHANCED = ImVec4(0.13, 0.36, 0.60, 0.94)
 TAG_CAUTION = ImVec4(0.58, 0.35, 0.03, 0.96)

@@ -112,6 +112,11 @@ def _draw_path(state: AppState) -> None:
     explain("Again from the beginning; without a corner where the last keyframe is the first one's view.")
     if changed:
         path_actions.set_loop(state, loop)
+    imgui.same_line()
+    changed, _ = imgui.checkbox("Show", cameras.path_shown)
+    explain("The path in the 3D view, with a small camera at each keyframe: also in the View menu.")
+    if changed:
+        path_actions.toggle_path_shown(state)
     if not path.keyframes:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().muted, "Move the view, add a keyframe, move on, add the next.")

@@ -16,6 +16,7 @@ from app.gui.look import theme
 from app.gui.look.widgets import button, centered, em, explain, stack_tags
 from app.gui.panels.color_bar import draw_color_bar
 from app.gui.panels.menus import draw_commands
+from app.gui.panels.path_marks import draw_path_marks
 from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.state.app_state import AppState
 from app.gui.work.photos import Photo
@@ -219,6 +220,7 @@ def _draw_picture(
         if (photo := photo_over(state)) is not None:
             tint = imgui.get_color_u32(theme.grey(1.0, state.viewer.blend))
             draw.add_image(photo_texture(photo.image), low, high, (0, 0), (1, 1), tint)
+        draw_path_marks(state, shown.request, corner, size)
         draw_marks(state.viewer, shown.request, corner, size)
         if shown.scale is not None:
             draw_color_bar(shown.scale, ImVec2(end.x, corner.y), size.y)

@@ -16,5 +16,7 @@ class CameraList:
     """The path moves the 3D view."""
     playhead: float = 0.0
     """Seconds on the path."""
+    path_shown: bool = True
+    """The path is drawn in the 3D view."""
     name: str = ""
     """Typed for the next named view."""

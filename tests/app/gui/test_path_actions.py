@@ -226,3 +226,20 @@ def test_without_a_reconstruction_there_is_nothing_to_keep(state: AppState) -> N
     path_actions.export_clip_cameras(state)
     assert json.loads(views_json(state.cameras.views))["views"] == []
     assert not state.places.pictures.exists()
+
+
+def test_the_path_is_shown_but_for_what_it_sees_itself(seen: AppState) -> None:
+    assert not path_actions.sees_path(seen)
+    with_path(seen)
+    assert not path_actions.sees_path(seen)  # The last keyframe is what is seen.
+    camera_actions.turn(seen, 0.1, 0.0)
+    assert path_actions.sees_path(seen)
+    path_actions.seek_path(seen, 1.3)
+    assert not path_actions.sees_path(seen)
+    camera_actions.reset_view(seen)
+    assert path_actions.sees_path(seen)
+    path_actions.toggle_path(seen)
+    assert not path_actions.sees_path(seen)
+    path_actions.toggle_path(seen)
+    path_actions.toggle_path_shown(seen)
+    assert not path_actions.sees_path(seen)

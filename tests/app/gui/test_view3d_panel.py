@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, camera_actions, job_actions
+from app.gui.actions import actions, camera_actions, job_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import bounds
 from app.gui.panels.view3d import photo_over, view_tags
@@ -124,6 +124,30 @@ def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: Dy
     assert "mm" in opened.viewer.measurement.text("mm", opened.time)
     camera_actions.toggle_measuring(opened)
     assert opened.viewer.measurement.points == ()
+
+
+def test_the_camera_path_is_drawn_over_the_view(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    """A line, a small camera at each keyframe and one at the playhead; gone with its switch."""
+    start_live(opened, model)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.frame(draw)
+
+    def vertices() -> int:
+        ui.frame(draw)
+        return imgui.get_draw_data().total_vtx_count
+
+    counts = []
+    for _ in range(3):
+        camera_actions.turn(opened, 0.2, 0.1)
+        path_actions.add_keyframe(opened)
+        path_actions.seek_path(opened, 0.0)
+        camera_actions.turn(opened, 0.0, -0.4)
+        camera_actions.zoom(opened, 0.7)
+        path_actions.toggle_path_shown(opened)
+        without = vertices()
+        path_actions.toggle_path_shown(opened)
+        counts.append(vertices() - without)
+    assert 0 < counts[0] < counts[1] < counts[2]
 
 
 def test_two_reconstructions_share_camera_time_and_hand(
