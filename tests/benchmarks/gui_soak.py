@@ -14,6 +14,7 @@ import random
 import sys
 import tempfile
 import time
+import traceback
 from pathlib import Path
 
 from imgui_bundle import imgui
@@ -62,6 +63,7 @@ def soak(clip: Path, folder: Path, minutes: float, rate: float, seed: int) -> bo
     try:
         testing.run(test_function=drive, runner_params=params, add_ons_params=window.add_ons())
     except Exception as error:
+        traceback.print_exc()
         told = [line for line in str(error).splitlines() if "Error" in line] or [repr(error)]
         health.troubles.append(f"the script ended: {told[-1]}")
     time.sleep(1)

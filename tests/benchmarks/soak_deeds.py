@@ -22,7 +22,7 @@ from assets import phantom_path
 
 Context = imgui.test_engine.TestContext
 STEPS = 50
-PATIENCE = 180.0
+PATIENCE = 900.0
 """Seconds after which the window is said to hang."""
 KEEP_FILES = 12
 K = imgui.Key
@@ -265,7 +265,7 @@ def tune(person: Person) -> None:
     tuning_actions.choose_axis(person.state, 1, Choice("p", 0.2, person.rng.uniform(0.5, 1), 3))
     person.pace()
     person.click("//Tuning/###try")
-    person.wait(lambda: not person.state.tuning.running, "the grid")
+    person.wait(lambda: person.state.tuning.grid is not None and not person.state.tuning.running, "the grid")
     person.choose("//Tuning", "##order", "vessel contrast")
     grid = person.state.tuning.grid
     assert grid is not None
