@@ -99,5 +99,6 @@ def _reasons(facts: Facts, drawn_by: str | None) -> list[str]:
 
 
 def _renderer(facts: Facts) -> object:
-    """Of the picture, or of the 3D view in it."""
-    return facts.get("renderer") or facts.get("view", {}).get("renderer")
+    """Of the picture, or of the 3D views in it, which one renderer has drawn."""
+    views = facts.get("views") or [{}]
+    return facts.get("renderer") or views[0].get("renderer")

@@ -83,8 +83,7 @@ PANES, VIDEO = TypeAdapter(PanesFacts), TypeAdapter(VideoFacts)
 def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
     """Panes, the 3D view, or both. Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     panels, name = panes_of(facts, sources).panels(OtherMaker()) if "source" in facts else [], None
-    if "view" in facts:
-        view = facts["view"]
+    for view in facts.get("views", []):
         draw, name = drawer_of(view)
         scene = scene_of(view, sources)
         image = view_of(scene, view, sources, draw, trained=False)

@@ -60,7 +60,7 @@ OFFERS: dict[What, Offer] = {
     "left pane": Offer("Left pane", "picture", "What the left side shows.", ("left",)),
     "right pane": Offer("Right pane", "picture", "What the right side shows.", ("right",)),
     "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", SIDES),
-    "3D view": Offer("3D view", "picture", "As it is seen now, with its colour scale.", sees="still"),
+    "3D view": Offer("3D view", "picture", "As it is seen now, and the second one beside it.", sees="still"),
     "video of the panes": Offer(
         "Panes as shown", "panes video", "Every frame of the clip, compared as on screen.", SIDES, True
     ),
@@ -198,7 +198,8 @@ def _views(state: AppState, offer: Offer) -> tuple[ViewRequest, ...]:
     if view is None or offer.sees == "no":
         return ()
     if offer.sees == "still":
-        return (_as_chosen(state, view),)
+        both = (view, state.second_request)
+        return tuple(_as_chosen(state, one) for one in both if one is not None)
     moments = _through_time(state, view.shown) if offer.sees == "time" else _along_path(state, view.shown)
     return tuple(_as_chosen(state, moment) for moment in moments)
 

@@ -37,7 +37,8 @@ class ExportRequest:
     form: Form
     panes: Panes = field(default_factory=Panes)
     views: tuple[ViewRequest, ...] = ()
-    """Of the 3D view, with as many pixels as the file has: one for a picture, of a video one a frame."""
+    """Of the 3D view, with as many pixels as the file has: in a picture that and the second one, in a video
+    one a frame."""
     frames_per_second: float = FRAMES_PER_SECOND
     clip_options: ClipOptions = DEFAULTS
 
@@ -95,8 +96,8 @@ def picture_facts(request: ExportRequest) -> dict[str, Any]:
         photo = request.panes.shots[0].photo
         frame = {"index": photo.frame_index, "label": photo.clip.labels[photo.frame_index]}
         facts = _facts(request) | {"frame": frame}
-    for wanted in request.views:
-        facts["view"] = view_facts(wanted)
+    if request.views:
+        facts["views"] = [view_facts(wanted) for wanted in request.views]
     return facts
 
 

@@ -22,6 +22,7 @@ class Panel:
     """One picture of the export, with what stands above it."""
 
     label: str
+    """One line or several."""
     image: ByteImage
 
 
@@ -42,19 +43,20 @@ def sheet(panels: list[Panel]) -> ByteImage:
     """(H, W, 3): the panels side by side at their own sizes, a caption above each, the notice below."""
     margin = 8
     size = max(14, max(panel.image.shape[0] for panel in panels) // 32)
-    strip = 2 * size
+    captions = [legible(panel.label).split("\n") for panel in panels]
+    head, foot = size // 2 + 3 * size // 2 * max(map(len, captions)), 2 * size
     width = sum(panel.image.shape[1] + margin for panel in panels) - margin
-    height = max(panel.image.shape[0] for panel in panels) + 2 * strip
+    height = head + max(panel.image.shape[0] for panel in panels) + foot
     page = Image.new("RGB", (width, height), GROUND)
     draw, x = ImageDraw.Draw(page), 0
-    for panel in panels:
-        label = legible(panel.label)
-        font = _fitting(label, size, panel.image.shape[1] - size)
-        draw.text((x + size // 2, strip // 2), label, INK, font, anchor="lm")
-        page.paste(Image.fromarray(panel.image), (x, strip))
+    for panel, lines in zip(panels, captions, strict=True):
+        for place, line in enumerate(lines):
+            font = _fitting(line, size, panel.image.shape[1] - size)
+            draw.text((x + size // 2, size + 3 * size // 2 * place), line, INK, font, anchor="lm")
+        page.paste(Image.fromarray(panel.image), (x, head))
         x += panel.image.shape[1] + margin
     small = _fitting(NOTICE, size * 3 // 4, width - size)
-    draw.text((size // 2, height - strip // 2), NOTICE, (170, 170, 170), small, anchor="lm")
+    draw.text((size // 2, height - foot // 2), NOTICE, (170, 170, 170), small, anchor="lm")
     return np.asarray(page, dtype=np.uint8)
 
 

@@ -110,16 +110,16 @@ def made(shot: Shot, maker: OtherMaker, sizing: Sizing) -> Made:
 
 
 def arranged(panels: Sequence[Panel], arrangement: Arrangement) -> list[Panel]:
-    """One panel a pane, or one for both."""
+    """One panel a pane, or one for both with both captions."""
     if len(panels) != 2 or arrangement.mode == "side by side":
         return list(panels)
     left, right = panels
     if arrangement.mode == "wipe":
-        return [Panel(f"{left.label}   |   {right.label}", _wiped(left.image, right.image, arrangement.wipe))]
+        return [Panel(f"{left.label}\n{right.label}", _wiped(left.image, right.image, arrangement.wipe))]
     apart = difference(left.image, right.image, arrangement.top)
-    said = f"largest of R, G, B, mean {apart.mean:.1f} grey levels"
     picture = with_bar(Composed(apart.heat, Scale(0.0, apart.top, "grey levels", "inferno")))
-    return [Panel(f"Difference   {left.label} − {right.label}   {said}", picture)]
+    said = f"Difference   largest of R, G, B   mean {apart.mean:.1f}"
+    return [Panel(f"{said}\n{left.label}\n{right.label}", picture)]
 
 
 def difference(left: ByteImage, right: ByteImage, top: int | None = None) -> Difference:

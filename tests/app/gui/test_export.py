@@ -59,7 +59,7 @@ def test_the_3d_view_is_drawn_at_the_photo_s_resolution_or_the_size_asked_for(
     shown = ShownModel(model, clip.cameras, 50.0, "run-1", 7, 7, live=False)
     view = shown.view(0.5, None, (24, 20))
     path = saved(tmp_path, None, sized(view, None))
-    facts = read_provenance(path)["view"]
+    facts = read_provenance(path)["views"][0]
     assert (facts["camera"]["width"], facts["camera"]["height"]) == SIZE
     assert (facts["run"]["name"], facts["time"], facts["iteration"]) == ("run-1", 0.5, 7)
     assert cv2.imread(str(path)).shape[1] == SIZE[0]
@@ -114,10 +114,10 @@ def test_a_run_s_view_names_its_own_clip_whatever_is_open(
     facts = read_provenance(path)
     assert facts["source"]["name"] == clip.name
     record = run.record()
-    assert facts["view"]["clip"] == {"name": "phantom", "sha256": record.clip.sha256}
-    assert facts["view"]["run"] == {"name": "run-1", "model_sha256": digest(run.model_path)}
-    assert (facts["view"]["input"], facts["view"]["config"]["method"]) == ("enhanced", "vesselsplat")
-    assert facts["view"]["near"] == view.near > 0
+    assert facts["views"][0]["clip"] == {"name": "phantom", "sha256": record.clip.sha256}
+    assert facts["views"][0]["run"] == {"name": "run-1", "model_sha256": digest(run.model_path)}
+    assert (facts["views"][0]["input"], facts["views"][0]["config"]["method"]) == ("enhanced", "vesselsplat")
+    assert facts["views"][0]["near"] == view.near > 0
     assert str(tmp_path) not in json.dumps(facts)
     assert str(phantom_path()) not in json.dumps(facts)
 

@@ -16,7 +16,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.color_bar import LEAST_HEIGHT
-from app.gui.actions import actions, comparing, export_actions
+from app.gui.actions import actions, comparing, export_actions, second_actions
 from app.gui.actions.export_actions import OFFERS, What
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
@@ -42,6 +42,9 @@ from tests.app.conftest import Call
 from tests.app.gui.conftest import SIZE
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
+
+FOOT = 28
+"""Pixels below a small picture, for the notice."""
 
 
 class Exporter:
@@ -181,14 +184,14 @@ def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) 
     comparing.choose_mode(state, "wipe")
     page = read_image(wiped := run.made("panes as shown"))
     height, width = left.shape[:2]
-    inside = page[(page.shape[0] - height) // 2 :][:height, :]
+    inside = page[-FOOT - height : -FOOT]
     np.testing.assert_array_equal(inside[:, : width // 4], left[:, : width // 4])
     np.testing.assert_array_equal(inside[:, 1 + width // 4 : width + 1], right[:, width // 4 :])
     assert same(wiped, clip_path)
 
     comparing.choose_mode(state, "flip")
     flipped = read_image(run.made("panes as shown"))
-    inside = flipped[(flipped.shape[0] - height) // 2 :][:height, :width]
+    inside = flipped[-FOOT - height : -FOOT, :width]
     np.testing.assert_array_equal(inside, left if state.comparison.flipped else right)
 
     comparing.choose_mode(state, "difference")
@@ -198,8 +201,7 @@ def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) 
     state.exports.sizing = Sizing()
     (heat,) = heat_map(DifferenceRequest(left, right))
     page = read_image(run.made("panes as shown"))
-    top = (page.shape[0] - LEAST_HEIGHT) // 2
-    np.testing.assert_array_equal(page[top : top + height, :width], heat.heat)
+    np.testing.assert_array_equal(page[-FOOT - LEAST_HEIGHT :][:height, :width], heat.heat)
     video = run.made("video of the panes")
     assert json.loads(video.with_name(f"{video.name}.json").read_text())["arrangement"]["top"] == heat.top
     assert same(video, clip_path)
@@ -217,7 +219,7 @@ def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
     assert last.path is not None
     facts = read_provenance(last.path)
     assert [one["shows"] for one in facts["panes"]] == ["method", "setting"]
-    assert facts["view"]["run"]["name"] == run_path.name
+    assert facts["views"][0]["run"]["name"] == run_path.name
     assert same(last.path, clip_path, run_path)
     state.peeking = True
     request = export_actions.save_request(state)
@@ -238,7 +240,7 @@ def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None
     assert same(plain, run_path)
     state.exports.supersampling = 4
     assert same(fine := run.made("3D view"), run_path)
-    assert read_provenance(fine)["view"]["supersampling"] == 4
+    assert read_provenance(fine)["views"][0]["supersampling"] == 4
     assert read_image(fine).shape == read_image(plain).shape
     assert not np.array_equal(read_image(fine), read_image(plain))
     state.exports.view_size, state.exports.supersampling = (3840, 2160), 4
@@ -255,6 +257,18 @@ def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None
         assert capture.get(cv2.CAP_PROP_FRAME_WIDTH) == 96
         capture.release()
         assert same(video, run_path)
+
+
+def test_two_3d_views_stand_beside_each_other_and_come_again(run: Exporter, runs: dict[str, Path]) -> None:
+    second_actions.open_second(run.state, runs["enhanced"])
+    run.turn()
+    assert run.state.second.shown is not None
+    path = run.made("3D view")
+    assert [view["run"]["name"] for view in read_provenance(path)["views"]] == ["original", "enhanced"]
+    assert same(path, *runs.values())
+    one, other = (read_image(path)[:, side] for side in (slice(0, 64), slice(72, 136)))
+    assert one.shape == other.shape
+    assert not np.array_equal(one, other)
 
 
 def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run: Exporter) -> None:

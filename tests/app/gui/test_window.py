@@ -115,7 +115,7 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
     assert jobs[0].told == ["start", "pause", "close"]
     (saved,) = places.pictures.glob("phantom-*.png")
     facts = read_provenance(saved)
-    assert {"frame", "view", "source"} <= facts.keys()
+    assert {"frame", "views", "source"} <= facts.keys()
     assert {"params", "statistics"} <= facts["panes"][1].keys()
     shot = hello_imgui.final_app_window_screenshot()
     assert np.ptp(np.asarray(shot)) > 200
