@@ -168,8 +168,7 @@ def _enhanced(series: Series, images: Stream, job: _Job) -> Stream:
                 result = apply(setting.method, setting.params, image, mask, job.statistics, enhancer)
             except (ImageError, UserError) as error:
                 raise UserError(f"{error}: {series.sources[index]}") from error
-            frame = index if series.is_video else None
-            yield _Picture(series.names[index], next(origins), frame, job, result)
+            yield _Picture(series.names[index], next(origins), series.frame(index), job, result)
     finally:
         images.close()
 

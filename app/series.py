@@ -1,4 +1,4 @@
-"""What `enhance` and `metrics` work on: a picture, a folder of them, or a video's frames, read one by one."""
+"""What `enhance` and `metrics` work on: a picture, a folder of them, a clip or a video, read one by one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.pictures import ArrayImage, images_in, is_image, read_image
-from app.provenance import source
+from app.provenance import LAYOUTS, source
 from renderer.sources import open_clip
 
 
@@ -32,6 +32,10 @@ class Series:
     def __len__(self) -> int:
         return len(self.names)
 
+    def frame(self, index: int) -> int | None:
+        """The number of a picture in its source; None where each has a source of its own."""
+        return index if self.is_video or (len(self) > 1 and self.sources[0] == self.sources[-1]) else None
+
     def origins(self) -> Iterator[dict[str, str]]:
         """Name and digest of each picture's file; that of a video is taken once."""
         for path, pictures in groupby(self.sources):
@@ -51,6 +55,8 @@ def open_series(path: Path) -> Series:
     """Raises UserError or ClipError: nothing there, nothing readable, or two pictures of one name."""
     if not path.exists():
         raise UserError(f"expected a picture, a folder of pictures or a video, got no such file: {path}")
+    if any(is_layout(path) for is_layout in LAYOUTS if path.is_dir()):
+        return _of_clip(path)
     if path.is_dir():
         return _of_files(tuple(images_in(path)))
     return _of_files((path,)) if is_image(path) else _of_video(path)
@@ -64,6 +70,14 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
         if other != path:
             raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
     return Series(names, paths, lambda index: read_image(paths[index]), FRAMES_PER_SECOND)
+
+
+def _of_clip(path: Path) -> Series:
+    """The pictures of a folder whose files tell more than pictures: left ones of pairs, rectified."""
+    clip = open_clip(path)
+    names = tuple(Path(label).stem for label in clip.labels)
+    speed = clip.frames_per_second or FRAMES_PER_SECOND
+    return Series(names, (path,) * len(clip), clip.read_image, speed, clip.notices)
 
 
 def _of_video(path: Path) -> Series:

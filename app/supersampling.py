@@ -12,7 +12,11 @@ FACTORS = (1, 2, 4)
 
 
 def supersampled(draw: Draw, factor: int) -> Draw:
-    """The same drawing with `factor` times as many pixels each way, averaged down to the camera's size."""
+    """The same drawing with `factor` times as many pixels each way, averaged down to the camera's size.
+
+    The filter of 0.3 square pixels that every splat is drawn with is then that of the small pixels: the
+    picture is sharper than the one a model was trained by, and as a rule a little further from its photo.
+    """
     if factor == 1:
         return draw
 

@@ -18,6 +18,7 @@ from app.provenance import read_provenance
 from app.replay import replay
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from tests.app.conftest import Call, tissue
 
@@ -134,6 +135,18 @@ def test_pooled_statistics_may_be_of_some_frames(cases: Path, tmp_path: Path) ->
     assert {one["statistics"].scope for each in written for one in each.pictures} == {"clip"}
     (video,) = (tmp_path / "out").glob("*.mp4")
     assert replay(video, (cases / "a",), tmp_path / "again.mp4").difference.is_none
+
+
+def test_a_clip_of_many_folders_is_one_item(tmp_path: Path, vesselsplat: Cli) -> None:
+    params = PhantomParams(n_frames=3, width=64, height=48)
+    write_phantom(tmp_path / "cases/keyframe", params, layout="scared")
+    out = tmp_path / "out"
+    assert vesselsplat("enhance", tmp_path / "cases", out, "--recursive").code == 0
+    assert files(out) == {f"keyframe/frame_data00000{index}.png" for index in range(3)}
+    made = out / "keyframe/frame_data000002.png"
+    clip = open_clip(tmp_path / "cases/keyframe")
+    np.testing.assert_array_equal(read_image(made), enhance(clip.read_image(2), EnhanceParams()).image)
+    assert vesselsplat("replay", made, "--source", tmp_path / "cases").code == 0
 
 
 def test_videos_of_one_name_do_not_share_a_file(cases: Path, tmp_path: Path) -> None:

@@ -125,6 +125,8 @@ def at_stake(state: AppState) -> str:
     if run.is_alive:
         name = run.run_path.name if run.run_path else "A reconstruction"
         return f"{name} is still being made{f', and {waits}' if count else ''}."
+    if state.batches.under_way is not None:
+        return "Files and folders are still being enhanced."
     if not count or to_keep(state):
         return ""
     return "1 reconstruction waits." if count == 1 else f"{count} reconstructions wait."
@@ -132,6 +134,8 @@ def at_stake(state: AppState) -> str:
 
 def what_is_kept(state: AppState) -> str:
     """Of that, in sentences."""
+    if not state.reconstruction.is_alive and state.batches.under_way is not None:
+        return "What is whole is kept; the rest is not made."
     begun = "What is done up to the last checkpoint is kept: Continue goes on from there."
     if not state.queue:
         return begun

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, batch_actions
+from app.gui.actions import actions, batch_actions, queue_actions
 from app.gui.panels.batches import Asking, draw_batches
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
@@ -121,6 +121,17 @@ def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Pl
     person.turn(2)
     assert files(output) == {"scope.mp4", "scope.mp4.json"}
     assert not list(output.rglob("*.partial"))
+
+
+def test_closing_meanwhile_is_asked_about(places: Places, case: Path) -> None:
+    person = Person(places)
+    assert queue_actions.may_close(person.state)
+    person.begin(case)
+    assert not queue_actions.may_close(person.state)
+    assert "enhanced" in queue_actions.at_stake(person.state)
+    assert "whole" in queue_actions.what_is_kept(person.state)
+    person.finish()
+    assert not queue_actions.at_stake(person.state)
 
 
 def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> None:
