@@ -47,6 +47,7 @@ def test_a_run_becomes_a_file_a_frame_that_draws_the_same(
         theirs = render(read_splats(path).raw.splats(), camera, near=near).image
         assert np.allclose(own, theirs, atol=1e-5)
         comments = read_ply(path.read_bytes()).comments
+        assert "SplatRenderMode: default" in comments  # What other viewers look for.
         facts = json.loads(next(line for line in comments if line.startswith("vesselsplat "))[12:])
         assert (facts["frame"], facts["time"]) == (index, record.time(index))
         assert facts["notice"] == "Research use only. Not a medical device."

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import cv2
+import moderngl
 import numpy as np
 import pytest
 
@@ -16,7 +17,10 @@ from app.errors import UserError
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from renderer.camera import Camera
+from renderer.draw.offscreen import render_offscreen
+from renderer.draw.splat_view import Precision
 from renderer.near_plane import near_plane
+from renderer.rasterize.accuracy import exact
 from renderer.rasterize.cpu import render
 from tests.app.conftest import Call
 from tests.app.fake_steps import model_of
@@ -55,6 +59,25 @@ def test_the_renderers_agree(runs: dict[str, Path], tmp_path: Path, vesselsplat:
         assert read_provenance(out / "time-0.3500.png")["renderer"]
     for renderer in ("cpu", "gl"):
         assert np.percentile(np.abs(pictures[renderer] - pictures["reference"]), 99.9) <= 1
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(("precision", "least"), [("half", 60.0), ("float", 75.0)])
+def test_opengl_is_as_exact_as_the_trainer_on_a_trained_run(
+    ctx: moderngl.Context, runs: dict[str, Path], precision: Precision, least: float
+) -> None:
+    """At the clip's own frames and between them; `draw_agreement` says the same of runs of full size."""
+    run = RunFolder(runs["original"])
+    record, model = run.record(), run.model()
+    camera = record.camera(0)
+    near = near_plane(model, camera)
+    for time in (record.time(1), record.time(9), 0.47):
+        splats = model.at(time)
+        wanted = exact(splats, camera, near)
+        away = render_offscreen(ctx, splats, camera, precision=precision, near=near) - wanted
+        assert -10 * np.log10(np.mean(away**2)) >= least
+        assert np.quantile(np.abs(away), 0.999) <= 1 / 255
+        assert wanted.std() > 0.05
 
 
 @pytest.mark.gl

@@ -26,7 +26,7 @@ def main(run_path: Path, frame: int) -> None:
     size = f"{camera.width}x{camera.height}"
     print(f"{renderer_name(context)}; {len(model)} Gaussians at {size}, frame {frame}")
     errors = f"{'PSNR dB':>9}{'mean':>9}{'p99.9':>9}{'max':>9}"
-    print(f"{'':12}{'setting':36}{errors}{'ms':>9}{'± ms':>8}{'MB':>8}{'bake s':>8}")
+    print(f"{'':14}{'setting':36}{errors}{'ms':>9}{'± ms':>8}{'MB':>8}{'bake s':>8}")
     for row in opengl(context, splats, camera, near, truth):
         report(row)
     times = [record.time(index) for index in range(record.clip.frames)]
@@ -39,7 +39,7 @@ def report(row: Row) -> None:
     """Errors in grey levels."""
     megabytes, baking = (math.nan if value is None else value for value in (row.megabytes, row.baking))
     print(
-        f"{row.group:12}{row.setting:36}{row.psnr:9.1f}{row.mean:9.4f}{row.p999:9.3f}{row.most:9.3f}"
+        f"{row.group:14}{row.setting:36}{row.psnr:9.1f}{row.mean:9.4f}{row.p999:9.3f}{row.most:9.3f}"
         f"{row.milliseconds:9.2f}{row.spread:8.2f}{megabytes:8.1f}{baking:8.2f}",
         flush=True,
     )

@@ -145,6 +145,24 @@ def test_the_card_draws_what_is_baked(ctx: moderngl.Context, change: Change) -> 
 
 
 @pytest.mark.gl
+def test_a_thousand_frames_are_scrubbed_as_a_few_are(ctx: moderngl.Context) -> None:
+    times = [index / 1000 for index in range(1000)]
+    model = model_of(swing)
+    keyframes = baked(model, times, TOLERANCE)
+    assert len(keyframes) == 1000
+    view, framebuffer = SplatView(ctx, precision="float"), ctx.simple_framebuffer((96, 72), dtype="f4")
+    view.upload_keyframes(keyframes)
+    for time in (0.0, 0.371, 0.9985, 0.999):
+        view.seek(time)
+        view.draw(CAMERA, framebuffer)
+        picture, direct = read_image(framebuffer), render_offscreen(ctx, model.at(min(time, 0.999)), CAMERA)
+        assert psnr(picture, direct) > 60
+        assert levels(picture, direct, 0.999) <= 1
+    view.release()
+    framebuffer.release()
+
+
+@pytest.mark.gl
 @pytest.mark.parametrize("paint", ["normals", "motion"])
 def test_the_card_paints_as_renderer_paint_does(ctx: moderngl.Context, paint: Paint) -> None:
     """But for the few whose shortest axis lies across the view, where rounding decides which end is seen."""
