@@ -136,7 +136,11 @@ class Evaluation:
         constant = {"n_gaussians": len(self.model), "train_seconds": self.run.train_seconds()}
         return {
             "run": self.run.path.absolute().name,
-            "clip": {"name": self.record.clip.name, "sha256": self.record.clip.sha256},
+            "clip": {
+                "name": self.record.clip.name,
+                "sha256": self.record.clip.sha256,
+                "part": self.record.clip.part,
+            },
             "method": self.record.config.method,
             "seed": self.record.config.seed,
             "input": self.record.input,
@@ -177,12 +181,12 @@ def open_evaluation(run_path: Path, weights: Path | None = None, *, edited: bool
 
 
 def run_clip(record: RunRecord) -> Clip:
-    """The clip that the run was trained on. Raises UserError when it is not the same any more."""
+    """The part of the clip that the run was trained on. Raises UserError when it is not the same any more."""
     path = Path(record.clip.path)
     clip = open_clip(path, record.clip.options)
     if digest(path) != record.clip.sha256:
         raise UserError(f"expected the clip that the run was trained on, its files have changed: {path}")
-    return clip
+    return record.clip.part.of(clip)
 
 
 def lpips_folder() -> Path:

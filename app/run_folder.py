@@ -17,6 +17,7 @@ from pydantic.dataclasses import dataclass
 
 from app.arguments import problem
 from app.atomic import make_folder, replaced, write_bytes
+from app.clip_part import WHOLE, ClipPart
 from app.device import Device
 from app.errors import UserError
 from app.methods import PAPER, VESSEL, Preset, preset_of
@@ -43,6 +44,8 @@ class ClipRecord:
     name: str
     options: ClipOptions = DEFAULTS
     """How it is read."""
+    part: ClipPart = WHOLE
+    """What of it counts: frames, cameras and times are of this part."""
     sha256: str
     """Of the manifest, see `app.provenance.digest`."""
     frames: int

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from app.clip_part import WHOLE
 from app.errors import UserError
 from app.provenance import digest, source
 from app.run_edits import edits_facts, read_edits
@@ -34,6 +35,8 @@ class Scene:
     unit: str = SCENE_UNITS
     """Of lengths."""
     notices: tuple[str, ...] = ()
+    first: int = 0
+    """The frame of the whole clip that its first one is: a run can be of a part."""
 
     def __len__(self) -> int:
         """Frames."""
@@ -75,20 +78,22 @@ def _run_scene(folder: RunFolder, as_trained: bool) -> Scene:
     name = folder.path.absolute().name
     unit = record.clip.unit
     facts = run_facts(folder, record, name) | edits_facts(edits)
+    scene = Scene(name, model, cameras, record.test_indices, facts, unit=unit, first=record.clip.part.first)
     if edits is None:
-        return Scene(name, model, cameras, record.test_indices, facts, unit=unit)
+        return scene
     said = (
         f"edited by hand: {edits.count - len(edits.visible)} of {edits.count} Gaussians are left out "
         "(--as-trained keeps them)"
     )
-    return Scene(name, edits.applied(model), cameras, record.test_indices, facts, notices=(said,), unit=unit)
+    return replace(scene, model=edits.applied(model), notices=(said,))
 
 
 def run_facts(folder: RunFolder, record: RunRecord, name: str) -> dict[str, Any]:
     """What an export says of a run; without a model's digest while it is being trained."""
+    part = {} if record.clip.part == WHOLE else {"part": record.clip.part}
     return {
         "run": {"name": name, "model_sha256": digest(folder.model_path) if folder.is_finished else None},
-        "clip": {"name": record.clip.name, "sha256": record.clip.sha256},
+        "clip": {"name": record.clip.name, "sha256": record.clip.sha256} | part,
         "input": record.input,
         "enhancement": record.enhancement,
         "config": record.config,

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from app.clip_part import WHOLE, ClipPart
 from app.device import Asked, Choice, Device, choose, pictures_on
 from app.errors import UserError
 from app.memory import peak_memory_mb
@@ -46,6 +47,8 @@ class TrainRequest:
     run_path: Path
     config: TrainConfig
     clip_options: ClipOptions = DEFAULTS
+    part: ClipPart = WHOLE
+    """Of the clip: frames to train on, pixels left out."""
     input: Input = "original"
     enhance_params: RecordedLook = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
@@ -60,14 +63,14 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
 
     Raises:
         ClipError: the clip cannot be read.
-        UserError: the run folder holds something else, or another run than the one to resume; the path of
-            the clip is not UTF-8, so that run.json cannot name it; the device that is asked for is not
-            there; or the training does not converge.
+        UserError: the clip has no such part; the run folder holds something else, or another run than the
+            one to resume; the path of the clip is not UTF-8, so that run.json cannot name it; the device that
+            is asked for is not there; or the training does not converge.
     """
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
-    clip = open_clip(request.clip_path, request.clip_options)
+    clip = request.part.of(open_clip(request.clip_path, request.clip_options))
     if run.is_run:
         record = run.record()
         _check_same(request, record)
@@ -158,6 +161,7 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
             path=str(request.clip_path.absolute()),
             name=clip.name,
             options=request.clip_options,
+            part=request.part,
             sha256=digest(request.clip_path),
             frames=len(clip),
             unit=clip.unit,
@@ -185,8 +189,8 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
         raise UserError(
             f"cannot resume: the run began with another clip, or the clip has changed: {request.clip_path}"
         )
-    began = {"input": record.input} | vars(record.clip.options) | vars(record.config)
-    asked = {"input": request.input} | vars(request.clip_options) | vars(request.config)
+    began = {"input": record.input} | vars(record.clip.options) | vars(record.clip.part) | vars(record.config)
+    asked = {"input": request.input} | vars(request.clip_options) | vars(request.part) | vars(request.config)
     if record.enhancement is not None:
         params = record.enhancement.params
         began |= {"preset": preset_of(params)} | vars(params)

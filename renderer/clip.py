@@ -123,8 +123,13 @@ class Clip:
 
     def every(self, step: int) -> Clip:
         """The frames 0, step, 2 step, ... as a clip of their own, numbered and timed anew."""
-        kept = range(0, len(self), step)
+        return self._of(range(0, len(self), step))
 
+    def between(self, first: int, last: int) -> Clip:
+        """The frames from `first` to `last`, both included, numbered and timed anew."""
+        return self._of(range(first, last + 1))
+
+    def _of(self, kept: range) -> Clip:
         def read_frame(index: int) -> Frame:
             index = range(len(kept))[index]
             return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
@@ -132,12 +137,22 @@ class Clip:
         speed = self.frames_per_second
         return replace(
             self,
-            cameras=self.cameras[::step],
+            cameras=self.cameras[kept.start : kept.stop : kept.step],
             read_frame=read_frame,
             read_image=lambda index: self.read_image(kept[index]),
-            labels=self.labels[::step],
-            frames_per_second=speed and speed / step,
+            labels=self.labels[kept.start : kept.stop : kept.step],
+            frames_per_second=speed and speed / kept.step,
         )
+
+    def within(self, kept: BoolImage) -> Clip:
+        """The same clip where only these pixels (H, W) of every frame are tissue, and evaluated."""
+
+        def read_frame(index: int) -> Frame:
+            frame = self.read_frame(index)
+            tissue, evaluated = frame.tissue_mask & kept, frame.evaluation_mask & kept
+            return replace(frame, tissue_mask=tissue, evaluation_mask=evaluated)
+
+        return replace(self, read_frame=read_frame)
 
     def with_images(self, change: Callable[[ByteImage, Frame], ByteImage], name: str) -> Clip:
         """The same clip with every photo passed through `change`, for example enhanced."""

@@ -53,6 +53,8 @@ def run(flags: argparse.Namespace) -> None:
     paths = [flags.run] if flags.against is None else [flags.run, flags.against]
     evaluations = [open_evaluation(path, flags.lpips_weights, edited=flags.edited) for path in paths]
     clips = [evaluation.record.clip for evaluation in evaluations]
+    if clips[0].part != clips[-1].part:
+        raise UserError("--against: expected a run of the same frames and mask, got one of another part")
     if clips[0].sha256 != clips[-1].sha256:
         raise UserError(f"--against: expected a run of the clip {clips[0].name}, got one of {clips[-1].name}")
     report, *others = [evaluation.report(measured(evaluation)) for evaluation in evaluations]

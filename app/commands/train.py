@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from app.arguments import add_fields, parameters
+from pydantic import ValidationError
+
+from app.arguments import add_fields, parameters, problem
+from app.clip_part import ClipPart
 from app.device import Asked, Device
 from app.errors import UserError
 from app.methods import PAPER, Look
+from app.picture_mask import PictureMask
 from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.run_folder import RunFolder
@@ -40,6 +45,23 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     add_fields(parser, TrainConfig, ("iterations", "seed", "sh_degree", "keep", "leave_out"))
     add_fields(parser, ClipOptions, EVERY_OPTION)
     parser.add_argument(
+        "--frames", metavar="A:B", help="train on these alone: first and last, from 0, both included"
+    )
+    parser.add_argument(
+        "--text-box",
+        type=float,
+        nargs=4,
+        metavar=("LEFT", "TOP", "RIGHT", "BOTTOM"),
+        help="pixels that do not count, such as burned-in text",
+    )
+    parser.add_argument(
+        "--view-circle",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "RADIUS"),
+        help="pixels beyond do not count, such as the surround of a round view",
+    )
+    parser.add_argument(
         "--device",
         choices=get_args(Asked),
         default="auto",
@@ -58,6 +80,7 @@ def run(flags: argparse.Namespace) -> None:
         run_path=flags.run,
         config=config,
         clip_options=parameters(ClipOptions, flags),
+        part=_part(flags),
         input=flags.input,
         enhance_params=_look(flags),
         device=flags.device,
@@ -101,6 +124,20 @@ def _look(flags: argparse.Namespace) -> Look:
     if "preset" in flags and flags.input != "enhanced":
         raise UserError("--preset does nothing with --input original: add --input enhanced")
     return PRESETS[flags.preset if "preset" in flags else PAPER]
+
+
+def _part(flags: argparse.Namespace) -> ClipPart:
+    """What of the clip counts. Raises UserError for numbers that say nothing."""
+    found = re.fullmatch(r"(\d+):(\d+)", flags.frames or "0:0")
+    if found is None:
+        raise UserError(f"--frames: expected the first and the last frame, such as 10:59, got {flags.frames}")
+    trim = (int(found[1]), int(found[2])) if flags.frames else None
+    text, view = flags.text_box, flags.view_circle
+    try:
+        mask = PictureMask(text=text and tuple(text), view=view and tuple(view))
+    except ValidationError as error:
+        raise UserError(problem(error, {"text": "--text-box", "view": "--view-circle"})) from error
+    return ClipPart(trim=trim, mask=mask)
 
 
 def _kept(folder: RunFolder) -> str:

@@ -146,5 +146,14 @@ def _model(view: dict[str, Any], sources: Sources) -> ShownModel:
     scene = scene_of(view, sources)
     distance = float(view.get("near", 1.0)) / NEAR_SHARE
     return ShownModel(
-        scene.model, scene.cameras, distance, scene.name, 0, 0, live=False, mode=scene.mode, unit=scene.unit
+        scene.model,
+        scene.cameras,
+        distance,
+        scene.name,
+        0,
+        0,
+        live=False,
+        mode=scene.mode,
+        unit=scene.unit,
+        first=scene.first,
     )

@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
+from app.clip_part import WHOLE
 from app.errors import UserError
 from app.gui.legible import legible
 from app.gui.state.app_state import AppState, Banner, Toast
 from app.gui.state.camera_list import CameraList
-from app.gui.state.clip_settings import ClipSettings
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.second import Second
 from app.gui.state.settings import Theme, save_settings
@@ -107,7 +107,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.comparison, state.others, state.difference = state.comparison.renewed(), {}, None
     state.strip, state.left_out, state.mask_tool = None, None, ""
     said = state.known_clips.get(str(opened.clip.path)) if opened.clip is not None else None
-    state.clip_settings = said or ClipSettings()
+    state.clip_settings = opened.run.record.clip.part if opened.run is not None else said or WHOLE
     if not state.reconstruction.is_alive:
         _show_run(state, opened)
     for notice in opened.notices:
@@ -173,7 +173,8 @@ def toggle_freeze(state: AppState) -> None:
 def seek_view(state: AppState, time: float) -> None:
     """Time of the 3D view; moves the clip's frame when they are linked."""
     if state.linked and state.clip is not None:
-        seek(state, round(time * len(state.clip)))
+        first, count = state.timed
+        seek(state, first + min(round(time * count), count - 1))
     else:
         state.view_time = min(max(time, 0.0), 1.0)
 

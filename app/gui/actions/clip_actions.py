@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from app.clip_part import ClipPart
 from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import ClipSettings, save_clips
+from app.gui.state.clip_settings import save_clips
 from app.picture_mask import NO_MASK, PictureMask, enclosing
 from enhance.surround import inside
 
@@ -67,7 +68,7 @@ def toggle_overlay(state: AppState) -> None:
     state.overlay = not state.overlay
 
 
-def _set(state: AppState, settings: ClipSettings) -> None:
+def _set(state: AppState, settings: ClipPart) -> None:
     state.clip_settings = settings
     keep_settings(state)
 

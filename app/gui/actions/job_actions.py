@@ -40,6 +40,7 @@ def _request(state: AppState, frames: Input) -> TrainRequest:
         run_path=_run_path(state, f"-{frames}" if draft.input == "both in turn" else ""),
         config=draft.config,
         clip_options=state.opened_options,
+        part=state.part,
         input=frames,
         enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
     )
@@ -48,7 +49,7 @@ def _request(state: AppState, frames: Input) -> TrainRequest:
 def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
     run = state.reconstruction
-    clip, request = run.clip, run.request
+    clip, request = state.clip, run.request
     if can_continue(state) and clip is not None and request is not None:
         enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), run.told),))
 
@@ -83,7 +84,7 @@ def start_first(state: AppState, make_job: MakeJob) -> None:
         name=draft.name,
         status="starting",
         job=job,
-        clip=first.clip,
+        clip=first.request.part.of(first.clip),
         request=first.request,
         told=first.told,
     )
@@ -145,14 +146,22 @@ def show_live_model(state: AppState, model: DynamicGaussians) -> None:
         live=True,
         origin=origin_of(RunFolder(job.run_path)),
         unit=job.clip.unit,
+        first=_first(job),
     )
+
+
+def _first(job: Reconstruction) -> int:
+    """Frame of the whole clip that its first one is."""
+    return job.request.part.first if job.request is not None else 0
 
 
 def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
     job = state.reconstruction
     if job.clip is not None and job.run_path is not None:
         folder = RunFolder(job.run_path)
-        state.model = finished_model(folder, model, job.clip.cameras, job.iterations, job.clip.unit)
+        state.model = finished_model(
+            folder, model, job.clip.cameras, job.iterations, job.clip.unit, _first(job)
+        )
 
 
 def can_continue(state: AppState) -> bool:

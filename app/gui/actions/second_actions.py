@@ -27,7 +27,9 @@ def take_second(state: AppState, request: OpenRequest, opened: Opened) -> None:
         actions.fail(state, f"expected a finished run or a file of splats beside the first: {request.path}")
         return
     state.second = Second(shown=shown)
-    if state.model is not None and shown.cameras != state.model.cameras:
+    if state.model is not None and shown.first != state.model.first:
+        actions.say(state, f"{shown.name} is of another part of the clip: the same time is another moment")
+    elif state.model is not None and shown.cameras != state.model.cameras:
         actions.say(state, f"{shown.name} is of another clip: the first one's camera need not see it")
 
 

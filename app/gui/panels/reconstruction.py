@@ -31,6 +31,11 @@ STATUS = {
     "cancelled": "Cut short",
 }
 
+PART = (
+    "Trim and mask are set below the pictures (In, Out, All, Mask). What they leave out is neither trained "
+    "on nor evaluated; a run keeps the part that it was begun with."
+)
+
 
 def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Choices before, buttons always, progress during and after."""
@@ -54,6 +59,7 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
 
 def _draw_next(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
     _draw_choices(state, run)
+    _draw_part(state)
     imgui.spacing()
     _draw_start(state, make_job)
     if not run.is_alive and state.clip is not None:
@@ -80,6 +86,15 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     row("Name", "Folder of the run; empty: the clip's name and the time.")
     imgui.set_next_item_width(-em(0.1))
     _, run.name = imgui.input_text_with_hint("##name", "automatic", run.name)
+
+
+def _draw_part(state: AppState) -> None:
+    """What of the clip it will be of, where that is not all of it."""
+    told = "" if state.clip is None else state.part.told(len(state.clip))
+    if told:
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.now().warning, f"Of {told}")
+        explain(PART)
 
 
 def _choose(label: str, name: str, index: int, values: list[str], text: str) -> int:

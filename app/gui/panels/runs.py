@@ -63,7 +63,8 @@ def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
         run_actions.open_run(state, run)
     imgui.end_disabled()
     beside = "Open it beside the one that is being made: " if state.reconstruction.is_alive else "Open "
-    explain(reason or f"{beside}{run.path}")
+    part = f" It is of {said}." if (said := run.request.part.told_alone()) else ""
+    explain(reason or f"{beside}{run.path}.{part}")
     if run.psnr is not None:
         psnr = f"{run.psnr:.1f} dB"
         imgui.same_line(right - imgui.calc_text_size(psnr).x)

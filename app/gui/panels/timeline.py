@@ -63,7 +63,7 @@ def _draw_transport(state: AppState) -> None:
 
 def _draw_trim(state: AppState) -> None:
     button("In", lambda: clip_actions.trim_here(state, start=True), width=2.2)
-    explain("Shift+I: the clip begins with this frame. Playing and pooled statistics keep to what is left.")
+    explain("Shift+I: the clip begins with this frame. Playing, statistics and reconstruction keep to it.")
     imgui.same_line(0, em(0.2))
     button("Out", lambda: clip_actions.trim_here(state, start=False), width=2.6)
     explain("Shift+O: the clip ends with this frame.")
@@ -82,7 +82,7 @@ def _draw_mask(state: AppState) -> None:
     if imgui.button(f"{'Drag now' if state.mask_tool else said}###mask", ImVec2(em(5), 0)):
         imgui.open_popup("mask")
     imgui.pop_style_color()
-    explain("Leave burned-in text and the black surround out of the statistics; kept with the clip.")
+    explain("Leave burned-in text and surround out of statistics and reconstruction; kept with the clip.")
     imgui.end_disabled()
     if not imgui.begin_popup("mask"):
         return

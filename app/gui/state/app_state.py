@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+from app.clip_part import WHOLE, ClipPart
 from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
-from app.gui.state.clip_settings import ClipSettings
 from app.gui.state.comparison import Comparison, Side
 from app.gui.state.exports import Exports
 from app.gui.state.palette import Palette
@@ -80,9 +80,9 @@ class AppState:
     frame_index: int = 0
     frozen_index: int | None = None
     """The frame that the pictures hold while the clip's time goes on."""
-    clip_settings: ClipSettings = field(default_factory=ClipSettings)
+    clip_settings: ClipPart = WHOLE
     """Trim and mask of the open clip."""
-    known_clips: dict[str, ClipSettings] = field(default_factory=dict)
+    known_clips: dict[str, ClipPart] = field(default_factory=dict)
     """Those of all clips, by path."""
     strip: Strip | None = None
     strip_count: int = 0
@@ -215,8 +215,21 @@ class AppState:
     def time(self) -> float:
         """Time of the 3D view in [0, 1]."""
         if self.linked and self.clip is not None:
-            return self.frame_index / len(self.clip)
+            first, count = self.timed
+            return min(max(self.frame_index - first, 0), count - 1) / count
         return self.view_time
+
+    @property
+    def timed(self) -> tuple[int, int]:
+        """Of the open clip, the first frame that the 3D view's time is of, and how many."""
+        if self.model is not None and self.has_photos:
+            return self.model.first, len(self.model.cameras)
+        return 0, 1 if self.clip is None else len(self.clip)
+
+    @property
+    def part(self) -> ClipPart:
+        """What of the open clip the next reconstruction is of."""
+        return replace(self.clip_settings, trim=self.span if self.clip_settings.trim else None)
 
     @property
     def picture_request(self) -> PictureRequest | None:
@@ -270,7 +283,7 @@ class AppState:
         if not self.asks_for_omissions or self.clip is None or self.reconstruction.is_alive:
             return None
         config = replace(self.reconstruction.config, iterations=TrainConfig().iterations)
-        return OmissionsRequest(self.clip, config)
+        return OmissionsRequest(self.clip, config, self.part)
 
     @property
     def runs_request(self) -> RunsRequest | None:
@@ -300,7 +313,7 @@ class AppState:
     @property
     def has_photos(self) -> bool:
         """The open clip is the one that the 3D view is of."""
-        return self.model is not None and self.clip is not None and self.model.cameras == self.clip.cameras
+        return self.model is not None and self.clip is not None and self.model.is_of(self.clip)
 
     @property
     def photo(self) -> Photo | None:
@@ -313,4 +326,4 @@ class AppState:
         """The photo that should lie over the 3D view now; None without one."""
         if self.model is None or self.clip is None or not self.viewer.snapped or not self.has_photos:
             return None
-        return PhotoRequest(self.clip, self.model.frame_at(self.time))
+        return PhotoRequest(self.clip, self.model.first + self.model.frame_at(self.time))

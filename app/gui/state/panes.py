@@ -54,16 +54,20 @@ def why_not(state: AppState, source: str) -> str:
         return f"No setting is stored as {source} yet: Shift+{source} stores the present one."
     if source == RENDER and not _renders(state):
         return "No reconstruction of this clip is open."
+    if source == RENDER and state.model is not None and not state.model.has_clip_frame(state.shown_index):
+        return "The reconstruction is of a part of the clip without this frame."
     return ""
 
 
 def _renders(state: AppState) -> bool:
     """The open model was made through this clip's cameras."""
     model, clip = state.model, state.clip
-    if model is None or clip is None or len(model.cameras) != len(clip):
+    if model is None or clip is None or model.first + len(model.cameras) > len(clip):
         return False
     camera = model.cameras[0]
-    return (camera.width, camera.height) == clip.size
+    # One of a part says so by where that begins; else it is of all frames.
+    part = state.has_photos or len(model.cameras) == len(clip)
+    return part and (camera.width, camera.height) == clip.size
 
 
 def other_request(state: AppState, side: Side) -> OtherRequest | None:

@@ -61,6 +61,7 @@ class Reconstruction:
     status: JobStatus = "none"
     job: Job | None = None
     clip: Clip | None = None
+    """The part that it is trained on."""
     request: TrainRequest | None = None
     """What the run was begun with."""
     started: Started | None = None

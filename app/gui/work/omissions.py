@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from app.clip_part import WHOLE, ClipPart
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
@@ -16,6 +17,7 @@ class OmissionsRequest:
 
     clip: Clip
     config: TrainConfig
+    part: ClipPart = WHOLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +34,7 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     from renderer.train.needs import decide
     from renderer.train.trainer import split
 
-    fit, _ = split(request.clip, request.config)
-    frames = [request.clip.read_frame(index) for index in fit]
-    yield Omissions(request, decide(request.clip, frames, request.config).omitted)
+    clip = request.part.of(request.clip)
+    fit, _ = split(clip, request.config)
+    frames = [clip.read_frame(index) for index in fit]
+    yield Omissions(request, decide(clip, frames, request.config).omitted)

@@ -126,9 +126,9 @@ def _open_run(folder: RunFolder) -> Opened:
     clip, notices = _clip_of(record)
     finished, warning, said = folder.is_finished, "", told(folder)
     model = shown_model(folder, record) if finished else last_checkpoint(folder, record, said)
-    if model is not None and clip is not None and clip.cameras == model.cameras:
+    if model is not None and clip is not None and model.is_of(clip):
         # The same objects, so that comparing them is quick; it is done in every frame.
-        model = replace(model, cameras=clip.cameras)
+        model = replace(model, cameras=clip.cameras[model.first : model.first + len(model.cameras)])
     if model is not None and finished:
         try:
             model = replace(model, saved_edits=read_edits(folder, len(model.model)))
@@ -153,7 +153,7 @@ def last_checkpoint(folder: RunFolder, record: RunRecord, said: Told) -> ShownMo
         return None
     # Methods with a stage of their own before take more steps than they are asked for.
     steps = said.progress[-1].iterations if said.progress else record.config.iterations
-    shown = finished_model(folder, model, _cameras(record), steps, record.clip.unit)
+    shown = _recorded(folder, model, record, steps)
     return replace(shown, iteration=checkpoint.iteration, live=True)
 
 
@@ -165,6 +165,7 @@ def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
         run_path=folder.path,
         config=record.config,
         clip_options=record.clip.options,
+        part=record.clip.part,
         input=record.input,
         enhance_params=params,
     )
@@ -180,28 +181,33 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
 
 def shown_model(folder: RunFolder, record: RunRecord) -> ShownModel:
     """The finished model of a run, ready to be looked at through its clip's cameras."""
-    return finished_model(
-        folder, folder.model(), _cameras(record), record.config.iterations, record.clip.unit
-    )
+    return _recorded(folder, folder.model(), record, record.config.iterations)
 
 
-def _cameras(record: RunRecord) -> tuple[Camera, ...]:
-    return tuple(record.camera(index) for index in range(record.clip.frames))
+def _recorded(folder: RunFolder, model: DynamicGaussians, record: RunRecord, iterations: int) -> ShownModel:
+    """Through the cameras that run.json names."""
+    cameras = tuple(record.camera(index) for index in range(record.clip.frames))
+    return finished_model(folder, model, cameras, iterations, record.clip.unit, record.clip.part.first)
 
 
 def finished_model(
-    folder: RunFolder, model: DynamicGaussians, cameras: tuple[Camera, ...], iterations: int, unit: str
+    folder: RunFolder,
+    model: DynamicGaussians,
+    cameras: tuple[Camera, ...],
+    iterations: int,
+    unit: str,
+    first: int,
 ) -> ShownModel:
-    """The model of a run that has ended."""
-    distance, origin = middle_distance(model, cameras[0]), origin_of(folder)
+    """The model of a run that has ended; `first`: see ShownModel."""
     return ShownModel(
         model,
         cameras,
-        distance,
+        middle_distance(model, cameras[0]),
         folder.path.name,
         iterations,
         iterations,
         live=False,
-        origin=origin,
+        origin=origin_of(folder),
         unit=unit,
+        first=first,
     )

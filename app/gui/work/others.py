@@ -72,7 +72,7 @@ class OtherMaker:
 
 def _render(shown: ShownModel, index: int) -> ByteImage:
     """The model through the clip's own camera of that frame."""
-    (view,) = draw_view(shown.of_frame(index))
+    (view,) = draw_view(shown.of_clip_frame(index))
     return view.image
 
 

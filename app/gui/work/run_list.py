@@ -94,7 +94,8 @@ class RunFinder:
         """By its place, or where that differs by its bytes, which training compares before it goes on."""
         if Path(record.clip.path) == clip.path.absolute():
             return True
-        if (record.clip.name, record.clip.frames) != (clip.name, len(clip)):
+        trimmed = record.clip.part.trim is not None
+        if record.clip.name != clip.name or not (trimmed or record.clip.frames == len(clip)):
             return False
         if clip.path not in self._digests:
             self._digests = {clip.path: digest(clip.path)}

@@ -40,7 +40,7 @@ class Shot:
         facts: dict[str, Any] = {"title": self.title, "scope": photo.scope, "tissue_only": photo.tissue_only}
         facts |= {"mask": photo.mask, "span": photo.span}
         if isinstance(by, ShownModel):
-            return facts | {"shows": "render", "view": view_facts(by.of_frame(photo.frame_index))}
+            return facts | {"shows": "render", "view": view_facts(by.of_clip_frame(photo.frame_index))}
         if isinstance(by, str):
             return facts | {"shows": "method", "method": by}
         return facts | ({"shows": "original"} if by is None else {"shows": "setting", "params": by})

@@ -30,6 +30,8 @@ class TakenUp:
 
 
 def take_up(request: TakeUpRequest) -> Iterator[TakenUp]:
-    """Raises ClipError: the clip cannot be opened any more."""
+    """Raises ClipError or UserError: the clip cannot be opened any more, or has no such part."""
     wanted = request.request
-    yield TakenUp(open_clip(wanted.clip_path, wanted.clip_options), told(RunFolder(wanted.run_path)))
+    clip = open_clip(wanted.clip_path, wanted.clip_options)
+    wanted.part.of(clip)
+    yield TakenUp(clip, told(RunFolder(wanted.run_path)))

@@ -14,7 +14,7 @@ from app.gui.work.photos import Photo
 from app.supersampling import supersampled
 from app.views import SCENE_UNITS, SHAPES, Composed, Scale, ViewKind, composed, splats_for
 from renderer.camera import Camera
-from renderer.clip import ByteImage
+from renderer.clip import ByteImage, Clip
 from renderer.editing.edits import Edits
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE
@@ -43,6 +43,8 @@ class ShownModel:
     mode: RenderMode = "default"
     unit: str = SCENE_UNITS
     """Of lengths."""
+    first: int = 0
+    """The frame of the open clip that its first one is: a run can be of a part."""
     saved_edits: Edits | None = None
     """What was saved of edits of `model`, which is without them."""
 
@@ -61,6 +63,17 @@ class ShownModel:
     def of_frame(self, frame: int) -> ViewRequest:
         """That frame as the clip's camera took it."""
         return ViewRequest(self, frame / len(self.cameras), self.cameras[frame])
+
+    def of_clip_frame(self, frame: int) -> ViewRequest:
+        """That frame of the open clip; of those before and after its own, the nearest."""
+        return self.of_frame(min(max(frame - self.first, 0), len(self.cameras) - 1))
+
+    def has_clip_frame(self, frame: int) -> bool:
+        return 0 <= frame - self.first < len(self.cameras)
+
+    def is_of(self, clip: Clip) -> bool:
+        """Its cameras are those of the clip, or of a part of it."""
+        return self.cameras == clip.cameras[self.first : self.first + len(self.cameras)]
 
     def view(self, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:
         """The view of (width, height) pixels at `time` in [0, 1]: the free one, or that of the clip's camera.

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.clip_part import ClipPart
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import FILE, MOST_CLIPS, ClipSettings, load_clips, save_clips
+from app.gui.state.clip_settings import FILE, MOST_CLIPS, load_clips, save_clips
 from app.gui.state.panes import pane, tinted
 from app.gui.state.settings import Places
 from app.gui.update.update import Channels, update
@@ -91,7 +92,7 @@ def test_pooled_statistics_keep_to_the_trim(state: AppState, clip: Clip) -> None
 
 def test_playing_goes_round_within_the_trim(state: AppState) -> None:
     channels = Channels()
-    state.clip_settings = ClipSettings(trim=(1, 3))
+    state.clip_settings = ClipPart(trim=(1, 3))
     settle(state, channels, 0.0)
     actions.toggle_play(state)
     seen = []
@@ -110,8 +111,8 @@ def test_an_end_before_the_start_moves_it_along(state: AppState) -> None:
     assert state.span == (1, 1)
     clip_actions.untrim(state)
     assert state.span == (0, 5)
-    assert ClipSettings(trim=(7, 9)).span(6) == (5, 5)
-    assert ClipSettings(trim=(-3, 99)).span(6) == (0, 5)
+    assert ClipPart(trim=(7, 9)).span(6) == (5, 5)
+    assert ClipPart(trim=(-3, 99)).span(6) == (0, 5)
 
 
 def test_they_are_there_when_the_clip_is_opened_again(state: AppState, places: Places, clip: Clip) -> None:
@@ -125,15 +126,15 @@ def test_they_are_there_when_the_clip_is_opened_again(state: AppState, places: P
     assert again.clip_settings == said
     other = make_clip(clip.path.with_name("other"))
     actions.show_opened(again, other.path, Opened(other))
-    assert again.clip_settings == ClipSettings()
+    assert again.clip_settings == ClipPart()
 
 
 def test_a_damaged_file_is_no_obstacle_and_the_file_stays_small(places: Places) -> None:
     places.config.mkdir(parents=True)
     (places.config / FILE).write_text("{ no")
     assert load_clips(places.config) == {}
-    many = {f"clip {index}": ClipSettings(trim=(0, index)) for index in range(MOST_CLIPS + 5)}
-    save_clips(places.config, {"untouched": ClipSettings(), **many})
+    many = {f"clip {index}": ClipPart(trim=(0, index)) for index in range(MOST_CLIPS + 5)}
+    save_clips(places.config, {"untouched": ClipPart(), **many})
     kept = load_clips(places.config)
     assert len(kept) == MOST_CLIPS
     assert f"clip {MOST_CLIPS + 4}" in kept

@@ -1,0 +1,79 @@
+"""What of a clip counts: the frames that a person has kept, and the pixels not masked by hand."""
+
+from __future__ import annotations
+
+from dataclasses import field
+from typing import Final
+
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass
+
+from app.errors import UserError
+from app.picture_mask import NO_MASK, PictureMask
+from renderer.clip import Clip
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+class ClipPart:
+    """Of one clip; a clip of which nothing was said counts as a whole."""
+
+    trim: tuple[int, int] | None = None
+    """First and last frame that count, from 0."""
+    mask: PictureMask = field(default_factory=PictureMask)
+
+    @property
+    def first(self) -> int:
+        """Of its frames, in the whole clip."""
+        return 0 if self.trim is None else self.trim[0]
+
+    def span(self, count: int) -> tuple[int, int]:
+        """First and last frame of a clip of `count` frames."""
+        if self.trim is None:
+            return 0, count - 1
+        first = min(max(self.trim[0], 0), count - 1)
+        return first, min(max(self.trim[1], first), count - 1)
+
+    def of(self, clip: Clip) -> Clip:
+        """These frames as a clip of their own, numbered and timed anew; what is masked is neither trained on
+        nor evaluated. The very same clip where all of it counts.
+
+        Raises:
+            UserError: the clip has no such frames, or the mask leaves no pixel.
+        """
+        return self._unmasked(self._trimmed(clip))
+
+    def _trimmed(self, clip: Clip) -> Clip:
+        if self.trim is None or self.trim == (0, len(clip) - 1):
+            return clip
+        first, last = self.trim
+        if not 0 <= first <= last < len(clip):
+            raise UserError(
+                f"expected frames from 0 to {len(clip) - 1}, the first before the last, got {first}:{last}: "
+                f"{clip.path}"
+            )
+        return clip.between(first, last)
+
+    def _unmasked(self, clip: Clip) -> Clip:
+        if self.mask == NO_MASK:
+            return clip
+        width, height = clip.size
+        kept = self.mask.kept((height, width))
+        if not kept.any():
+            raise UserError(f"expected a mask that leaves some of {width}x{height} pixels: {clip.path}")
+        return clip if kept.all() else clip.within(kept)
+
+    def told(self, count: int) -> str:
+        """In words, of a clip of `count` frames; empty for all of it."""
+        whole = self.span(count) == (0, count - 1)
+        return self._told("" if whole else f" of {count}", whole=whole)
+
+    def told_alone(self) -> str:
+        """The same where the number of frames of the clip is not known."""
+        return self._told("", whole=self.trim is None)
+
+    def _told(self, of: str, *, whole: bool) -> str:
+        frames = "" if whole or self.trim is None else f"frames {self.trim[0] + 1} to {self.trim[1] + 1}{of}"
+        return ", ".join(filter(None, (frames, "without masked pixels" if self.mask != NO_MASK else "")))
+
+
+WHOLE: Final = ClipPart()
