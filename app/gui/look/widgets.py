@@ -201,3 +201,14 @@ def question(title: str, width: float) -> Iterator[bool]:
     flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     with imgui_ctx.begin_popup_modal(title, flags) as opened:
         yield bool(opened)
+
+
+def floating(width: float) -> int:
+    """Flags of the next window: `width` text heights across, in the middle at first, as high as its content
+    or as there is room."""
+    viewport = imgui.get_main_viewport()
+    imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
+    across = min(em(width), viewport.work_size.x)
+    imgui.set_next_window_size_constraints(ImVec2(across, 0), ImVec2(across, viewport.work_size.y - em(3)))
+    flags = imgui.WindowFlags_
+    return int(flags.no_collapse | flags.no_docking | flags.always_auto_resize)

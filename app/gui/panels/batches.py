@@ -12,7 +12,7 @@ from app.batch import Failed
 from app.gui.actions import batch_actions
 from app.gui.legible import legible
 from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, row
+from app.gui.look.widgets import button, em, explain, floating, row
 from app.gui.state.app_state import AppState
 
 TEXT = (
@@ -40,15 +40,7 @@ def draw_batches(state: AppState, asking: Asking) -> None:
     batches = state.batches
     if not batches.shown:
         return
-    viewport = imgui.get_main_viewport()
-    imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
-    width = min(em(42), viewport.work_size.x)
-    most = ImVec2(width, 0.9 * viewport.work_size.y)
-    imgui.set_next_window_size_constraints(ImVec2(width, 0), most)
-    flags = (
-        imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking | imgui.WindowFlags_.always_auto_resize
-    )
-    with imgui_ctx.begin("Enhance files and folders", True, flags) as window:
+    with imgui_ctx.begin("Enhance files and folders", True, floating(42)) as window:
         batches.shown = bool(window.opened)
         if not window:
             return

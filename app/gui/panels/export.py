@@ -10,7 +10,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from app.gui.actions import export_actions, window_actions
 from app.gui.actions.export_actions import OFFERS, Offer, What
 from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, row
+from app.gui.look.widgets import button, em, explain, floating, row
 from app.gui.state.app_state import AppState
 from app.gui.work.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.supersampling import FACTORS
@@ -32,21 +32,20 @@ def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> No
     """A window of its own; `start` begins an export, `cancel` gives up the one under way."""
     if not state.exports.shown:
         return
-    center = imgui.get_main_viewport().get_center()
-    imgui.set_next_window_pos(center, imgui.Cond_.appearing, ImVec2(0.5, 0.5))
-    imgui.set_next_window_size(ImVec2(em(42), 0), imgui.Cond_.appearing)
-    flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
+    beside = floating(42)
     # Not in a picture of the window that is about to be taken.
     alpha = 0.0 if state.exports.settling else imgui.get_style().alpha
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
-        imgui_ctx.begin("Export", True, flags) as window,
+        imgui_ctx.begin("Export", True, beside) as window,
     ):
         state.exports.shown = bool(window.opened)
         if not window:
             return
         _draw_picture_size(state)
         _draw_view_size(state)
+        imgui.spacing()
+        _draw_progress(state, cancel)
         for title, forms in GROUPS:
             imgui.separator_text(title)
             for what, offer in OFFERS.items():
@@ -54,8 +53,6 @@ def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> No
                     _draw_offer(state, what, offer, start)
             if "picture" in forms:
                 _draw_window_offer(state)
-        imgui.separator()
-        _draw_progress(state, cancel)
 
 
 def _draw_window_offer(state: AppState) -> None:

@@ -177,7 +177,8 @@ def test_closing_the_window_leaves_nothing_half_written(places: Places, case: Pa
 
 
 @pytest.mark.display
-def test_from_the_key_to_the_files(places: Places, case: Path) -> None:
+def test_from_the_key_to_the_files(places: Places, case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.gui.frame.dialogs.has_desktop_dialogs", lambda: False)
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
     actions.open_path(state, phantom_path())
@@ -186,7 +187,13 @@ def test_from_the_key_to_the_files(places: Places, case: Path) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
         ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.b)
         ctx.yield_(2)
-        batch_actions.add_input(state, case)
+        ctx.item_click("//Enhance files and folders/###add folder")
+        wait(ctx, lambda: bool(ctx.window_info("//Open folder").id_), "the dialog")
+        ctx.yield_(3)
+        ctx.key_chars_replace(str(case))
+        ctx.yield_(2)
+        ctx.item_click("//Open folder/Open")
+        wait(ctx, lambda: state.batches.inputs == (case,), "the chosen folder")
         batch_actions.add_input(state, case / "scope.avi")
         ctx.yield_(2)
         inputs = ctx.window_info("//Enhance files and folders/inputs")
