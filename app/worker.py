@@ -13,7 +13,7 @@ from typing import Literal
 
 import psutil
 
-from app.errors import UserError
+from app.errors import UserError, sentence
 from app.shared_model import Slot, SlotWriter
 from app.training import TrainRequest
 from enhance import ImageError
@@ -73,6 +73,8 @@ def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> N
         last = Failed(str(error))
     except MemoryError:
         last = Failed("training ran out of memory: try fewer Gaussians or a smaller clip")
+    except OSError as error:
+        last = Failed(sentence(error), traceback.format_exc())
     except Exception as error:
         last = Failed(f"{type(error).__name__}: {error}", traceback.format_exc())
     pipe.send(last)

@@ -6,8 +6,9 @@ import logging
 import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from pathlib import Path
 from typing import Any, Generic, TypeVar
+
+from app.errors import sentence
 
 Request = TypeVar("Request")
 Answer = TypeVar("Answer")
@@ -20,15 +21,7 @@ class Failure:
 
     def __init__(self, error: Exception) -> None:
         self.error = error
-        self.message = _sentence(error) or type(error).__name__
-
-
-def _sentence(error: Exception) -> str:
-    """What the system says, without its number and the folder."""
-    if isinstance(error, OSError) and error.strerror:
-        name = f": {Path(str(error.filename)).name}" if error.filename else ""
-        return f"{error.strerror}{name}"
-    return str(error)
+        self.message = sentence(error)
 
 
 class Channel(Generic[Request, Answer]):

@@ -1,0 +1,172 @@
+"""A disk of a few MB that really fills up, under each of the user's folders in turn.
+
+What was saved before stays whole, what could not be saved is said in a sentence, and all works again once
+there is room.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from app.gui.actions import actions, clip_actions, export_actions, preset_actions
+from app.gui.state.presets import load_presets, presets_file
+from app.gui.state.settings import Places, load_settings
+from app.job import TrainingJob
+from app.run_folder import RunFolder
+from app.sessions import autosave_path, read_session
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.train.config import TrainConfig
+from tests.app.gui.test_trouble import App
+
+MEGABYTES = 4
+NO_SPACE = "No space left on device"
+
+
+@dataclass(frozen=True)
+class Disk:
+    """A file system of its own."""
+
+    path: Path
+
+    def fill(self) -> None:
+        """To the last byte."""
+        with (self.path / "junk").open("ab", buffering=0) as file:
+            for size in (1 << 16, 1 << 10, 1):
+                with suppress(OSError):
+                    while file.write(bytes(size)):
+                        pass
+
+    def free(self) -> None:
+        (self.path / "junk").unlink()
+
+    def folder(self, name: str) -> Path:
+        made = self.path / name
+        made.mkdir()
+        return made
+
+
+@pytest.fixture
+def disk(tmp_path: Path) -> Iterator[Disk]:
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={MEGABYTES}m", "tmpfs", str(place)]
+    if (
+        not sys.platform.startswith("linux")
+        or subprocess.run(mount, capture_output=True, check=False).returncode
+    ):
+        pytest.skip("mounting a small file system is not permitted here")
+    yield Disk(place)
+    subprocess.run(["umount", "--lazy", str(place)], check=True)
+
+
+@pytest.fixture
+def clip_path(tmp_path: Path) -> Path:
+    path = tmp_path / "clip"
+    write_phantom(path, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
+    return path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file in it, also hidden ones."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_under_the_pictures(disk: Disk, places: Places, clip_path: Path) -> None:
+    app = App(replace(places, pictures=disk.folder("pictures")), clip_path)
+    app.save()
+    before = contents(app.state.places.pictures)
+    disk.fill()
+    app.save()
+    assert app.trouble() == f"the picture was not saved: {NO_SPACE}"
+    for what in export_actions.OFFERS:
+        request = export_actions.export_request(app.state, what, 1)
+        if request is None:
+            continue
+        app.channels.exports.ask(request)
+        app.wait(lambda: app.state.exporting is None)
+        assert app.trouble().startswith("the export was not written: ")
+        assert contents(app.state.places.pictures) == before
+    assert app.works
+    disk.free()
+    app.save()
+    assert len(contents(app.state.places.pictures)) == len(before) + 1
+
+
+def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None:
+    config = disk.folder("config")
+    app = App(replace(places, config=config), clip_path)
+    state = app.state
+    actions.choose_theme(state, "light")
+    preset_actions.keep(state, "mine")
+    state.notes = "before"
+    app.turn()
+    app.turn()
+    before = contents(config)
+    assert read_session(autosave_path(config)).notes == "before"
+
+    disk.fill()
+    actions.choose_theme(state, "dark")
+    assert NO_SPACE in state.log[-1]
+    preset_actions.keep(state, "another")
+    assert NO_SPACE in app.trouble()
+    clip_actions.trim_here(state, start=False)
+    assert NO_SPACE in state.log[-1]
+    state.banner = None
+    state.notes = "while it is full"
+    app.turn()
+    assert NO_SPACE in app.trouble()
+    app.turn()
+    assert state.banner is None  # The same trouble is told once.
+    assert app.works
+    assert contents(config) == before
+    assert load_settings(state.places.settings_file).theme == "light"
+    assert list(load_presets(presets_file(state.places))[0]) == ["mine"]
+
+    disk.free()
+    app.turn()
+    app.turn()
+    assert read_session(autosave_path(config)).notes == "while it is full"
+
+
+@pytest.mark.slow
+def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
+    """Training ends with a sentence at what it cannot write, and goes on when there is room."""
+    app = App(replace(places, runs=disk.folder("runs")), clip_path)
+    state = app.state
+    state.reconstruction.config = TrainConfig(iterations=400, n_gaussians=300, checkpoint_every=20)
+    actions.start_reconstruction(state, TrainingJob)
+    path = state.reconstruction.run_path
+    assert path is not None
+    run = RunFolder(path)
+    app.wait(lambda: run.has_checkpoint)
+    actions.pause(state)
+    app.wait(lambda: state.reconstruction.status == "paused")
+    disk.fill()
+    actions.resume(state)
+    app.wait(lambda: not state.reconstruction.is_alive)
+    assert state.reconstruction.status == "failed"
+    said = app.trouble()
+    assert said.startswith("the reconstruction stopped: ")
+    assert NO_SPACE in said
+    assert "Errno" not in said
+    assert run.has_checkpoint
+    assert app.works
+    assert actions.can_continue(state)
+
+    actions.continue_reconstruction(state, TrainingJob)
+    app.wait(lambda: not state.reconstruction.is_alive)
+    assert NO_SPACE in app.trouble()
+
+    disk.free()
+    assert actions.can_continue(state)
+    actions.continue_reconstruction(state, TrainingJob)
+    app.wait(lambda: not state.reconstruction.is_alive)
+    assert state.reconstruction.status == "finished"
+    assert run.is_finished
