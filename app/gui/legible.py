@@ -2,7 +2,39 @@
 
 from __future__ import annotations
 
+from typing import Final
+
+NAMES: Final = {
+    "vessel": "Vessel (ours)",
+    "clahe": "CLAHE",
+    "msrcr": "MSRCR",
+    "aindane": "AINDANE",
+    "aindane-green": "AINDANE, green",
+    "wang2020": "Wang 2020",
+    "jiang2019": "Jiang 2019",
+    "vesselsplat": "VesselSplat",
+    "deform3dgs": "Deform3DGS",
+    "endogaussian": "EndoGaussian",
+}
+"""Methods as their authors write them."""
+
 
 def legible(text: str) -> str:
     """`text` with a question mark for what UTF-8 cannot say: bytes of a file name in another encoding."""
     return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def named(method: str) -> str:
+    """A method of enhancement or reconstruction, or a word of the command line, as a person writes it."""
+    return NAMES.get(method, method.capitalize())
+
+
+def grouped(number: int) -> str:
+    """Thousands apart: 28,310."""
+    return f"{number:,}"
+
+
+def capital(text: str) -> str:
+    """As a sentence begins; a file's name at the start stays as it is."""
+    first = text.split(" ", 1)[0].rstrip(":,;")
+    return text[:1].upper() + text[1:] if first.isalpha() else text

@@ -150,7 +150,7 @@ def slide(person: Person) -> None:
 
 
 def compare(person: Person) -> None:
-    sides = person.rng.sample(["Method: clahe", "Stored setting A", "Enhanced (this setting)", "Original"], 2)
+    sides = person.rng.sample(["Method: CLAHE", "Stored setting A", "Enhanced (this setting)", "Original"], 2)
     person.press(SHIFT | K.a)
     for side, entry in zip(("left", "right"), sides, strict=True):
         person.choose("//Pictures", f"##{side}", entry)
@@ -266,13 +266,13 @@ def tune(person: Person) -> None:
     person.pace()
     person.click("//Tuning/###try")
     person.wait(lambda: person.state.tuning.grid is not None and not person.state.tuning.running, "the grid")
-    person.choose("//Tuning", "##order", "vessel contrast")
+    person.choose("//Tuning", "##order", "Vessel contrast")
     grid = person.state.tuning.grid
     assert grid is not None
     tuning_actions.look_at(person.state, person.rng.choice(grid.settings))
     person.wait(lambda: person.state.tuning.request is None, "the cell")
     person.click("//Tuning/###back")
-    person.choose("//Tuning", "##order", "as varied")
+    person.choose("//Tuning", "##order", "As varied")
     person.press(CTRL | K.t)
 
 

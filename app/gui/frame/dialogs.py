@@ -15,10 +15,10 @@ from imgui_bundle import portable_file_dialogs as desktop
 
 from app.gui.legible import legible
 from app.gui.look import theme
-from app.gui.look.widgets import em
+from app.gui.look.widgets import em, within
 
 Kind = Literal["folder", "file"]
-TITLES: dict[Kind, str] = {"folder": "Open folder", "file": "Open image or video"}
+TITLES: dict[Kind, str] = {"folder": "Open a folder", "file": "Open a file"}
 OpenDialog = desktop.select_folder | desktop.open_file
 
 
@@ -99,7 +99,7 @@ class Dialogs:
         imgui.open_popup(title)
         center = imgui.get_main_viewport().get_center()
         imgui.set_next_window_pos(center, imgui.Cond_.appearing, ImVec2(0.5, 0.5))
-        imgui.set_next_window_size(ImVec2(em(40), em(28)), imgui.Cond_.appearing)
+        imgui.set_next_window_size(within(40, 28), imgui.Cond_.appearing)
         with imgui_ctx.begin_popup_modal(title) as opened:
             if not opened:
                 return
@@ -133,6 +133,9 @@ class Dialogs:
             self.browser = Browser.at(folder, self.browser.kind)
 
     def _draw_entries(self, browser: Browser) -> None:
+        if not browser.entries:
+            what = "folder" if browser.kind == "folder" else "file or folder"
+            imgui.text_colored(theme.now().muted, f"No {what} in here.")
         for index, entry in enumerate(browser.entries):
             icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
             flags = imgui.SelectableFlags_.no_auto_close_popups | imgui.SelectableFlags_.allow_double_click
@@ -158,7 +161,7 @@ class Dialogs:
                 self._choose(path)
         imgui.end_disabled()
         imgui.same_line()
-        if imgui.button("Close", ImVec2(em(8), 0)) or imgui.is_key_pressed(imgui.Key.escape):
+        if imgui.button("Cancel", ImVec2(em(8), 0)) or imgui.is_key_pressed(imgui.Key.escape):
             self.browser = None
             imgui.close_current_popup()
 

@@ -40,7 +40,7 @@ def splits(text_percent: int) -> list[hello_imgui.DockingSplit]:
     split = hello_imgui.DockingSplit
     return [
         split("MainDockSpace", "Side", imgui.Dir.right, min(SIDE * text_percent / 100, MOST)),
-        split("Side", "SideBelow", imgui.Dir.down, 0.37),
+        split("Side", "SideBelow", imgui.Dir.down, 0.4),
         split("MainDockSpace", "Below", imgui.Dir.down, 0.44),
     ]
 

@@ -18,6 +18,8 @@ from app.gui.look import theme
 from app.methods import Look
 from enhance import EnhanceParams
 
+ROOM = 1e4
+"""Pixels that no label needs."""
 L = TypeVar("L", bound=Look)
 EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
 
@@ -146,32 +148,63 @@ def wants_default(name: str) -> bool:
     return chosen
 
 
-def tag(text: str, position: ImVec2, color: ImVec4) -> None:
-    """A label on a picture; `position` is its upper left corner."""
-    text = legible(text)
-    pad = ImVec2(em(0.45), em(0.18))
-    size = imgui.calc_text_size(text)
+def tag(text: str, position: ImVec2, color: ImVec4, room: float = ROOM) -> float:
+    """A label on a picture, in lines where it has to be; `position` is its upper left corner.
+
+    `room`: pixels from there to the right edge. Returns its height.
+    """
+    text, pad, wrap = legible(text), ImVec2(em(0.45), em(0.18)), _inner(room)
+    size = imgui.calc_text_size(text, wrap_width=wrap)
     corner = ImVec2(position.x + size.x + 2 * pad.x, position.y + size.y + 2 * pad.y)
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled(position, corner, imgui.get_color_u32(color), em(0.2))
-    at = ImVec2(position.x + pad.x, position.y + pad.y)
-    draw.add_text(at, imgui.get_color_u32(theme.INK), text)
+    at, ink = ImVec2(position.x + pad.x, position.y + pad.y), imgui.get_color_u32(theme.INK)
+    draw.add_text(imgui.get_font(), imgui.get_font_size(), at, ink, text, wrap_width=wrap)
+    return corner.y - position.y
 
 
-def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2) -> None:
-    """Labels one below the other in a picture's upper left corner."""
+def _inner(room: float) -> float:
+    """The width that the text of a tag may have, never less than a short word's."""
+    return max(room - em(0.9), em(4))
+
+
+def tag_height(text: str, room: float) -> float:
+    """That `tag` would return."""
+    return imgui.calc_text_size(legible(text), wrap_width=_inner(room)).y + em(0.36)
+
+
+def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2, width: float = ROOM) -> None:
+    """Labels one below the other in the upper left corner of a picture so wide."""
     y = corner.y + em(0.4)
     for text, color in tags:
-        tag(text, ImVec2(corner.x + em(0.4), y), color)
-        y += imgui.get_text_line_height() + em(0.5)
+        y += tag(text, ImVec2(corner.x + em(0.4), y), color, width - em(0.8)) + em(0.14)
 
 
 def centered(text: str, color: ImVec4 | None = None) -> None:
-    """A line of text in the middle of the window's width."""
-    text = legible(text)
+    """A line of text in the middle of the window's width; more lines where it is too long for that."""
+    text, color = legible(text), color or theme.now().muted
     space = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
-    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(space / 2, 0))
-    imgui.text_colored(color or theme.now().muted, text)
+    with imgui_ctx.push_text_wrap_pos(0):
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(space / 2, 0))
+        imgui.text_colored(color, text)
+
+
+def beside(label: str, gap: float = 0.5) -> None:
+    """The next control, a button of this label, stands beside the one before; below it where room ends."""
+    beside_of(imgui.calc_text_size(label, True).x + 2 * imgui.get_style().frame_padding.x, gap)
+
+
+def beside_of(width: float, gap: float = 0.5) -> None:
+    """The same for a control of so many pixels; `gap` in em."""
+    end = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+    if imgui.get_item_rect_max().x + em(gap) + width <= end:
+        imgui.same_line(0, em(gap))
+
+
+def within(width: float, height: float) -> ImVec2:
+    """So many em, but never larger than the window."""
+    most = imgui.get_main_viewport().work_size
+    return ImVec2(min(em(width), most.x - em(1)), min(em(height), most.y - em(1)))
 
 
 def button(label: str, action: Callable[[], None], *, enabled: bool = True, width: float = 0.0) -> None:
@@ -197,7 +230,7 @@ def question(title: str, width: float) -> Iterator[bool]:
     """A window of `width` text heights in the middle, which everything waits for; whether it is drawn."""
     imgui.open_popup(title)
     imgui.set_next_window_pos(imgui.get_main_viewport().get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
-    imgui.set_next_window_size(ImVec2(em(width), 0))
+    imgui.set_next_window_size(ImVec2(within(width, 0).x, 0))
     flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     with imgui_ctx.begin_popup_modal(title, flags) as opened:
         yield bool(opened)

@@ -12,7 +12,7 @@ from app.gui.actions import actions, comparing
 from app.gui.commands.commands import fit_pictures, one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.look import theme
-from app.gui.look.widgets import button, centered, em, explain
+from app.gui.look.widgets import beside, beside_of, button, centered, em, explain
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import MODES, SIDES, SLOTS, SOURCES, Side, label_of
@@ -53,22 +53,32 @@ def _draw_toolbar(state: AppState) -> None:
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.enhancing)):
         button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=8)
     explain("E: on and off. Esc: plain white light. Hold Space: the original in every pane.")
-    imgui.same_line()
+    beside("Frozen")
     freezing = state.frozen_index is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(freezing, caution=True)):
         button("Frozen###freeze" if freezing else "Freeze###freeze", lambda: actions.toggle_freeze(state))
     explain("F: hold this frame in both pictures while time goes on.")
-    imgui.same_line(0, em(1))
+    beside_of(em(7), 1)
     _draw_modes(state)
-    imgui.same_line(0, em(1))
-    button(f"{icons.ICON_FA_EXPAND}  Fit", lambda: fit_pictures(state))
+    fit = f"{icons.ICON_FA_EXPAND}  Fit"
+    beside(fit, 1)
+    button(fit, lambda: fit_pictures(state))
     explain("0 or a double click: the whole picture.")
-    imgui.same_line()
+    beside("1:1")
     button("1:1", lambda: one_to_one(state))
     explain("1: one pixel of the picture for one of the screen.")
-    imgui.same_line()
+    beside_of(em(4))
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.now().muted, f"{100 * state.zoom:.0f} %")
+    imgui.text_colored(theme.now().muted, f"{100 * state.zoom:.0f} %".rjust(6))
+    explain("Pixels of the screen for one of the picture.")
+    _draw_slots(state)
+
+
+def _draw_slots(state: AppState) -> None:
+    for slot, gap in zip(SLOTS, (1.0, 0.5), strict=True):
+        beside(f"Store {slot}", gap)
+        button(f"Store {slot}", partial(comparing.store, state, slot))
+        explain(f"Shift+{slot}: keep the present setting as {slot}, to compare with and to go back to.")
 
 
 def _draw_modes(state: AppState) -> None:
@@ -78,25 +88,21 @@ def _draw_modes(state: AppState) -> None:
     explain(MODE_TEXT)
     if changed and chosen != now:
         comparing.choose_mode(state, MODES[chosen])
-    imgui.same_line()
+    beside("Zebra")
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.comparison.zebra)):
         button("Zebra", lambda: comparing.toggle_zebra(state))
     explain(ZEBRA_TEXT)
 
 
 def _draw_sources(state: AppState, half: float, gap: float) -> None:
-    """Above each pane what it shows; on the right, settings to store for it."""
+    """Above each pane what it shows."""
     start = imgui.get_cursor_pos_x()
     _draw_source(state, "left", half - em(4))
     imgui.same_line()
     button("Swap", lambda: comparing.swap(state))
     explain("X: swap left and right.")
     imgui.same_line(start + half + gap)
-    _draw_source(state, "right", half - em(9))
-    for slot in SLOTS:
-        imgui.same_line()
-        button(f"Store {slot}", partial(comparing.store, state, slot))
-        explain(f"Shift+{slot}: keep the present setting as {slot}, to compare with and to go back to.")
+    _draw_source(state, "right", half)
 
 
 def _draw_source(state: AppState, side: Side, width: float) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, implot
 from numpy.typing import NDArray
 
+from app.gui.legible import grouped
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.state.reconstruction import Reconstruction
@@ -36,13 +37,15 @@ def draw_curves(run: Reconstruction) -> None:
     curve, end, ink = run.told.progress, run.iterations, theme.now()
     now, seen = curve[-1], _line(run.told.evaluated, "psnr")
     held_out = f", held out {seen[1, -1]:.1f} dB" if seen.size else ""
-    _draw("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, _line(curve, "psnr"), end, PSNR, seen)
+    psnr, loss, count = (_line(curve, name) for name in ("psnr", "loss", "n_gaussians"))
+    _draw("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, psnr, end, "{:.1f}".format, PSNR, seen)
     depth = _line([each for each in run.told.evaluated if each.depth_rmse is not None], "depth_rmse")
     if depth.size:
         unit = run.clip.unit if run.clip is not None else SCENE_UNITS
-        _draw("Depth error", f"{depth[1, -1]:.3g} {unit}", ink.danger, depth, end, DEPTH, depth)
-    _draw("Loss", f"{now.loss:.4f}", ink.warning, _line(curve, "loss"), end, "Mean since the point before.")
-    _draw("Gaussians", f"{now.n_gaussians:,}", ink.shade(0.75), _line(curve, "n_gaussians"), end, COUNT)
+        said = f"{depth[1, -1]:.3g} {unit}"
+        _draw("Depth error", said, ink.danger, depth, end, "{:.2g}".format, DEPTH, depth)
+    _draw("Loss", f"{now.loss:.4f}", ink.warning, loss, end, "{:.2g}".format, "Mean since the point before.")
+    _draw("Gaussians", grouped(now.n_gaussians), ink.shade(0.75), count, end, "{:,.0f}".format, COUNT)
 
 
 def _line(events: Sequence[Progress] | Sequence[Evaluated], name: str) -> Line:
@@ -52,7 +55,14 @@ def _line(events: Sequence[Progress] | Sequence[Evaluated], name: str) -> Line:
 
 
 def _draw(
-    name: str, value: str, color: ImVec4, line: Line, iterations: int, text: str, dots: Line = NO_DOTS
+    name: str,
+    value: str,
+    color: ImVec4,
+    line: Line,
+    iterations: int,
+    form: Callable[[float], str],
+    text: str,
+    dots: Line = NO_DOTS,
 ) -> None:
     imgui.text_colored(color, name)
     explain(text)
@@ -65,7 +75,10 @@ def _draw(
     implot.setup_axis(axis.y1, "", implot.AxisFlags_.auto_fit | quiet)
     low, high = float(line[1].min()), float(line[1].max())
     # So low a diagram has room for two labels.
-    implot.setup_axis_ticks(axis.y1, [low, high], [f"{low:.4g}", f"{high:.4g}"])
+    implot.setup_axis_ticks(axis.y1, [low, high], [form(low), form(high)])
+    # None at the end, where its half would be cut off.
+    across = [iterations * quarter / 4 for quarter in range(4)]
+    implot.setup_axis_ticks(axis.x1, across, [grouped(round(tick)) for tick in across])
     implot.setup_axis_limits(axis.x1, 0, max(iterations, line[0, -1]), implot.Cond_.always)
     implot.plot_line(
         name,

@@ -8,6 +8,7 @@ from itertools import combinations, product
 from imgui_bundle import ImVec2, ImVec2Like, imgui
 
 from app.gui.actions import edit_actions
+from app.gui.legible import grouped
 from app.gui.look import theme
 from app.gui.look.widgets import em, tag
 from app.gui.panels.scene_marks import on_screen, placement
@@ -46,11 +47,6 @@ def said(state: AppState) -> str:
     )
     unsaved = "UNSAVED" if editing.is_unsaved else ""
     return " · ".join(part for part in (selected, left_out, unsaved) if part)
-
-
-def grouped(number: int) -> str:
-    """Thousands apart: 28 310."""
-    return f"{number:,}".replace(",", " ")
 
 
 def combination(chosen: Combination) -> Combination:

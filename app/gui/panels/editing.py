@@ -7,9 +7,9 @@ from typing import get_args
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import edit_actions
+from app.gui.legible import grouped
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, question, row
-from app.gui.panels.edit_view import grouped
 from app.gui.state.app_state import AppState
 from app.gui.work.editing import TOOLS, TRAITS, Editing, Limits, Tool
 from renderer.editing.edits import Combination
@@ -150,9 +150,10 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
     enabled = whole[1] > whole[0]
     imgui.begin_disabled(not enabled)
     speed = max(whole[1] - whole[0], 1e-6) / 400
-    form, flags = "from %.3g", imgui.SliderFlags_.always_clamp
+    unit = editing.base.unit if editing.base is not None and trait != "opacity" else ""
+    form, flags = f"%.3g {unit}".rstrip(), imgui.SliderFlags_.always_clamp
     changed, low, high = imgui.drag_float_range2(
-        f"##{trait}", low, high, speed, whole[0], whole[1], form, "to %.3g", flags
+        f"##{trait}", low, high, speed, whole[0], whole[1], f"from {form}", f"to {form}", flags
     )
     ended = imgui.is_item_deactivated_after_edit()
     imgui.end_disabled()

@@ -9,7 +9,7 @@ from typing import get_args
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import actions, preset_actions
-from app.gui.legible import legible
+from app.gui.legible import legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, row, slide, slide_auto
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
@@ -25,7 +25,7 @@ from enhance.vessel import VesselParams
 __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: tuple[type[Look], ...] = (EnhanceParams, VesselParams)
-METHOD_LABELS = [PAPER, VESSEL]
+METHOD_LABELS = [named(PAPER), named(VESSEL)]
 VESSEL_SLIDERS = {
     "strength": "Strength",
     "radius": "Radius",

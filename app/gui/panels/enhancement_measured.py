@@ -150,7 +150,7 @@ def _draw_omitted(pictures: Pictures) -> None:
         for omission in pictures.omitted:
             bound = f"at most {omission.error:.2f} levels" if omission.error else "changes nothing"
             imgui.text_colored(
-                theme.now().muted, legible(f"left out: {omission.what} ({omission.why}; {bound})")
+                theme.now().muted, legible(f"Left out: {omission.what} ({omission.why}; {bound})")
             )
 
 

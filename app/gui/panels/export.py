@@ -9,6 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import export_actions, window_actions
 from app.gui.actions.export_actions import OFFERS, Offer, What
+from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, floating, row
 from app.gui.state.app_state import AppState
@@ -25,6 +26,7 @@ FACTOR_TEXT = "Supersampling: so many times as many pixels each way, averaged. S
 WINDOW_TEXT = "F12: the whole window as it is on the screen. It cannot be replayed."
 FIRST_WIDTH = 1024
 GROUPS = (("Pictures", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
+REPLAY = "Each carries how it was made: vesselsplat replay FILE makes it again."
 Start = Callable[[What], None]
 
 
@@ -67,10 +69,11 @@ def _draw_offer(state: AppState, what: What, offer: Offer, start: Start) -> None
 def _draw_row(label: str, text: str, act: Callable[[], None], reason: str = "") -> None:
     """A button and what it does; greyed for a `reason`."""
     button(label, act, enabled=not reason, width=10)
-    explain(reason or text)
+    explain(reason)
     imgui.same_line()
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.now().muted, text)
+    with imgui_ctx.push_text_wrap_pos(0):
+        imgui.text_colored(theme.now().muted, text)
 
 
 def _draw_picture_size(state: AppState) -> None:
@@ -129,9 +132,9 @@ def _pixels(label: str, value: int, text: str) -> int:
 def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
     under_way = state.exports.under_way
     if under_way is None:
-        imgui.text_colored(
-            theme.now().muted, "Everything says inside or beside it how it was made: vesselsplat replay."
-        )
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.now().muted, f"Files go to {legible(str(state.places.pictures))}")
+            imgui.text_colored(theme.now().muted, REPLAY)
         return
     total = max(under_way.request.steps, 1)
     imgui.progress_bar(under_way.done / total, ImVec2(-em(7), 0), f"{under_way.done} of {total}")

@@ -10,8 +10,9 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from app.gui.actions import actions
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
+from app.gui.legible import capital
 from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, question
+from app.gui.look.widgets import button, em, explain, question, within
 from app.gui.state.app_state import AppState
 from app.provenance import NOTICE
 
@@ -63,7 +64,7 @@ def draw_banner(state: AppState) -> None:
         imgui_ctx.push_style_color(imgui.Col_.border, theme.now().danger),
         imgui_ctx.begin("##banner", None, FIXED),
     ):
-        message = state.banner.message
+        message = capital(state.banner.message)
         wrap = min(imgui.calc_text_size(message).x + em(1), width - em(7))
         with imgui_ctx.begin_group(), imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + wrap):
             imgui.align_text_to_frame_padding()
@@ -85,7 +86,7 @@ def draw_toast(state: AppState) -> None:
         imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().shade(0.22, 0.97)),
         imgui_ctx.begin("##toast", None, flags),
     ):
-        imgui.text_unformatted(state.toast.message)
+        imgui.text_unformatted(capital(state.toast.message))
 
 
 def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
@@ -95,7 +96,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
     viewport = imgui.get_main_viewport()
     imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
     height = min(em(48), 0.86 * viewport.work_size.y)
-    imgui.set_next_window_size(ImVec2(em(36), height), imgui.Cond_.appearing)
+    imgui.set_next_window_size(ImVec2(within(36, 48).x, height), imgui.Cond_.appearing)
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
     with imgui_ctx.begin("Keys and mouse", True, flags) as window:
         state.help_open = bool(window.opened)
@@ -133,7 +134,7 @@ def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
             imgui.text_colored(theme.now().muted, "Nothing has happened yet.")
         with imgui_ctx.push_text_wrap_pos(0):
             for line in state.log:
-                imgui.text_unformatted(line)
+                imgui.text_unformatted(capital(line))
                 if imgui.is_item_clicked():
                     copy(line)
         if imgui.get_scroll_y() >= imgui.get_scroll_max_y():

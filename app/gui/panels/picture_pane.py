@@ -11,7 +11,7 @@ from app.gui.actions import clip_actions
 from app.gui.commands.commands import fit_pictures
 from app.gui.drawing.textures import Marks, ShowsPictures
 from app.gui.look import theme
-from app.gui.look.widgets import em, fill_around, stack_tags, tag
+from app.gui.look.widgets import em, fill_around, stack_tags, tag, tag_height
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Side
 from app.gui.state.panes import Pane, Tag, pixel, tinted
@@ -55,7 +55,7 @@ def draw_side(state: AppState, textures: ShowsPictures, side: Side, pane: Pane, 
     _draw_image(state, textures, side, pane.image, area)
     if pointer is None:
         _draw_cross(state, pane.image, area)
-    _draw_tags(pane.tags, area.corner)
+    _draw_tags(pane.tags, area.corner, area.size.x)
     _draw_readout(state, (pane,), area)
     imgui.get_window_draw_list().pop_clip_rect()
     return pointer
@@ -68,7 +68,7 @@ def draw_single(
     pointer = _button(state, "single", pane.image, area)
     imgui.get_window_draw_list().push_clip_rect(area.corner, area.end, True)
     _draw_image(state, textures, "single", pane.image, area)
-    _draw_tags(pane.tags, area.corner)
+    _draw_tags(pane.tags, area.corner, area.size.x)
     _draw_readout(state, pair, area)
     imgui.get_window_draw_list().pop_clip_rect()
     return pointer
@@ -89,9 +89,9 @@ def draw_divider(
         _draw_image(state, textures, side, pane.image, area)
         draw.pop_clip_rect()
     draw.push_clip_rect(area.corner, ImVec2(x, area.end.y), True)
-    _draw_tags(left.tags, area.corner)
+    _draw_tags(left.tags, area.corner, x - area.corner.x)
     draw.pop_clip_rect()
-    _draw_tags(right.tags, ImVec2(x, area.corner.y))
+    _draw_tags(right.tags, ImVec2(x, area.corner.y), area.end.x - x)
     _draw_line(area, x)
     _draw_readout(state, (left, right), area)
     draw.pop_clip_rect()
@@ -198,18 +198,18 @@ def _draw_image(state: AppState, textures: ShowsPictures, slot: str, image: Byte
     imgui.get_window_draw_list().add_image(shown.texture, low, high)
 
 
-def _draw_tags(tags: Sequence[Tag], corner: ImVec2) -> None:
-    stack_tags([(one.text, TONES[one.tone]) for one in tags], corner)
+def _draw_tags(tags: Sequence[Tag], corner: ImVec2, width: float) -> None:
+    stack_tags([(one.text, TONES[one.tone]) for one in tags], corner, width)
 
 
 def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:
     """At the bottom: the frame, and above it the values of the pixel under the pointer."""
     assert state.pictures is not None
     lines = [*_values(panes, state.pointer), frame_text(state.pictures)]
-    y = area.end.y - imgui.get_text_line_height() - em(0.76)
+    y, room = area.end.y - em(0.26), area.size.x - em(0.8)
     for line in reversed(lines):
-        tag(line, ImVec2(area.corner.x + em(0.4), y), theme.TAG_ORIGINAL)
-        y -= imgui.get_text_line_height() + em(0.5)
+        y -= tag_height(line, room) + em(0.14)
+        tag(line, ImVec2(area.corner.x + em(0.4), y), theme.TAG_ORIGINAL, room)
 
 
 def _values(panes: Sequence[Pane], at: Pointer | None) -> list[str]:
@@ -217,11 +217,17 @@ def _values(panes: Sequence[Pane], at: Pointer | None) -> list[str]:
     if at is None:
         return []
     pixels = [(pane.tags[0].text.split(" · ")[0], pixel(pane.image, at)) for pane in panes]
-    said = [(name.capitalize(), str(one)) for name, one in pixels if one is not None]
+    said = [(_spoken(name), str(one)) for name, one in pixels if one is not None]
     place = f"x {at[0]}   y {at[1]}"
     if len(panes) == 1:
         return ["   ".join((place, *(values for _, values in said)))]
     return [place, *(f"{name}   {values}" for name, values in said)]
+
+
+def _spoken(name: str) -> str:
+    """A tag's words without their shout; the name of a method keeps its capitals."""
+    _, shouted, method = name.partition("METHOD ")
+    return f"Method {method}" if shouted else name.capitalize()
 
 
 def _draw_cross(state: AppState, image: ByteImage, area: Area) -> None:

@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import job_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
-from app.gui.legible import legible
+from app.gui.legible import capital, grouped, legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from app.gui.panels.curves import draw_curves
@@ -69,12 +69,12 @@ def _draw_next(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
 def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
     text = declared(TrainConfig, "method").text
-    method = _choose("Method", "method", METHODS.index(config.method), list(METHODS), text)
+    method = _choose("Method", "method", METHODS.index(config.method), [*map(named, METHODS)], text)
     frames = (
         "Reconstruct the photos as they are, or enhanced by the paper's method as set above; "
         "both in turn makes two reconstructions to compare."
     )
-    run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), list(INPUTS), frames)]
+    run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)]
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "Of the frames to reconstruct; the paper takes 0.5 there. " + about.text)
@@ -149,7 +149,7 @@ def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
     """Of a run that was cut short: why, and what can be done with it."""
     if run.failure:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().danger, legible(run.failure))
+            imgui.text_colored(theme.now().danger, f"{capital(legible(run.failure))}.")
             imgui.text_colored(theme.now().muted, run.way_out)
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
     onward = lambda: job_actions.continue_reconstruction(state, make_job)  # noqa: E731
@@ -180,16 +180,14 @@ def _draw_status(run: Reconstruction) -> None:
     progress = run.progress
     imgui.text_unformatted(STATUS[run.status])
     if run.request is not None:
-        explain(f"{run.request.config.method}, {run.request.input} frames: {run.run_path}")
+        explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}")
     if progress is None:
         return
-    imgui.progress_bar(
-        progress.iteration / progress.iterations,
-        ImVec2(-1, em(1.25)),
-        f"{progress.iteration} / {progress.iterations}",
-    )
-    left = f"{seconds(progress.seconds_left)} left" if run.is_alive else ""
-    imgui.text_colored(theme.now().muted, f"{seconds(progress.seconds)} elapsed   {left}")
+    left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
+    imgui.same_line()
+    imgui.text_colored(theme.now().muted, f"{seconds(progress.seconds)}{left}")
+    done = f"{grouped(progress.iteration)} / {grouped(progress.iterations)}"
+    imgui.progress_bar(progress.iteration / progress.iterations, ImVec2(-1, em(1.25)), done)
 
 
 def _draw_omissions(state: AppState) -> None:
@@ -215,7 +213,7 @@ def _draw_omissions(state: AppState) -> None:
 def _draw_messages(run: Reconstruction) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for warning in run.warnings[-3:]:
-            imgui.text_colored(theme.now().warning, legible(warning))
+            imgui.text_colored(theme.now().warning, capital(legible(warning)))
         for omission in run.omitted:
-            imgui.text_colored(theme.now().muted, f"left out: {omission.what}")
+            imgui.text_colored(theme.now().muted, f"Left out: {omission.what}")
             explain(f"{omission.why} Saves {omission.saves}.")

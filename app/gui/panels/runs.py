@@ -9,7 +9,7 @@ from imgui_bundle import imgui, imgui_ctx
 
 from app.gui.actions import queue_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
-from app.gui.legible import legible
+from app.gui.legible import legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
@@ -59,7 +59,7 @@ def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
     reason = run_actions.why_not_open(state, run)
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
     imgui.begin_disabled(bool(reason))
-    if imgui.selectable(f"{config.method} · {run.request.input}###open", shown)[0]:
+    if imgui.selectable(f"{named(config.method)} · {run.request.input} frames###open", shown)[0]:
         run_actions.open_run(state, run)
     imgui.end_disabled()
     beside = "Open it beside the one that is being made: " if state.reconstruction.is_alive else "Open "
@@ -111,9 +111,8 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     imgui.align_text_to_frame_padding()
     end = imgui.get_content_region_avail().x - 2 * (imgui.get_frame_height() + em(0.3))
     ink = theme.now().muted if waiting.asleep else theme.now().text
-    imgui.text_colored(
-        ink, f"{request.config.method} · {request.input} · {request.config.iterations:,} steps"
-    )
+    method, steps = named(request.config.method), request.config.iterations
+    imgui.text_colored(ink, f"{method} · {request.input} · {steps:,} steps")
     since = " It waits since an earlier session." if waiting.asleep else ""
     explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)

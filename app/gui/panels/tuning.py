@@ -26,7 +26,24 @@ NAMES: dict[bool, tuple[str, ...]] = {
     False: tuple(VESSEL_SLIDERS),
 }
 """What can be varied, of the paper's method and of the own preset."""
-SORT_LABELS = ["as varied", *(name.replace("_", " ") for name in METRICS)]
+LABELS = {
+    **VESSEL_SLIDERS,
+    "z": "Brightness z",
+    "p": "Detail P",
+    "eps": "Smoothing",
+    "subsample": "Subsample",
+}
+"""As the panel Enhancement names them."""
+METRIC_LABELS = {
+    "dv": "DV",
+    "bv": "BV",
+    "dv_bv": "DV/BV",
+    "vessel_contrast": "Vessel contrast",
+    "noise_gain": "Noise gain",
+    "saturated_share": "Saturated share",
+    "milliseconds": "Milliseconds",
+}
+SORT_LABELS = ["As varied", *(METRIC_LABELS.get(name, name) for name in METRICS)]
 
 
 class ShowsTiles(ShowsPictures, Protocol):
@@ -60,7 +77,7 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     names = ["", *NAMES[isinstance(state.params, EnhanceParams)]]
     index = names.index(choice.name) if choice.name in names else 0
     imgui.set_next_item_width(em(8))
-    labels = ["vary nothing", *(name.replace("_", "-") for name in names[1:])]
+    labels = ["Vary nothing", *(LABELS[name] for name in names[1:])]
     moved, index = imgui.combo(f"##vary{place}", index, labels)
     explain("The parameter of the rows." if place == 0 else "The parameter of the columns.")
     if moved:
@@ -158,10 +175,15 @@ def _draw_tile(state: AppState, textures: ShowsTiles, setting: Setting, size: Im
     marked = setting.params == state.params
     if marked or imgui.is_item_hovered() or imgui.is_item_focused():
         draw.add_rect(corner, end, imgui.get_color_u32(theme.MARK if marked else theme.INK), 0.0, 2.0)
-    imgui.push_clip_rect(corner, ImVec2(end.x, end.y + em(4)), True)
-    imgui.text_unformatted(setting.label)
-    imgui.text_colored(theme.now().muted, in_words(cell.measures) if cell is not None else "…")
-    imgui.pop_clip_rect()
+    with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):
+        imgui.text_unformatted(said(setting))
+        imgui.text_colored(theme.now().muted, in_words(cell.measures) if cell is not None else "…")
+
+
+def said(setting: Setting) -> str:
+    """Its values, under the names that the panels give them."""
+    values = (one.partition(" ") for one in setting.label.split(" · "))
+    return " · ".join(f"{LABELS.get(name, name)} {value}" for name, _, value in values)
 
 
 def _draw_one(state: AppState, textures: ShowsTiles, setting: Setting) -> None:
@@ -175,7 +197,7 @@ def _draw_one(state: AppState, textures: ShowsTiles, setting: Setting) -> None:
     imgui.align_text_to_frame_padding()
     look = state.tuning.look if state.tuning.is_looked_at else None
     words = in_words(look.measures) if look is not None else "…"
-    imgui.text_unformatted(f"{setting.label}   {words}")
+    imgui.text_unformatted(f"{said(setting)}   {words}")
     if look is not None:
         _draw_whole(state, textures, look)
 

@@ -11,9 +11,9 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.gui.actions import actions, camera_actions, view_actions
 from app.gui.commands.command import Command
 from app.gui.drawing.viewport import OnScreen, Viewport
-from app.gui.legible import legible
+from app.gui.legible import grouped, legible, named
 from app.gui.look import theme
-from app.gui.look.widgets import button, centered, em, explain, stack_tags
+from app.gui.look.widgets import beside, beside_of, button, centered, em, explain, stack_tags
 from app.gui.panels.color_bar import draw_color_bar
 from app.gui.panels.menus import draw_commands
 from app.gui.panels.path_marks import draw_path_marks
@@ -32,6 +32,10 @@ CLICK = 4.0
 """Pixels that a hand may slip in a click."""
 PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
 """What shows a whole photo."""
+FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
+MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
+SECOND = f"{icons.ICON_FA_COLUMNS}###second"
+PHOTO = f"{icons.ICON_FA_CLONE}  Photo###snap"
 Commands = tuple[Command, ...]
 Tag = tuple[str, ImVec4]
 
@@ -41,17 +45,17 @@ def draw_view3d(
     viewport: Viewport,
     second: Viewport,
     photo_texture: PhotoTexture,
-    beside: Callable[[], Commands],
+    choices: Callable[[], Commands],
 ) -> None:
     """The view with its controls, beside it the second reconstruction when there is one.
 
-    `beside` gives the ways to choose that. The first view is the last item drawn, for those who draw over it.
+    `choices` gives the ways to choose that. The first view is the last item drawn, for those who draw on it.
     """
     if state.model is None:
         state.view_size = (0, 0)
         _draw_empty(state)
         return
-    _draw_toolbar(state, beside)
+    _draw_toolbar(state, choices)
     space, gap = imgui.get_content_region_avail(), em(0.3)
     corner, count = imgui.get_cursor_screen_pos(), 1 if state.second.shown is None else 2
     size = ImVec2(max((space.x + gap) / count - gap, em(4)), max(space.y, em(4)))
@@ -90,45 +94,46 @@ def _draw_empty(state: AppState) -> None:
     centered("The first preview of the reconstruction is on its way…")
 
 
-def _draw_toolbar(state: AppState, beside: Callable[[], Commands]) -> None:
+def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
     button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
     explain("Home: the view of the clip's own camera.")
-    imgui.same_line()
+    beside(FLY)
     flying = state.viewer.flying
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(flying)):
-        button(f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly", lambda: camera_actions.toggle_flight(state))
+        button(FLY, lambda: camera_actions.toggle_flight(state))
     explain("G: fly with W, S, A, D, Q and E, look by dragging, speed by the wheel. Home: back.")
-    imgui.same_line()
+    beside(MEASURE)
     measuring = state.viewer.measuring
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(measuring)):
-        label = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
-        button(label, lambda: camera_actions.toggle_measuring(state))
+        button(MEASURE, lambda: camera_actions.toggle_measuring(state))
     explain("M: click two points of the surface. It is the model's own, where its expected depth is.")
-    imgui.same_line()
-    _draw_second(state, beside)
+    beside(SECOND)
+    _draw_second(state, choices)
     _draw_snap(state)
     _draw_kind(state)
     if state.clip is None:
+        beside_of(em(8))
         _draw_time(state)
         return
+    beside_of(em(12))
     changed, _ = imgui.checkbox("Follow the clip's time", state.linked)
     explain("Off: the 3D view keeps a time of its own.")
     if changed:
         actions.toggle_link(state)
     if not state.linked:
-        imgui.same_line()
+        beside_of(em(8))
         _draw_time(state)
 
 
-def _draw_second(state: AppState, beside: Callable[[], Commands]) -> None:
+def _draw_second(state: AppState, choices: Callable[[], Commands]) -> None:
     shown = state.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
-        button(f"{icons.ICON_FA_COLUMNS}###second", _open_second_menu)
+        button(SECOND, _open_second_menu)
     explain("A second reconstruction beside this one, with one camera and one time: also in the Camera menu.")
-    imgui.same_line()
+    beside(PHOTO)
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
-            draw_commands(state, beside())
+            draw_commands(state, choices())
 
 
 def _open_second_menu() -> None:
@@ -138,29 +143,27 @@ def _open_second_menu() -> None:
 def _draw_snap(state: AppState) -> None:
     snapped = state.viewer.snapped
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(snapped)):
-        label = f"{icons.ICON_FA_CLONE}  Photo###snap"
-        button(label, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
+        button(PHOTO, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
     explain("C: the clip's camera to the pixel, its photo over the reconstruction. Moving the view ends it.")
-    imgui.same_line()
     if not snapped:
         return
+    beside_of(em(8))
     imgui.set_next_item_width(em(8))
     flags = imgui.SliderFlags_.always_clamp
     changed, percent = imgui.slider_float("##blend", 100 * state.viewer.blend, 0, 100, "photo %.0f %%", flags)
     explain("[ and ]: from the reconstruction alone, 0, to the photo alone, 100.")
-    imgui.same_line()
     if changed:
         camera_actions.blend(state, percent / 100)
 
 
 def _draw_kind(state: AppState) -> None:
     kinds = view_actions.choices(state)
+    beside_of(em(7.2))
     imgui.set_next_item_width(em(7.2))
     labels = [kind.capitalize().replace("Color", "Colour") for kind in kinds]
     now = kinds.index(state.view_kind) if state.view_kind in kinds else 0
     changed, chosen = imgui.combo("##kind", now, labels)
     explain(f"N: the next view. {EXPLAINED[kinds[now]]}")
-    imgui.same_line()
     if changed:
         view_actions.choose_view(state, kinds[chosen])
 
@@ -224,7 +227,7 @@ def _draw_picture(
         draw_marks(state.viewer, shown.request, corner, size)
         if shown.scale is not None:
             draw_color_bar(shown.scale, ImVec2(end.x, corner.y), size.y)
-    stack_tags(view_tags(state, shown), corner)
+    stack_tags(view_tags(state, shown), corner, size.x)
     draw.pop_clip_rect()
 
 
@@ -239,7 +242,9 @@ def made_by(model: ShownModel, other: ShownModel | None) -> str:
     def told(one: ShownModel) -> str:
         facts = one.origin.facts if one.origin is not None else {}
         frames, config = facts.get("input"), facts.get("config")
-        return f"{config.method} · {frames} frames" if frames and config is not None else legible(one.name)
+        if not frames or config is None:
+            return legible(one.name)
+        return f"{named(config.method)} · {frames} frames"
 
     same = other is not None and told(other) == told(model)
     return legible(model.name) if same else told(model)
@@ -252,7 +257,7 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     model, second = shown.request.shown, state.second.shown
     tags: list[Tag] = []
     if model.live:
-        count = f"{model.iteration} / {model.iterations}"
+        count = f"{grouped(model.iteration)} / {grouped(model.iterations)}"
         name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
         tags.append((f"{name} · iteration {count}", theme.TAG_CAUTION))
     if second is not None:

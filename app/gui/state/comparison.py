@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
+from app.gui.legible import named
 from app.methods import METHODS, PAPER, VESSEL
 
 Mode = Literal["side by side", "wipe", "flip", "difference"]
@@ -27,14 +28,14 @@ SOURCE_LABELS: Final = {
     "A": "Stored setting A",
     "B": "Stored setting B",
     RENDER: "Render of the open run",
-    PAPER: "Method: paper, defaults",
-    VESSEL: "Method: vessel, defaults",
+    PAPER: "Method: Paper, defaults",
+    VESSEL: "Method: Vessel (ours), defaults",
 }
 
 
 def label_of(source: str) -> str:
     """The source as the lists name it."""
-    return SOURCE_LABELS.get(source, f"Method: {source}")
+    return SOURCE_LABELS.get(source, f"Method: {named(source)}")
 
 
 @dataclass(frozen=True)

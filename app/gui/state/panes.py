@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.gui.legible import legible
+from app.gui.legible import legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import ENHANCED, ORIGINAL, RENDER, SIDES, Mode, Side
 from app.gui.work.enhancing import Pictures
@@ -144,8 +144,8 @@ def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
         live = (Tag(f"{name} · iteration {model.iteration}", "caution"),) if model.live else ()
         return Tag(what, "enhanced"), *live
     if made.made is None:
-        return (Tag(f"METHOD {source}", "enhanced"),)
-    head = f"STORED {source}" if source in ("A", "B") else f"METHOD {source}, defaults"
+        return (Tag(f"METHOD {named(source)}", "enhanced"),)
+    head = f"STORED {source}" if source in ("A", "B") else f"METHOD {named(source)}, defaults"
     return Tag(head, "enhanced"), Tag(describe(made.made))
 
 

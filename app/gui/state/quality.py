@@ -6,7 +6,7 @@ from app.gui.state.reconstruction import Reconstruction
 
 QUALITIES = {"Draft": 500, "Standard": 3000, "Fine": 6000}
 """Iterations: enough to look at, the default, and twice that."""
-OWN = "Own"
+OWN = "Custom"
 
 
 def quality_of(iterations: int) -> str:

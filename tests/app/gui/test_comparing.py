@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from app.gui.actions import actions, comparing
+from app.gui.legible import named
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SOURCES, Comparison
 from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
@@ -74,7 +75,7 @@ def test_every_source_shows_what_its_name_says(
         comparing.choose_source(state, "right", source)
         settle(state, channels)
         assert not state.panes_wait
-        assert source in expected or said(state).startswith(f"METHOD {source}")
+        assert source in expected or said(state).startswith(f"METHOD {named(source)}")
         if source in expected:
             np.testing.assert_array_equal(image(state), expected[source], source)
         np.testing.assert_array_equal(image(state, "left"), photo(2))

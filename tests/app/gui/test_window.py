@@ -137,7 +137,7 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
         wait(ctx, lambda: "A" in state.stored, "the stored setting")
         ctx.set_ref("//Pictures")
         ctx.combo_click("##left/Stored setting A")
-        ctx.combo_click("##right/Method: clahe")
+        ctx.combo_click("##right/Method: CLAHE")
         ctx.set_ref("")
         wait(ctx, lambda: (state.comparison.left, state.comparison.right) == ("A", "clahe"), "the sources")
         wait(ctx, ready, "both pictures")

@@ -1,0 +1,305 @@
+"""What pictures of the window are taken of: each scene yields a name whenever it is ready for one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from imgui_bundle import ImVec2
+
+from app.gui.actions import actions, clip_actions, edit_actions, queue_actions, second_actions, tuning_actions
+from app.gui.frame import dockings
+from app.gui.work.tuning import Choice
+from app.job import Failed
+from app.run_folder import RunFolder
+from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
+from renderer.splat_files.inria_ply import ply_bytes
+from renderer.train.events import Evaluated, Finished, Omission, Progress, Started, Warned
+from tests.app.gui.conftest import FakeJob
+from tests.benchmarks.soak_deeds import CTRL, SHIFT, K, Person
+
+STEPS = 3000
+OMITTED = (
+    Omission("spherical harmonics above degree 0", "the camera does not move.", "45 numbers a Gaussian"),
+    Omission("the mask of tools", "no tool is in any frame.", "a pass over each picture"),
+)
+REPORT = Path(__file__).parents[2] / "assets" / "pictures" / "report.json"
+Scene = Callable[[Person, "Model"], Iterator[str]]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A finished reconstruction of the phantom."""
+
+    run: Path
+    gaussians: DynamicGaussians
+
+    @classmethod
+    def of_run(cls, run: Path) -> Model:
+        return cls(run, RunFolder(run).model())
+
+
+def start(person: Person, model: Model) -> Iterator[str]:
+    person.ctx.yield_(3)
+    yield "notice"
+    person.click("//Before you begin/I understand")
+    yield "welcome"
+    actions.fail(person.state, "expected a clip, got a folder of 3 text files: nothing")
+    yield "banner"
+    person.state.banner = None
+    person.state.recoverable = person.places.config / "autosave-1.vesselsplat"
+    yield "recovery"
+    person.state.recoverable = None
+    person.ctx.popup_close_all()
+    person.press(CTRL | K.i)
+    yield "open file"
+    person.press(K.escape)
+    person.press(CTRL | SHIFT | K.p)
+    person.ctx.key_chars("open")
+    yield "palette"
+    person.press(K.escape)
+    person.press(K.f1)
+    yield "help"
+    person.press(K.f1)
+
+
+def pictures(person: Person, model: Model) -> Iterator[str]:
+    person.open(phantom_path())
+    person.wait(lambda: person.state.strip is not None, "the strip")
+    person.ctx.mouse_move("//Pictures/left")
+    yield "side by side"
+    for key, name in ((K.w, "wipe"), (K.t, "flip"), (K.d, "difference")):
+        person.press(key)
+        person.wait(person.settled, name)
+        yield name
+    person.press(K.v)
+    person.press(K.z)
+    person.press(K.f)
+    person.press(K._1)
+    yield "zebra frozen"
+    person.press(K.z)
+    person.press(K.f)
+    person.press(K._0)
+    person.press(K.e)
+    yield "white light"
+    person.press(K.e)
+    person.choose("//Pictures", "##right", "Method: CLAHE")
+    person.wait(person.settled, "the other method")
+    yield "other method"
+    person.state.comparison = person.state.comparison.renewed()
+
+
+def enhancement(person: Person, model: Model) -> Iterator[str]:
+    person.wait(lambda: person.state.measured is not None, "the measures")
+    for tab in ("Curves", "Measures", "###windows"):
+        person.click(f"//Enhancement/details/{tab}")
+        person.ctx.yield_(10)
+        yield f"enhancement {tab.strip('#').lower()}"
+    person.choose("//Enhancement", "##preset", "Vessel (ours)")
+    person.wait(person.settled, "the preset")
+    yield "enhancement vessel"
+    person.press(CTRL | K.z)
+    person.wait(person.settled, "undo")
+
+
+def clip(person: Person, model: Model) -> Iterator[str]:
+    person.state.frame_index = 4
+    clip_actions.trim_here(person.state, start=True)
+    person.state.frame_index = 18
+    clip_actions.trim_here(person.state, start=False)
+    mask = person.state.clip_settings.mask.drawn("text", (10, 10), (80, 40))
+    clip_actions.set_mask(person.state, mask)
+    clip_actions.finish_mask(person.state)
+    person.state.overlay = True
+    person.click("//**/###mask")
+    person.wait(lambda: person.state.left_out is not None, "the tint")
+    yield "clip mask"
+    person.press(K.escape)
+    person.state.overlay = False
+    clip_actions.clear_mask(person.state)
+    clip_actions.untrim(person.state)
+
+
+def tuning(person: Person, model: Model) -> Iterator[str]:
+    person.press(CTRL | K.t)
+    person.ctx.yield_(3)
+    yield "tuning empty"
+    tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, 4.0, 3))
+    tuning_actions.choose_axis(person.state, 1, Choice("p", 0.2, 0.8, 4))
+    person.click("//Tuning/###try")
+    person.wait(lambda: not person.state.tuning.running, "the grid")
+    yield "tuning"
+    assert person.state.tuning.grid is not None
+    tuning_actions.look_at(person.state, person.state.tuning.grid.settings[5])
+    person.wait(lambda: person.state.tuning.request is None, "the cell")
+    yield "tuning one"
+    tuning_actions.look_at(person.state, None)
+    person.press(CTRL | K.t)
+
+
+def reconstruction(person: Person, model: Model) -> Iterator[str]:
+    state = person.state
+    yield "reconstruction idle"
+    person.click("//Reconstruction/What will be left out")
+    person.wait(lambda: state.omissions is not None, "what is left out")
+    yield "reconstruction left out"
+    person.click("//Reconstruction/What will be left out")
+    person.choose("//Reconstruction", "##input", "Both in turn")
+    person.click("//Reconstruction/###start")
+    job = state.reconstruction.job
+    assert isinstance(job, FakeJob)
+    yield "reconstruction starting"
+    job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(1400), Evaluated(1000, 30.2)]
+    job.model = model.gaussians
+    person.wait(lambda: state.view is not None, "the preview")
+    yield "reconstruction running"
+    person.ctx.window_focus("//Runs")
+    yield "runs waiting"
+    person.ctx.window_focus("//Reconstruction")
+    state.closing = "asked"
+    yield "question closing"
+    queue_actions.answer_closing(state, close=False)
+    person.ctx.popup_close_all()
+    state.queue = ()
+    job.inbox = [
+        Warned("the depth of 3 frames is empty"),
+        Failed("the training process was killed by SIGKILL"),
+    ]
+    person.wait(lambda: state.reconstruction.status == "failed", "the failure")
+    yield "reconstruction failed"
+    state.banner = None
+    person.choose("//Reconstruction", "##input", "Original")
+    person.click("//Reconstruction/###start")
+    job = state.reconstruction.job
+    assert isinstance(job, FakeJob)
+    job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(STEPS), Evaluated(STEPS, 33.61)]
+    job.inbox += [Finished(STEPS, 39.2, model.gaussians)]
+    person.wait(lambda: state.reconstruction.status == "finished", "the end")
+    yield "reconstruction finished"
+
+
+def _progress(last: int) -> list[object]:
+    steps = np.arange(50, last + 1, 50)
+    return [
+        Progress(
+            int(i), STEPS, 0.3 / (1 + i / 90), 34 - 14 / (1 + i / 250), i / 76, (STEPS - i) / 76, 7000 + i
+        )
+        for i in steps
+    ]
+
+
+def view(person: Person, model: Model) -> Iterator[str]:
+    state = person.state
+    person.open(model.run)
+    person.wait(lambda: state.view is not None, "the view")
+    person.drag("//3D view/view", (0.5, 0.5), (0.6, 0.45))
+    person.ctx.window_focus("//Runs")
+    person.wait(lambda: state.found_runs is not None, "the runs")
+    yield "view free"
+    person.press(K.home)
+    person.press(K.c)
+    yield "view photo"
+    person.press(K.c)
+    person.press(K.n)
+    person.press(K.m)
+    for x in (0.35, 0.6):
+        person.drag("//3D view/view", (x, 0.5), (x, 0.5))
+        person.ctx.yield_(20)
+    yield "view depth measured"
+    person.press(K.m)
+    state.view_kind = "color"
+    person.press(K.g)
+    yield "view flying"
+    person.press(K.g)
+    person.press(K.home)
+    second_actions.open_second(state, model.run)
+    person.wait(lambda: state.second.view is not None, "the second view")
+    yield "view two"
+    second_actions.close_second(state)
+
+
+def cameras(person: Person, model: Model) -> Iterator[str]:
+    person.ctx.window_focus("//Cameras")
+    yield "cameras empty"
+    person.press(K.b)
+    person.press(K.i)
+    for x in (0.6, 0.4):
+        person.drag("//3D view/view", (0.5, 0.5), (x, 0.55))
+        person.press(K.i)
+    person.press(K.b)
+    yield "cameras"
+    person.ctx.window_focus("//Reconstruction")
+    person.press(K.home)
+
+
+def editing(person: Person, model: Model) -> Iterator[str]:
+    state = person.state
+    person.press(CTRL | K.e)
+    person.wait(lambda: state.editing.active and state.editing.wish is None, "edit mode")
+    yield "edit"
+    person.press(SHIFT | K.r)
+    person.drag("//3D view/view", (0.3, 0.2), (0.55, 0.9))
+    person.wait(lambda: state.editing.wish is None and not state.editing.stroke, "the selection")
+    yield "edit selected"
+    person.press(K.delete)
+    actions.open_path(state, phantom_path())
+    yield "question edits"
+    person.ctx.item_click("//Unsaved edits/Stay")
+    while state.editing.history.past:
+        person.press(CTRL | K.z)
+    edit_actions.toggle(state)
+
+
+def windows(person: Person, model: Model) -> Iterator[str]:
+    state = person.state
+    person.press(CTRL | SHIFT | K.e)
+    yield "export"
+    person.click("//Export/###video of both panes")
+    person.wait(lambda: state.exporting is None or state.exporting.done > 2, "some frames")
+    yield "export under way"
+    person.window.cancel_export()
+    yield "toast"
+    person.press(CTRL | SHIFT | K.e)
+    for panel in ("Log", "Notes"):
+        dockings.toggle(panel)
+        state.notes = "Left ureter crosses at frame 14; compare d 2 against d 1."
+        person.ctx.yield_(3)
+        yield panel.lower()
+        dockings.toggle(panel)
+    dockings.toggle("Report")
+    person.ctx.yield_(3)
+    yield "report empty"
+    person.open(REPORT)
+    yield "report"
+    dockings.toggle("Report")
+    for menu in ("File", "Picture", "Compare", "Camera", "View"):
+        person.ctx.set_ref("//##MainMenuBar")
+        person.ctx.menu_click(menu)
+        person.ctx.set_ref("")
+        yield f"menu {menu.lower()}"
+        person.ctx.popup_close_all()
+
+
+def tooltip(person: Person, model: Model) -> Iterator[str]:
+    person.ctx.mouse_move("//Enhancement/##d_factor")
+    person.ctx.sleep_no_skip(1.0, 0.1)
+    yield "tooltip"
+    person.ctx.mouse_move_to_pos(ImVec2(5, 5))
+
+
+def splats(person: Person, model: Model) -> Iterator[str]:
+    file = person.places.pictures / "splats.ply"
+    file.write_bytes(ply_bytes(model.gaussians.raw, "default", []))
+    person.open(file)
+    person.wait(lambda: person.state.view is not None, "the splats")
+    person.ctx.yield_(4)
+    yield "splats alone"
+
+
+SCENES: tuple[Scene, ...] = (
+    start, pictures, enhancement, clip, tuning, reconstruction, view, cameras, editing, windows, tooltip,
+    splats,
+)  # fmt: skip
