@@ -203,7 +203,7 @@ class Window:
         # |__________________|_struct____|
         layout = hello_imgui.DockingParams()
         layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
-        layout.docking_splits = dockings.splits(self.state.settings.text_percent)
+        layout.docking_splits = dockings.splits()
         panels: list[tuple[str, str, Callable[[], None]]] = [
             ("Pictures", "MainDockSpace", self._draw_pictures),
             ("3D view", "Below", self._draw_view),
@@ -267,12 +267,17 @@ class Window:
         chosen = self.state.settings.theme, self.state.settings.text_percent
         if self._worn == chosen:
             return
-        if self._worn is not None:
+        size = glfw.get_window_size(glfw_utils.glfw_window_hello_imgui())
+        dockings.arrange(params.docking_params, size, chosen[1])
+        if self._worn is not None and dockings.is_low(size, chosen[1]) != dockings.is_low(
+            size, self._worn[1]
+        ):
+            dockings.restore()
+        elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.
             dockings.widen(chosen[1] / self._worn[1])
         self._worn = chosen
         theme.wear(*chosen)
-        params.docking_params.docking_splits = dockings.splits(chosen[1])
         params.imgui_window_params.background_color = theme.now().ground
         self._add_timeline(params)
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import random
 import re
+import shutil
 import tempfile
 from pathlib import Path
 from typing import get_args
@@ -22,10 +23,10 @@ from app.gui.state.settings import TEXT_PERCENTS, Places, Settings, Theme
 from app.gui.window import Window
 from assets import phantom_path
 from tests.app.gui.conftest import FakeJob
+from tests.benchmarks.gui_soak import quieten
 from tests.benchmarks.picture_scenes import SCENES, Model
 from tests.benchmarks.soak_deeds import Context, Person
 
-SECONDS = 1e9
 UNPACED = 1e9
 
 
@@ -52,8 +53,9 @@ def main() -> None:
         params.dpi_aware_params.dpi_window_size_factor = float(given.density)
 
         def drive(ctx: Context) -> None:
-            ctx.engine_io.config_watchdog_warning = ctx.engine_io.config_watchdog_kill_test = SECONDS
-            person = Person(ctx, window, phantom_path(), random.Random(0), UNPACED, run=given.run)
+            quieten(ctx)
+            run = Path(shutil.copytree(given.run, window.state.places.runs / given.run.name))
+            person = Person(ctx, window, phantom_path(), random.Random(0), UNPACED, run=run)
             _take(person, given.out, re.compile(given.only))
 
         testing.run(test_function=drive, runner_params=params, add_ons_params=window.add_ons())

@@ -68,6 +68,7 @@ def start(person: Person, model: Model) -> Iterator[str]:
 
 def pictures(person: Person, model: Model) -> Iterator[str]:
     person.open(phantom_path())
+    person.ctx.window_focus("//Pictures")
     person.wait(lambda: person.state.strip is not None, "the strip")
     person.ctx.mouse_move("//Pictures/left")
     yield "side by side"
@@ -142,6 +143,7 @@ def tuning(person: Person, model: Model) -> Iterator[str]:
 
 def reconstruction(person: Person, model: Model) -> Iterator[str]:
     state = person.state
+    person.ctx.window_focus("//Reconstruction")
     yield "reconstruction idle"
     person.click("//Reconstruction/What will be left out")
     person.wait(lambda: state.omissions is not None, "what is left out")
@@ -154,6 +156,8 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     yield "reconstruction starting"
     job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(1400), Evaluated(1000, 30.2)]
     job.model = model.gaussians
+    person.ctx.yield_(3)
+    person.ctx.window_focus("//3D view")
     person.wait(lambda: state.view is not None, "the preview")
     yield "reconstruction running"
     person.ctx.window_focus("//Runs")
@@ -163,6 +167,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     yield "question closing"
     queue_actions.answer_closing(state, close=False)
     person.ctx.popup_close_all()
+    person.ctx.window_focus("//Reconstruction")
     state.queue = ()
     job.inbox = [
         Warned("the depth of 3 frames is empty"),
@@ -194,6 +199,7 @@ def _progress(last: int) -> list[object]:
 def view(person: Person, model: Model) -> Iterator[str]:
     state = person.state
     person.open(model.run)
+    person.ctx.window_focus("//3D view")
     person.wait(lambda: state.view is not None, "the view")
     person.drag("//3D view/view", (0.5, 0.5), (0.6, 0.45))
     person.ctx.window_focus("//Runs")
@@ -258,7 +264,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.press(CTRL | SHIFT | K.e)
     yield "export"
     person.click("//Export/###video of both panes")
-    person.wait(lambda: state.exporting is None or state.exporting.done > 2, "some frames")
+    person.wait(lambda: state.exports.under_way is None or state.exports.under_way.done > 2, "some frames")
     yield "export under way"
     person.window.cancel_export()
     yield "toast"
@@ -284,7 +290,8 @@ def windows(person: Person, model: Model) -> Iterator[str]:
 
 
 def tooltip(person: Person, model: Model) -> Iterator[str]:
-    person.ctx.mouse_move("//Enhancement/##d_factor")
+    person.ctx.window_focus("//Enhancement")
+    person.ctx.mouse_move("//Enhancement/##Method")
     person.ctx.sleep_no_skip(1.0, 0.1)
     yield "tooltip"
     person.ctx.mouse_move_to_pos(ImVec2(5, 5))

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, hello_imgui, imgui
 
+from app.gui.look import theme
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
 
 SPLATS = "Splats"
 """The 3D view of a model without pictures, in their place."""
 Node = imgui.internal.DockNode
-SIDE, MOST = 0.26, 0.45
-"""Share of the window's width that the panels at the side have, and at most with large text."""
+SIDE = 20.8
+"""Lines of text that the panels at the side are wide."""
+LEAST, MOST = 0.2, 0.45
+"""Share of the window's width that they have at least and at most."""
+LOW = 36.0
+"""Lines of text that a window needs for panels below each other."""
+BELOW = dict.fromkeys(("3D view", "Log", "Notes"), ("Below", "MainDockSpace")) | dict.fromkeys(
+    ("Reconstruction", "Runs", "Cameras"), ("SideBelow", "Side")
+)
+"""Panels that stand below others, and where they join these."""
 TUNING, REPORT = "Tuning", "Report"
 
 
@@ -35,11 +44,35 @@ def quit_app() -> None:
     hello_imgui.get_runner_params().app_shall_exit = True
 
 
-def splits(text_percent: int) -> list[hello_imgui.DockingSplit]:
-    """How the window is divided at first: pictures, below them the 3D view, two panels at the side."""
+def is_low(size: tuple[int, int], text_percent: int) -> bool:
+    """Whether a window of so many pixels has too few lines of this text for panels below each other."""
+    return size[1] < LOW * _line(text_percent)
+
+
+def _line(text_percent: int) -> float:
+    """Pixels of a line of text."""
+    return theme.FONT_SIZE * text_percent / 100 * hello_imgui.dpi_window_size_factor()
+
+
+def arrange(docking: hello_imgui.DockingParams, size: tuple[int, int], text_percent: int) -> None:
+    """Where panels are at first and after a reset; in a low window those below join those above, as tabs."""
+    low, side = is_low(size, text_percent), SIDE * _line(text_percent) / max(size[0], 1)
+    docking.docking_splits = splits(min(max(side, LEAST), MOST), low=low)
+    for panel in docking.dockable_windows:
+        if panel.label in BELOW:
+            below, above = BELOW[panel.label]
+            panel.dock_space_name = above if low else below
+
+
+def splits(side: float = LEAST, *, low: bool = False) -> list[hello_imgui.DockingSplit]:
+    """How the window is divided at first: pictures, below them the 3D view, two panels at the side, which has
+    that share of the width."""
     split = hello_imgui.DockingSplit
+    column = split("MainDockSpace", "Side", imgui.Dir.right, side)
+    if low:
+        return [column]
     return [
-        split("MainDockSpace", "Side", imgui.Dir.right, min(SIDE * text_percent / 100, MOST)),
+        column,
         split("Side", "SideBelow", imgui.Dir.down, 0.4),
         split("MainDockSpace", "Below", imgui.Dir.down, 0.44),
     ]

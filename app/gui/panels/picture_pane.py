@@ -24,6 +24,8 @@ WHEEL_STEP = 1.15
 TONES = {"plain": theme.TAG_ORIGINAL, "enhanced": theme.TAG_ENHANCED, "caution": theme.TAG_CAUTION}
 PANE_BUTTONS = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
 BAR_STEPS = 32
+NARROW = 20.0
+"""Em across below which a pane says less."""
 Pointer = tuple[int, int]
 
 
@@ -121,12 +123,12 @@ def draw_bar(top: int, area: Area) -> None:
         draw.add_text(ImVec2(left + width + em(0.3), y), ink, text)
 
 
-def frame_text(pictures: Pictures) -> str:
-    """Which frame the pictures are of, counted from 1 as people do, and its name in the clip."""
+def frame_text(pictures: Pictures, *, short: bool = False) -> str:
+    """Which frame the pictures are of, counted from 1, as people do; unless `short` also its name."""
     request = pictures.request
     name = request.clip.labels[request.frame_index]
     place = f"{request.frame_index + 1} / {len(request.clip)}"
-    return place if name.isdigit() else f"{place}   {name}"
+    return place if short or name.isdigit() else f"{place}   {name}"
 
 
 def _button(
@@ -205,20 +207,23 @@ def _draw_tags(tags: Sequence[Tag], corner: ImVec2, width: float) -> None:
 def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:
     """At the bottom: the frame, and above it the values of the pixel under the pointer."""
     assert state.pictures is not None
-    lines = [*_values(panes, state.pointer), frame_text(state.pictures)]
+    short = area.size.x < em(NARROW)
+    lines = [*_values(panes, state.pointer, short=short), frame_text(state.pictures, short=short)]
     y, room = area.end.y - em(0.26), area.size.x - em(0.8)
     for line in reversed(lines):
         y -= tag_height(line, room) + em(0.14)
         tag(line, ImVec2(area.corner.x + em(0.4), y), theme.TAG_ORIGINAL, room)
 
 
-def _values(panes: Sequence[Pane], at: Pointer | None) -> list[str]:
-    """What the pixel is in each picture; one line for one pane."""
+def _values(panes: Sequence[Pane], at: Pointer | None, *, short: bool) -> list[str]:
+    """What the pixel is in each picture; one line for one pane, `short`: of its colour alone."""
     if at is None:
         return []
     pixels = [(pane.tags[0].text.split(" · ")[0], pixel(pane.image, at)) for pane in panes]
     said = [(_spoken(name), str(one)) for name, one in pixels if one is not None]
     place = f"x {at[0]}   y {at[1]}"
+    if short and len(panes) == 1:
+        return [one.color for _, one in pixels if one is not None]
     if len(panes) == 1:
         return ["   ".join((place, *(values for _, values in said)))]
     return [place, *(f"{name}   {values}" for name, values in said)]

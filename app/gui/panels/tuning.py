@@ -12,7 +12,7 @@ from app.contact_sheet import in_words
 from app.gui.actions import tuning_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.look import theme
-from app.gui.look.widgets import button, centered, declared, em, explain, tag
+from app.gui.look.widgets import beside_of, button, centered, declared, em, explain, tag
 from app.gui.panels.enhancement import VESSEL_SLIDERS
 from app.gui.state.app_state import AppState
 from app.gui.work.tuning import MOST_VALUES, Choice, GridCell
@@ -89,13 +89,13 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     explain(about.text)
     values = []
     for label, value in (("from", choice.first), ("to", choice.last)):
-        _before(label)
+        _before(label, em(6))
         imgui.set_next_item_width(em(6))
         flags = imgui.SliderFlags_.always_clamp
         _, new = imgui.slider_float(f"##{label}{place}", value, about.lo, about.hi, "%.3g", flags)
         explain(f"{about.text} Ctrl+click: type a value.")
         values.append(round(new, 6))
-    _before("in")
+    _before("in", em(6))
     imgui.set_next_item_width(em(6))
     _, count = imgui.slider_int(f"##count{place}", choice.count, 1, MOST_VALUES, "%d values")
     explain("How many values, both ends included.")
@@ -104,9 +104,9 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
         tuning_actions.choose_axis(state, place, changed)
 
 
-def _before(word: str) -> None:
-    """The word that the next control follows."""
-    imgui.same_line()
+def _before(word: str, width: float) -> None:
+    """The word that the next control, so wide, follows."""
+    beside_of(imgui.calc_text_size(word).x + em(0.5) + width)
     imgui.align_text_to_frame_padding()
     imgui.text_colored(theme.now().muted, word)
     imgui.same_line()
@@ -128,7 +128,7 @@ def _draw_buttons(state: AppState) -> None:
     else:
         button(f"{icons.ICON_FA_PLAY}  Try###try", lambda: tuning_actions.start_grid(state), width=6)
         explain("Every combination on the frame that is shown, in the background.")
-    _before("order")
+    _before("order", em(10))
     imgui.set_next_item_width(em(10))
     index = METRICS.index(tuning.sort) + 1 if tuning.sort else 0
     _, index = imgui.combo("##order", index, SORT_LABELS)
@@ -197,7 +197,8 @@ def _draw_one(state: AppState, textures: ShowsTiles, setting: Setting) -> None:
     imgui.align_text_to_frame_padding()
     look = state.tuning.look if state.tuning.is_looked_at else None
     words = in_words(look.measures) if look is not None else "…"
-    imgui.text_unformatted(f"{said(setting)}   {words}")
+    with imgui_ctx.push_text_wrap_pos(0):
+        imgui.text_unformatted(f"{said(setting)}   {words}")
     if look is not None:
         _draw_whole(state, textures, look)
 

@@ -202,9 +202,13 @@ class Pixel:
         """S in [0, 1]; 0 at black."""
         return (self.value - min(self.rgb)) / self.value if self.value else 0.0
 
-    def __str__(self) -> str:
+    @property
+    def color(self) -> str:
         red, green, blue = self.rgb
-        return f"RGB {red:3d} {green:3d} {blue:3d}   V {self.value:3d}   S {self.saturation:.2f}"
+        return f"RGB {red:3d} {green:3d} {blue:3d}"
+
+    def __str__(self) -> str:
+        return f"{self.color}   V {self.value:3d}   S {self.saturation:.2f}"
 
 
 def pixel(image: ByteImage, at: tuple[int, int]) -> Pixel | None:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, clip_actions, export_actions, preset_actions
+from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
 from app.gui.state.presets import load_presets, presets_file
 from app.gui.state.settings import Places, load_settings
 from app.job import TrainingJob
@@ -86,11 +86,11 @@ def test_under_the_pictures(disk: Disk, places: Places, clip_path: Path) -> None
     app.save()
     assert app.trouble() == f"the picture was not saved: {NO_SPACE}"
     for what in export_actions.OFFERS:
-        request = export_actions.export_request(app.state, what, 1)
+        request = export_actions.export_request(app.state, what)
         if request is None:
             continue
         app.channels.exports.ask(request)
-        app.wait(lambda: app.state.exporting is None)
+        app.wait(lambda: app.state.exports.under_way is None)
         assert app.trouble().startswith("the export was not written: ")
         assert contents(app.state.places.pictures) == before
     assert app.works
@@ -141,15 +141,15 @@ def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
     app = App(replace(places, runs=disk.folder("runs")), clip_path)
     state = app.state
     state.reconstruction.config = TrainConfig(iterations=400, n_gaussians=300, checkpoint_every=20)
-    actions.start_reconstruction(state, TrainingJob)
+    job_actions.start_reconstruction(state, TrainingJob)
     path = state.reconstruction.run_path
     assert path is not None
     run = RunFolder(path)
     app.wait(lambda: run.has_checkpoint)
-    actions.pause(state)
+    job_actions.pause(state)
     app.wait(lambda: state.reconstruction.status == "paused")
     disk.fill()
-    actions.resume(state)
+    job_actions.resume(state)
     app.wait(lambda: not state.reconstruction.is_alive)
     assert state.reconstruction.status == "failed"
     said = app.trouble()
@@ -158,15 +158,15 @@ def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
     assert "Errno" not in said
     assert run.has_checkpoint
     assert app.works
-    assert actions.can_continue(state)
+    assert job_actions.can_continue(state)
 
-    actions.continue_reconstruction(state, TrainingJob)
+    job_actions.continue_reconstruction(state, TrainingJob)
     app.wait(lambda: not state.reconstruction.is_alive)
     assert NO_SPACE in app.trouble()
 
     disk.free()
-    assert actions.can_continue(state)
-    actions.continue_reconstruction(state, TrainingJob)
+    assert job_actions.can_continue(state)
+    job_actions.continue_reconstruction(state, TrainingJob)
     app.wait(lambda: not state.reconstruction.is_alive)
     assert state.reconstruction.status == "finished"
     assert run.is_finished

@@ -6,6 +6,7 @@ import pytest
 from imgui_bundle import ImVec4, imgui
 
 from app.gui.actions import actions
+from app.gui.frame.dockings import MOST
 from app.gui.look import theme
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings, Theme, load_settings
@@ -127,8 +128,32 @@ def test_the_side_grows_with_the_text_and_shrinks_back(places: Places) -> None:
         for _ in range(3):
             ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.equal)
         assert state.settings.text_percent == 150
-        assert width() == pytest.approx(1.5 * first, rel=0.02)
+        most = MOST * imgui.get_main_viewport().size.x
+        assert width() == pytest.approx(min(1.5 * first, most), rel=0.02)
         ctx.key_press(imgui.Key.mod_ctrl | imgui.Key._0)
         assert width() == pytest.approx(first, rel=0.02)
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_panels_share_a_place_where_lines_are_few(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def share_a_place() -> bool:
+            ctx.yield_(6)
+            places = [
+                ctx.window_info(f"//{name}").window.dock_id for name in ("Enhancement", "Reconstruction")
+            ]
+            return places[0] == places[1]
+
+        assert not share_a_place()
+        for _ in range(4):
+            ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.equal)
+        assert driver.state.settings.text_percent == 175
+        assert share_a_place()
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key._0)
+        assert not share_a_place()
 
     driver.run(drive)

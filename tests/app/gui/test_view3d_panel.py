@@ -195,7 +195,7 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     assert request is not None
     shown = OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request.scaled(0.5))
     text = texts(view_tags(opened, shown))
-    assert "LIVE PREVIEW · iteration 0 / 3000" in text
+    assert "LIVE PREVIEW · iteration 0 / 3,000" in text
     assert "REDUCED RESOLUTION" in text
     job_actions.show_finished_model(opened, model)
     assert opened.view_request is not None

@@ -328,7 +328,7 @@ def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
 
     driver.run(drive)
     assert driver.state.frozen_index == 0
-    assert heights[0] > 370
+    assert heights[0] > 340
 
 
 @pytest.mark.display
