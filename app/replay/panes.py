@@ -70,14 +70,23 @@ class PanesFacts:
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
-class VideoFacts:
-    """What a video of panes says beside."""
+class SpanFacts:
+    """Which frames a video or a table of panes has."""
 
-    frames: int
-    frames_per_second: float
+    first_frame: int
+    last_frame: int
+    frames_per_second: float = 15.0
+
+    def frames(self, panes: Panes) -> range:
+        """Raises UserError for frames that the clip does not have."""
+        count = len(panes.shots[0].photo.clip)
+        if not 0 <= self.first_frame <= self.last_frame < count:
+            got = f"{self.first_frame} to {self.last_frame}"
+            raise UserError(f"expected frames from 0 to {count - 1}, got {got}")
+        return range(self.first_frame, self.last_frame + 1)
 
 
-PANES, VIDEO = TypeAdapter(PanesFacts), TypeAdapter(VideoFacts)
+PANES, SPAN = TypeAdapter(PanesFacts), TypeAdapter(SpanFacts)
 
 
 def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
@@ -96,24 +105,22 @@ def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
 
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
-    video, panes, maker = VIDEO.validate_python(facts), panes_of(facts, sources), OtherMaker()
-    count = len(panes.shots[0].photo.clip)
-    if not 1 <= video.frames <= count:
-        raise UserError(f"expected 1 to {count} frames, got {video.frames}: {sources.file}")
+    span, panes, maker = SPAN.validate_python(facts), panes_of(facts, sources), OtherMaker()
+    wanted = span.frames(panes)
 
     def frames() -> Iterator[ArrayImage]:
-        for frame in range(video.frames):
+        for frame in wanted:
             yield sheet(panes.at(frame).panels(maker))
 
-    write_video(target, frames(), video.frames_per_second)
+    write_video(target, frames(), span.frames_per_second)
     write_sidecar(target, again(facts))
 
 
 def remake_measures(facts: Facts, sources: Sources, target: Path) -> None:
     """The table and the JSON beside it. Raises UserError, ClipError, ImageError or ValidationError."""
     panes, maker = panes_of(facts, sources), OtherMaker()
-    count = len(panes.shots[0].photo.clip)
-    rows = [row for frame in range(count) for row in rows_at(panes, frame, maker)]
+    frames = SPAN.validate_python(facts).frames(panes)
+    rows = [row for frame in frames for row in rows_at(panes, frame, maker)]
     kept = {name: value for name, value in again(facts).items() if name not in ("kind", *MADE_AGAIN)}
     write_measures(target, rows, kept)
 

@@ -62,10 +62,10 @@ OFFERS: dict[What, Offer] = {
     "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", SIDES),
     "3D view": Offer("3D view", "picture", "As it is seen now, and the second one beside it.", sees="still"),
     "video of the panes": Offer(
-        "Panes as shown", "panes video", "Every frame of the clip, compared as on screen.", SIDES, True
+        "Panes as shown", "panes video", "Every frame from In to Out, compared as on screen.", SIDES, True
     ),
     "video of both panes": Offer(
-        "Both panes", "panes video", "Every frame of the clip, side by side.", SIDES
+        "Both panes", "panes video", "Every frame from In to Out, side by side.", SIDES
     ),
     "video through time": Offer(
         "3D through time", "view video", "The 3D view in colour from here, through the clip's time.",
@@ -75,7 +75,7 @@ OFFERS: dict[What, Offer] = {
         "3D along the path", "view video", "The 3D view in colour along the camera path.", sees="path"
     ),
     "measures of both panes": Offer(
-        "Table of both panes", "measures", "DV/BV, contrast, noise and more at every frame: CSV and JSON.",
+        "Table of both panes", "measures", "DV/BV, contrast, noise and more, from In to Out: CSV and JSON.",
         SIDES,
     ),
 }  # fmt: skip
@@ -160,6 +160,7 @@ def _request(state: AppState, offer: Offer) -> ExportRequest:
         offer.form,
         panes,
         views,
+        state.span,
         rate,
         state.opened_options,
     )

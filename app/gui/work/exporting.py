@@ -39,6 +39,8 @@ class ExportRequest:
     views: tuple[ViewRequest, ...] = ()
     """Of the 3D view, with as many pixels as the file has: in a picture that and the second one, in a video
     one a frame."""
+    span: tuple[int, int] = (0, 0)
+    """First and last frame of the clip that a video or a table of panes has."""
     frames_per_second: float = FRAMES_PER_SECOND
     clip_options: ClipOptions = DEFAULTS
 
@@ -47,7 +49,12 @@ class ExportRequest:
         """How often it comes up for air."""
         if self.form == "picture":
             return 1
-        return len(self.views) if self.form == "view video" else len(self.panes.shots[0].photo.clip)
+        return len(self.views) if self.form == "view video" else len(self.frames)
+
+    @property
+    def frames(self) -> range:
+        """Of the clip, in a video or a table of panes."""
+        return range(self.span[0], self.span[1] + 1)
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,10 @@ def _facts(request: ExportRequest) -> dict[str, Any]:
     return facts | {"panes": [shot.facts for shot in panes.shots]}
 
 
+def _span_facts(request: ExportRequest) -> dict[str, int]:
+    return {"first_frame": request.span[0], "last_frame": request.span[1]}
+
+
 def picture_facts(request: ExportRequest) -> dict[str, Any]:
     """What there is to see: the panes' clip and frame, and the 3D view."""
     facts: dict[str, Any] = {}
@@ -128,7 +139,7 @@ def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
     else:
         request = replace(request, panes=request.panes.steady(OtherMaker()))
         frames = _pane_frames(request)
-        facts = {"kind": "panes video"} | _facts(request) | {"frames": request.steps}
+        facts = {"kind": "panes video"} | _facts(request) | _span_facts(request)
     written = yield from _counted(write_frames(path, frames, request.frames_per_second))
     facts |= {"frames_per_second": request.frames_per_second, "video": written}
     write_sidecar(path, provenance(**facts))
@@ -148,7 +159,7 @@ def _counted(writing: Generator[int, None, Written]) -> Generator[Step, None, Wr
 
 def _pane_frames(request: ExportRequest) -> Iterator[ByteImage]:
     maker = OtherMaker()
-    for frame in range(request.steps):
+    for frame in request.frames:
         yield sheet(request.panes.at(frame).panels(maker))
 
 
@@ -166,7 +177,7 @@ def _view_video_facts(request: ExportRequest) -> dict[str, Any]:
 
 def _measures(request: ExportRequest, path: Path) -> Iterator[Step]:
     maker, rows = OtherMaker(), []
-    for frame in range(request.steps):
+    for done, frame in enumerate(request.frames, start=1):
         rows += rows_at(request.panes, frame, maker)
-        yield Step(frame + 1)
-    write_measures(path, rows, _facts(request))
+        yield Step(done)
+    write_measures(path, rows, _facts(request) | _span_facts(request))

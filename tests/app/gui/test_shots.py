@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.clip_part import ClipPart
 from app.color_bar import LEAST_HEIGHT
 from app.gui.actions import actions, comparing, export_actions, second_actions
 from app.gui.actions.export_actions import OFFERS, What
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import ClipSettings
 from app.gui.state.comparison import SIDES
 from app.gui.state.panes import pane
 from app.gui.state.settings import Places, Settings
@@ -174,7 +174,7 @@ def test_the_table_comes_again_and_a_changed_number_is_found_out(
 def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) -> None:
     """Wipe, difference, flip and a width in pixels; masked and trimmed."""
     state = run.state
-    state.clip_settings = ClipSettings(mask=PictureMask(text=(0, 0, 30, 20)), trim=(2, 7))
+    state.clip_settings = ClipPart(mask=PictureMask(text=(0, 0, 30, 20)), trim=(2, 7))
     state.scope, state.wiped = "clip", 0.25
     run.turn(6)
     assert state.pictures is not None
@@ -205,6 +205,12 @@ def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) 
     video = run.made("video of the panes")
     assert json.loads(video.with_name(f"{video.name}.json").read_text())["arrangement"]["top"] == heat.top
     assert same(video, clip_path)
+    capture = cv2.VideoCapture(str(video))
+    assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 6
+    capture.release()
+    table = run.made("measures of both panes")
+    assert [row["frame"] for row in csv.DictReader(table.read_text().splitlines())][::2] == list("234567")
+    assert same(table, clip_path)
 
 
 def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
