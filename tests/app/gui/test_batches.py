@@ -11,6 +11,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions, batch_actions, queue_actions
+from app.gui.frame.dialogs import TITLES
 from app.gui.panels.batches import Asking, draw_batches
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
@@ -188,11 +189,11 @@ def test_from_the_key_to_the_files(places: Places, case: Path, monkeypatch: pyte
         ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.b)
         ctx.yield_(2)
         ctx.item_click("//Enhance files and folders/###add folder")
-        wait(ctx, lambda: bool(ctx.window_info("//Open folder").id_), "the dialog")
+        wait(ctx, lambda: driver.window._dialogs.browser is not None, "the dialog")
         ctx.yield_(3)
         ctx.key_chars_replace(str(case))
         ctx.yield_(2)
-        ctx.item_click("//Open folder/Open")
+        ctx.item_click(f"//{TITLES['folder']}/Open")
         wait(ctx, lambda: state.batches.inputs == (case,), "the chosen folder")
         batch_actions.add_input(state, case / "scope.avi")
         ctx.yield_(2)
