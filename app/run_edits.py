@@ -90,6 +90,11 @@ def unpacked(deleted: str, hidden: str, count: int, place: Path) -> Edits:
     return Edits(gone, unseen - gone, Mask(count))
 
 
+def packed(edits: Edits) -> tuple[str, str]:
+    """What is deleted and what is hidden, as `unpacked` takes it."""
+    return _text(edits.deleted), _text(edits.hidden)
+
+
 def edits_facts(edits: Edits | None) -> dict[str, Any]:
     """What an export says of the edits of its model; nothing where there are none."""
     if edits is None or edits.is_empty:

@@ -5,21 +5,24 @@ Sources are named relative to the file, with their bytes' digest where it was sa
 
 from __future__ import annotations
 
+import json
 import os
 from contextlib import suppress
 from dataclasses import field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.arguments import problem
 from app.atomic import write_bytes
+from app.clip_part import ClipPart
 from app.errors import UserError
 from app.own_files import left_behind, own_file
 from app.provenance import strict_json, version
+from app.run_edits import MOST
 from app.run_folder import RecordedLook
 from app.views import ViewKind
 from enhance import EnhanceParams
@@ -86,6 +89,15 @@ class Varied:
     count: int
 
 
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class UnsavedEdits:
+    """Of the open model, not kept beside its run yet; masks as in edits.json."""
+
+    gaussians: Annotated[int, Field(ge=0, le=MOST)]
+    deleted: str
+    hidden: str
+
+
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
 class Session:
     """Everything of a session that another start can take up."""
@@ -99,6 +111,9 @@ class Session:
     run: SessionSource | None = None
     """The newest reconstruction; it goes before `source` where it can be opened."""
     clip_options: ClipOptions = DEFAULTS
+    part: ClipPart | None = None
+    """Trim and mask; None: not said."""
+    edits: UnsavedEdits | None = None
     frame: int = 0
     frozen: int | None = None
     params: RecordedLook = EnhanceParams()
@@ -142,20 +157,57 @@ def write_session(path: Path, session: Session) -> None:
 
 
 def read_session(path: Path) -> Session:
-    """Raises UserError: no such file, or a damaged one, which is then kept beside as NAME.broken."""
+    """All of it that can be read. Raises UserError: see `mended_session`."""
+    return mended_session(path)[0]
+
+
+def mended_session(path: Path) -> tuple[Session, str]:
+    """All of a session that can be read, and in a sentence what cannot; empty when all can.
+
+    Raises:
+        UserError: no such file, or nothing to open in it. A damaged file is kept beside as NAME.broken.
+    """
     try:
         content = path.read_bytes()
     except OSError as error:
         raise UserError(f"the session cannot be read, {error.strerror}: {path}") from error
+    kept = path.with_name(f"{path.name}.broken")
     try:
-        return SESSION.validate_json(content)
+        return SESSION.validate_json(content), ""
     except ValidationError as error:
-        kept = path.with_name(f"{path.name}.broken")
-        with suppress(OSError):
-            os.replace(path, kept)
-        raise UserError(
-            f"the session is damaged and was kept as {kept.name} ({problem(error)}): {path}"
-        ) from error
+        session, left_out = _readable(content)
+        if session is None or (session.source is None and session.run is None):
+            with suppress(OSError):
+                os.replace(path, kept)
+            raise UserError(
+                f"the session is damaged and was kept as {kept.name} ({problem(error)}): {path}"
+            ) from error
+    with suppress(OSError):
+        kept.write_bytes(content)
+    return session, (
+        f"of the session, {', '.join(left_out)} cannot be read and is as at first; "
+        f"the file as it was is kept as {kept.name}"
+    )
+
+
+def _readable(content: bytes) -> tuple[Session | None, list[str]]:
+    """The session without the parts that are not valid, and their names; None for no session at all."""
+    try:
+        told = json.loads(content)
+    except ValueError:
+        return None, []
+    if not isinstance(told, dict) or told.get("schema", 1) != 1:
+        return None, []
+    left_out: list[str] = []
+    while True:
+        try:
+            return SESSION.validate_python(told), left_out
+        except ValidationError as error:
+            wrong = sorted({str(each["loc"][0]) for each in error.errors() if each["loc"]} & set(told))
+            if not wrong:
+                return None, []
+            left_out += wrong
+            told = {name: value for name, value in told.items() if name not in wrong}
 
 
 def autosave_path(folder: Path) -> Path:

@@ -49,6 +49,12 @@ def follow(state: AppState) -> None:
     _show(state)
 
 
+def bring_back(state: AppState, edits: Edits) -> None:
+    """Edits of the open model from before, which nobody has saved: one step that can be undone."""
+    state.editing.history = state.editing.history.then(edits)
+    _show(state)
+
+
 def _show(state: AppState) -> None:
     """The model as the edits leave it."""
     editing = state.editing

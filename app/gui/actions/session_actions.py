@@ -10,7 +10,8 @@ from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from app.gui.actions import actions
+from app.errors import UserError
+from app.gui.actions import actions, edit_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SOURCES, Comparison
 from app.gui.views.free_view import FreeView
@@ -18,6 +19,7 @@ from app.gui.views.picture_view import PictureView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import Choice
 from app.provenance import digest
+from app.run_edits import packed, unpacked
 from app.sessions import (
     MOST_STEPS,
     SUFFIX,
@@ -25,6 +27,7 @@ from app.sessions import (
     FreeCamera,
     Session,
     SessionSource,
+    UnsavedEdits,
     Varied,
     autosave_path,
     recoverable,
@@ -70,6 +73,8 @@ def snapshot(state: AppState, folder: Path) -> Session:
         source=SessionSource.of(state.opened_path, folder) if state.opened_path else None,
         run=SessionSource.of(run, folder) if run else None,
         clip_options=state.opened_options,
+        part=state.clip_settings,
+        edits=_unsaved(state),
         frame=state.frame_index,
         frozen=state.frozen_index,
         params=state.params,
@@ -99,8 +104,20 @@ def snapshot(state: AppState, folder: Path) -> Session:
     )
 
 
+def _unsaved(state: AppState) -> UnsavedEdits | None:
+    """Edits of the open model that are not kept beside its run."""
+    editing = state.editing
+    if editing.base is None or not editing.is_unsaved:
+        return None
+    return UnsavedEdits(editing.edits.count, *packed(editing.edits))
+
+
 def restore(state: AppState, session: Session) -> None:
     """All of it but the sources, which are open by now."""
+    if session.part is not None and state.clip is not None:
+        state.clip_settings = session.part
+    if session.edits is not None:
+        _restore_edits(state, session.edits)
     actions.seek(state, session.frame)
     last = len(state.clip) - 1 if state.clip is not None else 0
     state.frozen_index = min(max(session.frozen, 0), last) if session.frozen is not None else None
@@ -123,6 +140,24 @@ def restore(state: AppState, session: Session) -> None:
     state.tuning.shown = session.tuning_shown
     state.tuning.sort = session.sort if session.sort in METRICS else ""
     state.notes = session.notes
+
+
+def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
+    """They are there again, and still unsaved; those of another model are left out, which is said."""
+    edit_actions.follow(state)
+    base = state.editing.base
+    count = len(base.model) if base is not None else 0
+    if count != kept.gaussians:
+        said = f"they are of {kept.gaussians} Gaussians, the model has {count}"
+        actions.fail(state, f"unsaved edits of the session were left out: {said}")
+        return
+    try:
+        edits = unpacked(kept.deleted, kept.hidden, count, Path("session"))
+    except UserError as error:
+        actions.fail(state, f"unsaved edits of the session were left out: {error}")
+        return
+    edit_actions.bring_back(state, edits)
+    actions.announce(state, "unsaved edits of the model are there again: Ctrl+Shift+S saves them")
 
 
 def _restore_views(state: AppState, session: Session) -> None:

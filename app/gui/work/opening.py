@@ -16,7 +16,7 @@ from app.report.saved import is_report
 from app.run_edits import read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.scene import is_splat_file, splat_scene
-from app.sessions import SUFFIX, Session, read_session
+from app.sessions import SUFFIX, Session, mended_session
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
@@ -97,7 +97,7 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
 
 def _open_session(path: Path) -> Opened:
     """Its run where that can be opened, else its clip or file of splats."""
-    session = read_session(path)
+    session, damage = mended_session(path)
     run = session.run.found(path) if session.run else None
     wanted, place = session.source, session.source.found(path) if session.source else None
     if session.run is not None and run is not None and RunFolder(run).is_run:
@@ -109,7 +109,8 @@ def _open_session(path: Path) -> Opened:
     notices = opened.notices
     if wanted.sha256 is not None and digest(place) != wanted.sha256:
         notices = (*notices, f"{place.name} has changed since the session was saved")
-    return replace(opened, session=session, path=place, notices=notices)
+    warning = damage or opened.warning
+    return replace(opened, session=session, path=place, notices=notices, warning=warning)
 
 
 def _open_splats(path: Path) -> Opened:

@@ -12,11 +12,13 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.clip_part import WHOLE
 from app.errors import UserError
-from app.gui.actions import actions, comparing, session_actions
+from app.gui.actions import actions, clip_actions, comparing, edit_actions, session_actions
 from app.gui.actions.session_actions import snapshot
 from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.state.app_state import AppState
@@ -27,12 +29,22 @@ from app.gui.views.free_view import FreeView
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.tuning import Choice
-from app.sessions import FreeCamera, Session, autosave_path, read_session, recoverable, write_session
+from app.picture_mask import PictureMask
+from app.sessions import (
+    FreeCamera,
+    Session,
+    UnsavedEdits,
+    autosave_path,
+    read_session,
+    recoverable,
+    write_session,
+)
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera_files import NamedCamera
 from renderer.camera_path import CameraPath, Keyframe
+from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views
 from tests.app.gui.kept_session import places_in
@@ -83,6 +95,8 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
     state.reconstruction.name, state.reconstruction.input = "second try", "enhanced"
     state.reconstruction.config = replace(state.reconstruction.config, iterations=500)
     state.tuning.choices = (Choice("lift", 0.1, 0.9, 3), Choice())
+    clip_actions.trim_here(state, start=True)
+    clip_actions.set_mask(state, PictureMask(text=(3, 4, 20, 9)))
     comparing.store(state, "A")
     state.comparison = Comparison("wipe", "A", "clahe", 0.3, zebra=True)
     state.notes = "Zwölf Uhr: ein Gefäß\nunclear"
@@ -233,7 +247,79 @@ def test_numbers_that_are_none_are_refused(tmp_path: Path) -> None:
     text = (tmp_path / "d.vesselsplat").read_text().replace('"frame": 3', '"frame": "x"')
     (tmp_path / "d.vesselsplat").write_text(text)
     with pytest.raises(UserError, match="frame"):
-        read_session(tmp_path / "d.vesselsplat")
+        read_session(tmp_path / "d.vesselsplat")  # And nothing to open in it.
+
+
+def test_trim_and_mask_come_back_also_where_paths_are_not_remembered(
+    worked: tuple[AppState, Channels], places: Places
+) -> None:
+    state, _ = worked
+    path = places.pictures / "m.vesselsplat"
+    write_session(path, snapshot(state, path.parent))
+    (places.config / "clips.json").unlink(missing_ok=True)
+    other, _ = opened_state(places, path)
+    assert other.clip_settings == state.clip_settings != WHOLE
+
+
+def test_unsaved_edits_come_back_unsaved(places: Places, clip_path: Path, model: DynamicGaussians) -> None:
+    run = make_run(places.runs / "first", clip_path, model)
+    state, channels = opened_state(places, run.path)
+    edit_actions.toggle(state)
+    for name in ("deleted", "hidden"):
+        mask = Mask.of(np.arange(len(model)) % 5 == (1 if name == "deleted" else 2))
+        edit_actions.change(state, lambda edits, mask=mask: edits.selecting(mask, "replace"))
+        (edit_actions.delete if name == "deleted" else edit_actions.hide)(state)
+    edits = state.editing.edits
+    assert state.editing.is_unsaved
+    path = places.pictures / "e.vesselsplat"
+    write_session(path, snapshot(state, path.parent))
+    other, channels = opened_state(places, path)
+    turn(other, channels)
+    assert (other.editing.edits.deleted, other.editing.edits.hidden) == (edits.deleted, edits.hidden)
+    assert other.editing.is_unsaved
+    assert not run.edits_path.exists()
+    assert other.model is not None
+    assert len(other.model.model) == len(edits.visible) < len(model)
+    assert snapshot(other, path.parent).edits == snapshot(state, path.parent).edits
+    edit_actions.toggle(other)
+    edit_actions.undo(other)
+    assert not other.editing.is_unsaved
+    assert snapshot(other, path.parent).edits is None
+
+
+def test_unsaved_edits_of_another_model_are_left_out_and_said(
+    places: Places, clip_path: Path, model: DynamicGaussians
+) -> None:
+    run = make_run(places.runs / "first", clip_path, model)
+    state, _ = opened_state(places, run.path)
+    for edits in (UnsavedEdits(len(model) + 1, "", ""), UnsavedEdits(len(model), "?", "")):
+        state.banner = None
+        session_actions.restore(state, replace(snapshot(state, places.config), edits=edits))
+        assert state.banner is not None
+        assert "left out" in state.banner.message
+        assert not state.editing.is_unsaved
+
+
+def test_of_a_damaged_session_all_that_can_be_read_comes_back(
+    worked: tuple[AppState, Channels], places: Places
+) -> None:
+    state, _ = worked
+    path = places.pictures / "n.vesselsplat"
+    write_session(path, snapshot(state, path.parent))
+    told = json.loads(path.read_text())
+    told["params"], told["blend"], told["of tomorrow"] = {"z": 7}, "much", 3
+    del told["part"]
+    path.write_text(json.dumps(told))
+    before = path.read_bytes()
+    other, _ = opened_state(places, path)
+    assert (other.notes, other.scope, other.frame_index) == (state.notes, state.scope, state.frame_index)
+    assert other.params == EnhanceParams()
+    assert other.banner is not None
+    assert "blend, params" in other.banner.message
+    assert "n.vesselsplat.broken" in other.banner.message
+    assert "\n" not in other.banner.message
+    assert path.with_name("n.vesselsplat.broken").read_bytes() == before
+    assert path.exists()
 
 
 def test_a_camera_that_makes_no_sense_is_left_out(places: Places, clip_path: Path) -> None:
