@@ -19,6 +19,7 @@ from app.gui.window import Window
 from app.gui.work.tuning import Choice
 from app.job import TrainingJob
 from assets import phantom_path
+from enhance import EnhanceParams
 
 Context = imgui.test_engine.TestContext
 STEPS = 50
@@ -260,6 +261,8 @@ def edit(person: Person) -> None:
 
 
 def tune(person: Person) -> None:
+    if not isinstance(person.state.params, EnhanceParams):
+        return  # What is varied here is of the paper's method.
     person.press(CTRL | K.t)
     tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, person.rng.uniform(1, 5), 3))
     tuning_actions.choose_axis(person.state, 1, Choice("p", 0.2, person.rng.uniform(0.5, 1), 3))
