@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import TypeVar
 
@@ -21,6 +22,8 @@ from app.gui.work.opening import Opened, OpenRequest
 from app.methods import Look
 
 TOAST_SECONDS = 6.0
+MOST_STEPS = 200
+"""Of undo."""
 L = TypeVar("L", bound=Look)
 
 
@@ -110,6 +113,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.clip_settings = opened.run.record.clip.part if opened.run is not None else said or WHOLE
     if not state.reconstruction.is_alive:
         _show_run(state, opened)
+    rebase(state, [step.params for step in state.past])
     for notice in opened.notices:
         say(state, notice)
     say(state, f"opened {path.name}")
@@ -195,7 +199,8 @@ def set_params(state: AppState, params: Look) -> None:
 
 def latest(state: AppState, method: type[L]) -> L:
     """The parameters of a method, as they were when it was last chosen."""
-    settled = (params for params in (state.params, *reversed(state.past)) if isinstance(params, method))
+    looks = (state.params, *(step.params for step in reversed(state.past)))
+    settled = (params for params in looks if isinstance(params, method))
     return next(settled, method())
 
 
@@ -207,22 +212,16 @@ def choose_method(state: AppState, method: type[Look]) -> None:
 
 def settle_params(state: AppState) -> None:
     """Called while no control is held: one drag of a slider is one step of undo."""
-    if state.params != state.past[-1]:
-        state.past.append(state.params)
+    chosen = state.chosen
+    if chosen != state.past[-1]:
+        state.past = [*state.past[-MOST_STEPS:], chosen]
         state.future.clear()
 
 
-def undo(state: AppState) -> None:
-    settle_params(state)
-    if len(state.past) > 1:
-        state.future.append(state.past.pop())
-        state.params = state.past[-1]
-
-
-def redo(state: AppState) -> None:
-    if state.future:
-        state.past.append(state.future.pop())
-        state.params = state.past[-1]
+def rebase(state: AppState, looks: Iterable[Look]) -> None:
+    """Something else is open: of what was set before, only the looks of pictures can be gone back to."""
+    now = state.chosen
+    state.past, state.future = [now.with_look(look) for look, _ in groupby(looks)], []
 
 
 def reset_params(state: AppState) -> None:

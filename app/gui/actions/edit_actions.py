@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.atomic import write_bytes
 from app.errors import UserError
-from app.gui.actions import actions
+from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.editing import (
     Around,
@@ -211,11 +211,11 @@ def invert(state: AppState) -> None:
 
 def undo(state: AppState) -> None:
     """An edit in edit mode, else a parameter."""
-    _step(state, History.undone) if state.editing.active else actions.undo(state)
+    _step(state, History.undone) if state.editing.active else history_actions.undo(state)
 
 
 def redo(state: AppState) -> None:
-    _step(state, History.redone) if state.editing.active else actions.redo(state)
+    _step(state, History.redone) if state.editing.active else history_actions.redo(state)
 
 
 def _step(state: AppState, way: Callable[[History], History]) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import datetime
+from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
@@ -78,7 +79,7 @@ def snapshot(state: AppState, folder: Path) -> Session:
         frame=state.frame_index,
         frozen=state.frozen_index,
         params=state.params,
-        past=tuple(state.past[-MOST_STEPS:]),
+        past=tuple(look for look, _ in groupby(step.params for step in state.past))[-MOST_STEPS:],
         scope=state.scope,
         tissue_only=state.tissue_only,
         enhancing=state.enhancing,
@@ -121,7 +122,7 @@ def restore(state: AppState, session: Session) -> None:
     actions.seek(state, session.frame)
     last = len(state.clip) - 1 if state.clip is not None else 0
     state.frozen_index = min(max(session.frozen, 0), last) if session.frozen is not None else None
-    state.params, state.past, state.future = session.params, list(session.past or (session.params,)), []
+    state.params = session.params
     state.scope, state.tissue_only, state.enhancing = session.scope, session.tissue_only, session.enhancing
     state.stored = dict(session.stored)
     compared = session.comparison
@@ -140,6 +141,7 @@ def restore(state: AppState, session: Session) -> None:
     state.tuning.shown = session.tuning_shown
     state.tuning.sort = session.sort if session.sort in METRICS else ""
     state.notes = session.notes
+    actions.rebase(state, session.past or (session.params,))
 
 
 def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:

@@ -12,6 +12,7 @@ from app.gui.actions import (
     clip_actions,
     comparing,
     export_actions,
+    history_actions,
     tuning_actions,
     window_actions,
 )
@@ -38,7 +39,7 @@ def sections(state: AppState, outside: Outside) -> tuple[Section, ...]:
     """All commands as they are now: the recent clips are among them."""
     return (
         *_file(state, outside),
-        *_picture(),
+        *_picture(state),
         *_compare(),
         *_clip(),
         *job_sections(outside),
@@ -113,7 +114,7 @@ def _file(state: AppState, outside: Outside) -> tuple[Section, ...]:
     )
 
 
-def _picture() -> tuple[Section, ...]:
+def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command(
             "Enhancement",
@@ -140,18 +141,18 @@ def _picture() -> tuple[Section, ...]:
     )  # fmt: skip
     parameters = (
         Command(
-            "Undo",
-            actions.undo,
+            history_actions.undo_name(state),
+            history_actions.undo,
             ("Ctrl+Z",),
-            text="undo a parameter",
+            text="undo: the last setting back",
             applies=lambda s: len(s.past) > 1 and not s.editing.active,
             repeats=True,
         ),
         Command(
-            "Redo",
-            actions.redo,
+            history_actions.redo_name(state),
+            history_actions.redo,
             ("Ctrl+Y",),
-            text="redo a parameter",
+            text="redo: a setting that was undone",
             applies=lambda s: bool(s.future) and not s.editing.active,
             repeats=True,
         ),

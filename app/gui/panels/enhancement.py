@@ -8,7 +8,7 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.actions import actions, preset_actions
+from app.gui.actions import actions, history_actions, preset_actions
 from app.gui.legible import legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, row, slide, slide_auto
@@ -194,10 +194,10 @@ def _choose(label: str, index: int, values: list[str], text: str) -> int:
 
 def _draw_edits(state: AppState) -> None:
     width = (imgui.get_content_region_avail().x / em() - 1) / 3
-    button("Undo", partial(actions.undo, state), enabled=len(state.past) > 1, width=width)
+    button("Undo", partial(history_actions.undo, state), enabled=len(state.past) > 1, width=width)
     explain("Ctrl+Z")
     imgui.same_line(0, em(0.5))
-    button("Redo", partial(actions.redo, state), enabled=bool(state.future), width=width)
+    button("Redo", partial(history_actions.redo, state), enabled=bool(state.future), width=width)
     explain("Ctrl+Y")
     imgui.same_line(0, em(0.5))
     changed = state.params != type(state.params)()

@@ -10,6 +10,7 @@ from typing import Literal
 from app.clip_part import WHOLE, ClipPart
 from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
+from app.gui.state.chosen import Chosen
 from app.gui.state.comparison import Comparison, Side
 from app.gui.state.exports import Exports
 from app.gui.state.palette import Palette
@@ -107,9 +108,9 @@ class AppState:
     """False: plain white light on both sides."""
     peeking: bool = False
     """The original is shown in the enhanced pane while a key is held."""
-    past: list[Look] = field(default_factory=lambda: [EnhanceParams()])
-    """Settled parameters; the last is the present one. Undo goes back in it."""
-    future: list[Look] = field(default_factory=list)
+    past: list[Chosen] = field(default_factory=lambda: [Chosen()])
+    """Settled settings; the last are the present ones. Undo goes back in it."""
+    future: list[Chosen] = field(default_factory=list)
 
     pictures: Pictures | None = None
     asked_at: float = 0.0
@@ -200,6 +201,21 @@ class AppState:
     """The numba rasteriser draws the 3D view, since there is no graphics card, or OpenGL is slower."""
     drawn_by: str = ""
     """Why, for the tooltip."""
+
+    @property
+    def chosen(self) -> Chosen:
+        """All that is set now."""
+        draft, comparison = self.reconstruction, replace(self.comparison, wipe=0.5, flipped=False)
+        return Chosen(
+            self.params,
+            self.scope,
+            self.tissue_only,
+            self.clip_settings,
+            comparison,
+            draft.config,
+            draft.input,
+            draft.d_factor,
+        )
 
     @property
     def shown_index(self) -> int:

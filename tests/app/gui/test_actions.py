@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, job_actions
+from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import load_settings
 from app.gui.work.opening import Opened
@@ -34,7 +34,13 @@ def test_seeking_stays_within_the_clip(state: AppState) -> None:
 
 def test_without_a_clip_nothing_moves(places) -> None:  # type: ignore[no-untyped-def]
     state = AppState(places)
-    for act in (actions.toggle_play, actions.toggle_freeze, actions.undo, actions.redo, job_actions.cancel):
+    for act in (
+        actions.toggle_play,
+        actions.toggle_freeze,
+        history_actions.undo,
+        history_actions.redo,
+        job_actions.cancel,
+    ):
         act(state)
     actions.step(state, 1)
     assert (state.playing, state.frozen_index, state.frame_index) == (False, None, 0)
@@ -75,7 +81,7 @@ def test_one_drag_is_one_step_of_undo(state: AppState) -> None:
     actions.settle_params(state)
     seen = [state.params]
     for _ in range(3):
-        actions.undo(state)
+        history_actions.undo(state)
         seen.append(state.params)
     assert [(params.d_factor, params.z) for params in seen] == [
         (1.3, 0.3),
@@ -83,8 +89,8 @@ def test_one_drag_is_one_step_of_undo(state: AppState) -> None:
         (1.0, None),
         (1.0, None),
     ]
-    actions.redo(state)
-    actions.redo(state)
+    history_actions.redo(state)
+    history_actions.redo(state)
     assert state.params == seen[0]
 
 
@@ -92,11 +98,11 @@ def test_reset_can_be_undone_and_a_change_ends_redo(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.2))
     actions.settle_params(state)
     actions.reset_params(state)
-    actions.undo(state)
+    history_actions.undo(state)
     assert state.params == EnhanceParams(z=0.2)
     actions.set_params(state, EnhanceParams(z=0.9))
     actions.settle_params(state)
-    actions.redo(state)
+    history_actions.redo(state)
     assert state.params == EnhanceParams(z=0.9)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from itertools import groupby
 
 import pytest
@@ -152,10 +153,10 @@ def test_undo_is_of_edits_in_edit_mode_and_of_parameters_elsewhere(editing: AppS
     def undoing() -> list[str]:
         return [one.label for one in commands(editing) if "Ctrl+Z" in one.keys and one.applies(editing)]
 
-    editing.past = [editing.params, editing.params]
+    editing.past = [replace(editing.chosen, scope="clip"), editing.chosen]
     assert undoing() == []
     editing.editing.active = False
-    assert undoing() == ["Undo"]
+    assert undoing() == ["Undo statistics"]
 
 
 def test_every_key_has_a_name_that_can_be_pressed(empty: AppState) -> None:

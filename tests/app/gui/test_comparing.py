@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, comparing
+from app.gui.actions import actions, comparing, history_actions
 from app.gui.legible import named
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SOURCES, Comparison
@@ -182,7 +182,7 @@ def test_storing_and_recalling_are_steps_of_undo(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.9))
     comparing.recall(state, "B")
     assert state.params == EnhanceParams(z=0.2)
-    actions.undo(state)
+    history_actions.undo(state)
     assert state.params == EnhanceParams(z=0.9)
     comparing.recall(state, "A")
     assert state.params == EnhanceParams(z=0.9)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.gui.actions import actions, job_actions
+from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
@@ -48,7 +48,7 @@ def test_each_method_keeps_its_parameters_and_undo_goes_between_them(state: AppS
     actions.choose_method(state, VesselParams)
     assert state.params == STRONG
     for wanted in (EnhanceParams(z=0.3), STRONG, VesselParams(), EnhanceParams(z=0.3), EnhanceParams()):
-        actions.undo(state)
+        history_actions.undo(state)
         assert state.params == wanted
     actions.set_params(state, STRONG)
     actions.reset_params(state)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, path_actions
+from app.gui.actions import actions, history_actions, path_actions
 from app.gui.look.widgets import seconds
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
@@ -62,7 +62,7 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
     assert moved.d_factor != EnhanceParams().d_factor
     assert replace(moved, d_factor=1.0) == EnhanceParams()
     assert len(opened.past) == 2
-    actions.undo(opened)
+    history_actions.undo(opened)
     assert opened.params == EnhanceParams()
 
 

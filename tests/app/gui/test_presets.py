@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, preset_actions
+from app.gui.actions import actions, history_actions, preset_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.presets import BUILT_IN, load_presets, preset_name, presets_file, save_presets
 from app.training import RECONSTRUCTION_PARAMS
@@ -51,7 +51,7 @@ def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.9))
     preset_actions.choose(state, "mine")
     assert state.params == OWN["mine"]
-    actions.undo(state)
+    history_actions.undo(state)
     assert state.params == EnhanceParams(z=0.9)
     assert load_presets(presets_file(state.places))[0] == {"mine": OWN["mine"]}
     preset_actions.choose(state, "no such preset")

@@ -18,7 +18,7 @@ from imgui_bundle import imgui
 
 from app.clip_part import WHOLE
 from app.errors import UserError
-from app.gui.actions import actions, clip_actions, comparing, edit_actions, session_actions
+from app.gui.actions import actions, clip_actions, comparing, edit_actions, history_actions, session_actions
 from app.gui.actions.session_actions import snapshot
 from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.state.app_state import AppState
@@ -117,7 +117,7 @@ def test_all_of_it_comes_back(worked: tuple[AppState, Channels], places: Places)
     folder = request.path.parent
     assert snapshot(other, folder) == snapshot(state, folder)
     assert (other.session_path, other.params) == (request.path, VesselParams())
-    actions.undo(other)
+    history_actions.undo(other)
     assert other.params == EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3))
     written = request.path.read_text(encoding="utf-8")
     assert str(state.opened_path) not in written

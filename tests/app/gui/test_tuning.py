@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, tuning_actions
+from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.panels.tuning import draw_tuning
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
@@ -71,7 +71,7 @@ def test_use_is_one_step_of_undo(state: AppState, channels: Channels) -> None:
     assert state.tuning.grid is not None
     tuning_actions.use_setting(state, state.tuning.grid.settings[0])
     assert state.params == state.tuning.grid.settings[0].params
-    actions.undo(state)
+    history_actions.undo(state)
     assert state.params == EnhanceParams()
 
 

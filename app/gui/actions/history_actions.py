@@ -1,0 +1,41 @@
+"""Undo and redo of all that a person sets, as functions on the state: one history of snapshots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.gui.actions import actions, clip_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.chosen import Chosen, step_name
+
+
+def undo(state: AppState) -> None:
+    actions.settle_params(state)
+    if len(state.past) > 1:
+        state.future.append(state.past.pop())
+        _take(state, state.past[-1])
+
+
+def redo(state: AppState) -> None:
+    if state.future:
+        state.past.append(state.future.pop())
+        _take(state, state.past[-1])
+
+
+def undo_name(state: AppState) -> str:
+    """The command's, with what it takes back."""
+    return f"Undo {step_name(*state.past[-2:])}" if len(state.past) > 1 else "Undo"
+
+
+def redo_name(state: AppState) -> str:
+    return f"Redo {step_name(state.past[-1], state.future[-1])}" if state.future else "Redo"
+
+
+def _take(state: AppState, chosen: Chosen) -> None:
+    now, draft = state.comparison, state.reconstruction
+    state.params, state.scope, state.tissue_only = chosen.params, chosen.scope, chosen.tissue_only
+    state.comparison = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
+    draft.config, draft.input, draft.d_factor = chosen.config, chosen.input, chosen.d_factor
+    if state.clip_settings != chosen.part:
+        state.clip_settings = chosen.part
+        clip_actions.keep_settings(state)

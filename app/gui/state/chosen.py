@@ -1,0 +1,65 @@
+"""All that a person sets, as one value: the steps of undo. How it is looked at is no setting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Final
+
+from app.clip_part import WHOLE, ClipPart
+from app.gui.state.comparison import Comparison
+from app.gui.state.reconstruction import InputKind
+from app.gui.work.enhancing import Scope
+from app.methods import Look
+from app.training import RECONSTRUCTION_PARAMS
+from enhance import EnhanceParams
+from renderer.train.config import TrainConfig
+
+DEFAULT_LOOK: Final = EnhanceParams()
+DEFAULT_CONFIG: Final = TrainConfig()
+DEFAULT_COMPARISON: Final = Comparison()
+NAMES: Final = {
+    "params": "enhancement",
+    "scope": "statistics",
+    "tissue_only": "statistics",
+    "comparison": "comparison",
+    "config": "reconstruction settings",
+    "input": "reconstruction settings",
+    "d_factor": "reconstruction settings",
+}
+PARAMS: Final = {"z": "z", "p": "P", "radii": "windows", "eps": "eps", "d_factor": "d-factor"}
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """What undo goes back to."""
+
+    params: Look = DEFAULT_LOOK
+    scope: Scope = "image"
+    tissue_only: bool = False
+    part: ClipPart = WHOLE
+    comparison: Comparison = DEFAULT_COMPARISON
+    """The line of the wipe in the middle, nothing flipped: these are looked at, not set."""
+    config: TrainConfig = DEFAULT_CONFIG
+    input: InputKind = "original"
+    d_factor: float = RECONSTRUCTION_PARAMS.d_factor
+
+    def with_look(self, params: Look) -> Chosen:
+        return replace(self, params=params)
+
+
+def step_name(before: Chosen, after: Chosen) -> str:
+    """What the step from one to the other has changed, in a word or two."""
+    names = {NAMES[name] for name in NAMES if getattr(before, name) != getattr(after, name)}
+    names |= {name for name in ("trim", "mask") if getattr(before.part, name) != getattr(after.part, name)}
+    if len(names) != 1:
+        return "settings"
+    (name,) = names
+    return _of_look(before.params, after.params) if name == "enhancement" else name
+
+
+def _of_look(before: Look, after: Look) -> str:
+    if type(before) is not type(after):
+        return "method"
+    names = (each.name for each in fields(before))
+    changed = [name for name in names if getattr(before, name) != getattr(after, name)]
+    return PARAMS.get(changed[0], "enhancement") if len(changed) == 1 else "enhancement"

@@ -1,0 +1,133 @@
+"""One history of all that is set: each step comes back as it was, by its name, and looking is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from app.clip_part import ClipPart
+from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.chosen import Chosen
+from app.gui.state.clip_settings import load_clips
+from app.gui.state.settings import Places
+from app.gui.views.picture_view import PictureView
+from app.gui.work.opening import Opened
+from app.picture_mask import PictureMask
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from tests.app.gui.conftest import make_clip
+
+Set = Callable[[AppState], None]
+
+
+def iterations(state: AppState) -> None:
+    run = state.reconstruction
+    run.config = replace(run.config, iterations=7, leave_out=("deformation",))
+
+
+def wishes(state: AppState) -> None:
+    state.reconstruction.input, state.reconstruction.d_factor = "both in turn", 0.75
+
+
+def trim(state: AppState) -> None:
+    actions.seek(state, 2)
+    clip_actions.trim_here(state, start=True)
+
+
+def pooled(state: AppState) -> None:
+    state.scope, state.tissue_only = "clip", True
+
+
+SETTINGS: dict[str, Set] = {
+    "d-factor": lambda s: actions.set_params(s, EnhanceParams(d_factor=2.0)),
+    "enhancement": lambda s: preset_actions.choose(s, "Paper, d 0.5 (3D)") or actions.set_params(
+        s, EnhanceParams(z=0.5, d_factor=0.1)
+    ),
+    "method": lambda s: actions.choose_method(s, VesselParams),
+    "statistics": pooled,
+    "trim": trim,
+    "mask": lambda s: clip_actions.set_mask(s, PictureMask(text=(1, 2, 3, 4))),
+    "comparison": lambda s: comparing.choose_source(s, "left", "clahe"),
+    "reconstruction settings": iterations,
+    "reconstruction settings ": wishes,
+}  # fmt: skip
+
+
+def test_every_setting_is_undone_and_redone_in_its_turn(state: AppState) -> None:
+    seen: list[Chosen] = [state.chosen]
+    for name, act in SETTINGS.items():
+        act(state)
+        actions.settle_params(state)
+        actions.settle_params(state)  # Frames in which nothing changes are no steps.
+        seen.append(state.chosen)
+        assert seen[-1] != seen[-2]
+        if name != "enhancement":  # Choosing a preset and then another value are two steps.
+            assert history_actions.undo_name(state) == f"Undo {name.strip()}"
+    settled = list(state.past)
+    while len(state.past) > 1:
+        history_actions.undo(state)
+        assert state.chosen == state.past[-1]
+    assert state.chosen == seen[0]
+    assert history_actions.undo_name(state) == "Undo"
+    while state.future:
+        history_actions.redo(state)
+    assert (state.past, state.chosen) == (settled, seen[-1])
+
+
+def test_a_drag_is_one_step(state: AppState) -> None:
+    for width in range(1, 20):
+        clip_actions.set_mask(state, PictureMask(text=(0, 0, width, 5)))
+    actions.settle_params(state)
+    assert len(state.past) == 2
+    history_actions.undo(state)
+    assert state.clip_settings.mask == PictureMask()
+
+
+def test_looking_is_no_step_and_is_left_as_it_is(state: AppState) -> None:
+    comparing.choose_mode(state, "wipe")
+    actions.settle_params(state)
+    state.comparison = state.comparison.wiped(0.2)
+    state.picture_view, state.playing = PictureView(3.0, (0.1, 0.2)), True
+    actions.seek(state, 4)
+    actions.toggle_enhancement(state)
+    actions.settle_params(state)
+    assert len(state.past) == 2
+    history_actions.undo(state)
+    assert (state.comparison.mode, state.comparison.wipe) == ("side by side", 0.2)
+    assert (state.frame_index, state.picture_view.zoom, state.enhancing) == (4, 3.0, False)
+
+
+def test_something_new_ends_what_could_be_redone(state: AppState) -> None:
+    trim(state)
+    actions.settle_params(state)
+    history_actions.undo(state)
+    pooled(state)
+    actions.settle_params(state)
+    history_actions.redo(state)
+    assert state.clip_settings == ClipPart()
+
+
+def test_an_undone_trim_is_undone_for_the_next_time_too(state: AppState, places: Places) -> None:
+    trim(state)
+    actions.settle_params(state)
+    assert load_clips(places.config)
+    history_actions.undo(state)
+    assert not load_clips(places.config)
+
+
+@pytest.mark.parametrize("trimmed", [True, False])
+def test_no_step_leads_into_another_clip(state: AppState, places: Places, *, trimmed: bool) -> None:
+    if trimmed:
+        trim(state)
+    actions.set_params(state, EnhanceParams(d_factor=2.0))
+    actions.settle_params(state)
+    other = make_clip(places.config.parent / "other", 3)
+    actions.show_opened(state, other.path, Opened(other))
+    actions.settle_params(state)
+    while len(state.past) > 1:
+        history_actions.undo(state)
+    assert state.clip_settings == ClipPart()
+    assert state.params == EnhanceParams()
