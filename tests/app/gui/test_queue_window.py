@@ -143,3 +143,29 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
     assert jobs[0].request == waited[0]
     left = json.loads(queue_file(places.config).read_bytes())
     assert [one["config"]["iterations"] for one in left] == [200]  # It is there for the next window.
+
+
+@pytest.mark.display
+def test_a_trim_is_said_before_it_is_trained_on_and_undone_by_its_name(places: Places) -> None:
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        actions.seek(state, 3)
+        ctx.key_press(imgui.Key.mod_shift | imgui.Key.i)
+        wait(ctx, lambda: len(state.past) == 2, "the trim as a step")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.r)
+        wait(ctx, lambda: bool(jobs), "the job")
+        ctx.menu_click("//##MainMenuBar/Picture/Undo trim")
+        wait(ctx, lambda: state.clip_settings.trim is None, "the whole clip")
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.y)
+        wait(ctx, lambda: state.clip_settings.trim == (3, 23), "the trim again")
+        state.closing = "agreed"
+
+    driver.run(drive)
+    request = jobs[0].request
+    assert isinstance(request, TrainRequest)
+    assert request.part.trim == (3, 23)
