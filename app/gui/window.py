@@ -267,7 +267,7 @@ class Window:
         chosen = self.state.settings.theme, self.state.settings.text_percent
         if self._worn == chosen:
             return
-        size = glfw.get_window_size(glfw_utils.glfw_window_hello_imgui())
+        size = dockings.window_size(first=self._worn is None)
         dockings.arrange(params.docking_params, size, chosen[1])
         if self._worn is not None and dockings.is_low(size, chosen[1]) != dockings.is_low(
             size, self._worn[1]

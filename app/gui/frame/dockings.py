@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from imgui_bundle import ImVec2, hello_imgui, imgui
+import glfw
+from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
 from app.gui.look import theme
 from app.gui.panels.editing import PANEL as EDIT
@@ -42,6 +43,19 @@ def restore() -> None:
 
 def quit_app() -> None:
     hello_imgui.get_runner_params().app_shall_exit = True
+
+
+def window_size(*, first: bool) -> tuple[int, int]:
+    """Pixels across and down; in the `first` frame those of the next, with which the runner makes the window
+    larger for a dense screen."""
+    width, height = glfw.get_window_size(glfw_utils.glfw_window_hello_imgui())
+    if not first:
+        return width, height
+    factor, screen = (
+        hello_imgui.dpi_window_size_factor(),
+        glfw.get_video_mode(glfw.get_primary_monitor()).size,
+    )
+    return min(round(factor * width), screen.width), min(round(factor * height), screen.height)
 
 
 def is_low(size: tuple[int, int], text_percent: int) -> bool:

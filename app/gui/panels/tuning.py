@@ -193,12 +193,12 @@ def _draw_one(state: AppState, textures: ShowsTiles, setting: Setting) -> None:
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
         button("Use this setting###use", lambda: tuning_actions.use_setting(state, setting), width=10)
     explain("Enhance by it from now on. Ctrl+Z takes it back.")
-    imgui.same_line()
-    imgui.align_text_to_frame_padding()
     look = state.tuning.look if state.tuning.is_looked_at else None
-    words = in_words(look.measures) if look is not None else "…"
+    words = f"{said(setting)}   {in_words(look.measures) if look is not None else '…'}"
+    beside_of(imgui.calc_text_size(words).x)
+    imgui.align_text_to_frame_padding()
     with imgui_ctx.push_text_wrap_pos(0):
-        imgui.text_unformatted(f"{said(setting)}   {words}")
+        imgui.text_unformatted(words)
     if look is not None:
         _draw_whole(state, textures, look)
 

@@ -94,7 +94,8 @@ def _look(state: AppState, source: str) -> Look | None:
 def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
     """What a side shows now; it never looks enhanced without saying so, nor the reverse."""
     image, head, stale = _content(state, pictures, side)
-    return Pane(image, (*head, *_state_tags(state, stale)), stale)
+    # What could mislead comes before details, which a small pane has no room for.
+    return Pane(image, (head[0], *_state_tags(state, stale), *head[1:]), stale)
 
 
 def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:

@@ -92,7 +92,7 @@ def test_a_source_that_is_missing_says_so_and_shows_the_original(state: AppState
 
 def test_a_model_of_another_clip_is_no_render_of_this_one(state: AppState, model: DynamicGaussians) -> None:
     shown = shown_model(state, model)
-    state.model = replace(shown, cameras=shown.cameras[:2])
+    state.model = replace(shown, cameras=2 * shown.cameras)
     assert why_not(state, "render")
     camera = shown.cameras[0]
     other = camera.resized(2 * camera.width, 2 * camera.height)
