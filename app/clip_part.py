@@ -22,9 +22,9 @@ class ClipPart:
     mask: PictureMask = field(default_factory=PictureMask)
 
     @property
-    def first(self) -> int:
-        """Of its frames, in the whole clip."""
-        return 0 if self.trim is None else self.trim[0]
+    def first(self) -> int | None:
+        """Of its frames, in the whole clip; None where all of them count."""
+        return None if self.trim is None else self.trim[0]
 
     def span(self, count: int) -> tuple[int, int]:
         """First and last frame of a clip of `count` frames."""

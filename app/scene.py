@@ -35,8 +35,8 @@ class Scene:
     unit: str = SCENE_UNITS
     """Of lengths."""
     notices: tuple[str, ...] = ()
-    first: int = 0
-    """The frame of the whole clip that its first one is: a run can be of a part."""
+    first: int | None = None
+    """The frame of the whole clip that its first one is, of a run of a part."""
 
     def __len__(self) -> int:
         """Frames."""

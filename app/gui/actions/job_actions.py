@@ -150,9 +150,9 @@ def show_live_model(state: AppState, model: DynamicGaussians) -> None:
     )
 
 
-def _first(job: Reconstruction) -> int:
-    """Frame of the whole clip that its first one is."""
-    return job.request.part.first if job.request is not None else 0
+def _first(job: Reconstruction) -> int | None:
+    """Frame of the whole clip that its first one is; None where it is of all frames."""
+    return job.request.part.first if job.request is not None else None
 
 
 def show_finished_model(state: AppState, model: DynamicGaussians) -> None:

@@ -239,7 +239,7 @@ class AppState:
     def timed(self) -> tuple[int, int]:
         """Of the open clip, the first frame that the 3D view's time is of, and how many."""
         if self.model is not None and self.has_photos:
-            return self.model.first, len(self.model.cameras)
+            return self.model.start, len(self.model.cameras)
         return 0, 1 if self.clip is None else len(self.clip)
 
     @property
@@ -342,4 +342,4 @@ class AppState:
         """The photo that should lie over the 3D view now; None without one."""
         if self.model is None or self.clip is None or not self.viewer.snapped or not self.has_photos:
             return None
-        return PhotoRequest(self.clip, self.model.first + self.model.frame_at(self.time))
+        return PhotoRequest(self.clip, self.model.start + self.model.frame_at(self.time))

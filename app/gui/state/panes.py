@@ -62,12 +62,10 @@ def why_not(state: AppState, source: str) -> str:
 def _renders(state: AppState) -> bool:
     """The open model was made through this clip's cameras."""
     model, clip = state.model, state.clip
-    if model is None or clip is None or model.first + len(model.cameras) > len(clip):
+    if model is None or clip is None or not (state.has_photos or len(model.cameras) == len(clip)):
         return False
     camera = model.cameras[0]
-    # One of a part says so by where that begins; else it is of all frames.
-    part = state.has_photos or len(model.cameras) == len(clip)
-    return part and (camera.width, camera.height) == clip.size
+    return (camera.width, camera.height) == clip.size
 
 
 def other_request(state: AppState, side: Side) -> OtherRequest | None:

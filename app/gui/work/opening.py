@@ -129,7 +129,7 @@ def _open_run(folder: RunFolder) -> Opened:
     model = shown_model(folder, record) if finished else last_checkpoint(folder, record, said)
     if model is not None and clip is not None and model.is_of(clip):
         # The same objects, so that comparing them is quick; it is done in every frame.
-        model = replace(model, cameras=clip.cameras[model.first : model.first + len(model.cameras)])
+        model = replace(model, cameras=clip.cameras[model.start : model.start + len(model.cameras)])
     if model is not None and finished:
         try:
             model = replace(model, saved_edits=read_edits(folder, len(model.model)))
@@ -197,7 +197,7 @@ def finished_model(
     cameras: tuple[Camera, ...],
     iterations: int,
     unit: str,
-    first: int,
+    first: int | None,
 ) -> ShownModel:
     """The model of a run that has ended; `first`: see ShownModel."""
     return ShownModel(

@@ -43,10 +43,15 @@ class ShownModel:
     mode: RenderMode = "default"
     unit: str = SCENE_UNITS
     """Of lengths."""
-    first: int = 0
-    """The frame of the open clip that its first one is: a run can be of a part."""
+    first: int | None = None
+    """The frame of the open clip that its first one is, of a run of a part; None: it is of all frames."""
     saved_edits: Edits | None = None
     """What was saved of edits of `model`, which is without them."""
+
+    @property
+    def start(self) -> int:
+        """The frame of the open clip that its first one is."""
+        return self.first or 0
 
     def frame_at(self, time: float) -> int:
         """The frame of the clip that is nearest to `time` in [0, 1]."""
@@ -66,13 +71,15 @@ class ShownModel:
 
     def of_clip_frame(self, frame: int) -> ViewRequest:
         """That frame of the open clip; of those before and after its own, the nearest."""
-        return self.of_frame(min(max(frame - self.first, 0), len(self.cameras) - 1))
+        return self.of_frame(min(max(frame - self.start, 0), len(self.cameras) - 1))
 
     def has_clip_frame(self, frame: int) -> bool:
-        return 0 <= frame - self.first < len(self.cameras)
+        return 0 <= frame - self.start < len(self.cameras)
 
     def is_of(self, clip: Clip) -> bool:
         """Its cameras are those of the clip, or of a part of it."""
+        if self.first is None:
+            return self.cameras == clip.cameras
         return self.cameras == clip.cameras[self.first : self.first + len(self.cameras)]
 
     def view(self, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:
