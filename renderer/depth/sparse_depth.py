@@ -23,27 +23,27 @@ def depth_between(points: FloatArray, camera: Camera, tissue_mask: BoolImage) ->
     """Depth (H, W) along +z by the points (P, 3), in world coordinates, that `camera` sees; 0 = none.
 
     A thin plate (Duchon 1977) through inverse depth, in which planes are planes: on a plane it is
-    exact. It spans the convex hull of the points on the tissue and stays within their range; points
-    that something hides are not told apart but for the failed matches among them. For where
-    Gaussians start, not for supervision: between points it is a guess. All 0 when fewer than four
-    points, or points on one line, are seen.
+    exact. It covers the tissue, since what no Gaussian starts on stays a hole, and keeps within the range
+    of the points; points that something hides are not told apart but for the failed matches among them.
+    For where Gaussians start, not for supervision: between points it is a guess, beyond them a worse one.
+    All 0 when fewer than four points, or points on one line, are seen.
 
     The stiffness was chosen on phantoms with seeds 21 to 23, where 200 points with 0, 1 and 3 % noise
-    give median errors of 0.1, 0.4 and 1.0 %.
+    give median errors of 0.1, 0.4 and 1.0 %. Beyond 150 points with 2 % noise that span 40 % of the tissue
+    (seeds 21 to 26) the median error is 2.4 %, 2.5 % by the depth of the nearest point of their hull, and
+    7.0 % by the median depth.
     """
     empty = np.zeros((camera.height, camera.width), dtype=np.float32)
     places, inverse = _seen(points, camera, tissue_mask)
     if len(places) < _FEWEST:
         return empty
-    hull = cv2.convexHull(np.floor(places).astype(np.int32))
-    if cv2.contourArea(hull) == 0:
+    if cv2.contourArea(cv2.convexHull(np.floor(places).astype(np.int32))) == 0:
         return empty
-    inside = cv2.fillConvexPoly(np.zeros(empty.shape, np.uint8), hull, (1,)) > 0
     nodes, middle = _one_a_cell(places, inverse, camera), float(np.median(inverse))
     heights = _plate(nodes[:, :2] / camera.width, nodes[:, 2] / middle, camera)
     nearest, farthest = inverse.max(), inverse.min()
     depth = 1 / np.clip(heights * middle, farthest, nearest)
-    return np.where(inside & tissue_mask, depth, 0).astype(np.float32)
+    return np.where(tissue_mask, depth, 0).astype(np.float32)
 
 
 def _seen(points: FloatArray, camera: Camera, tissue_mask: BoolImage) -> tuple[FloatArray, FloatArray]:
