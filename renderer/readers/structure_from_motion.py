@@ -10,6 +10,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.field_of_view import is_displaced, lit_field
 from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import listed, numbered
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
@@ -19,6 +20,9 @@ from renderer.readers.tool_masks import marked_pixels
 
 POSES, INTRINSICS, VIEWS = "motion.yaml", "camera_intrinsics_per_view", "visible_view_indexes"
 POINTS, MASK = "structure.ply", "undistorted_mask"
+SCALE = "the scale is that of structure from motion, not millimetres"
+LOOKED_AT = 6
+"""Pictures that the mask is checked against."""
 
 _NUMBER = r"\s*([-+.\deE]+)\s*"
 _POSE = re.compile(
@@ -39,7 +43,8 @@ def open_structure_from_motion(path: Path) -> Clip:
     that was registered, in the order of the picture numbers in visible_view_indexes; pictures that
     were not registered are left out. camera_intrinsics_per_view has fx, fy, cx, cy for all views or
     for each, the principal point from the centre of the first pixel. undistorted_mask is set where
-    the endoscope sees. The scale is arbitrary and there is no dense depth.
+    the endoscope sees; one that lies beside the light of the pictures gives way to it. The scale is
+    arbitrary and there is no dense depth.
 
     Raises:
         ClipError: parts that are missing or do not agree.
@@ -54,8 +59,7 @@ def open_structure_from_motion(path: Path) -> Clip:
         Camera(fx, fy, cx + 0.5, cy + 0.5, width, height, np.linalg.inv(pose).astype(np.float64))
         for (fx, fy, cx, cy), pose in zip(_intrinsics(path / INTRINSICS, len(numbers)), poses, strict=True)
     )
-    every = np.ones((height, width), dtype=bool)
-    seen = marked_pixels(read_stored(mask_file)) if mask_file else every
+    seen, said = _seen(mask_file, images, (height, width))
     reader = _Reader(images, cameras, seen)
     return Clip(
         name=path.resolve().name,
@@ -67,7 +71,7 @@ def open_structure_from_motion(path: Path) -> Clip:
         labels=tuple(entry.name for entry in images),
         has_depth=False,
         unit="scene units",
-        notices=_notices(pictures, numbers, mask_file),
+        notices=(*_loose(pictures, numbers), *said, SCALE),
         points=read_points(path / POINTS),
     )
 
@@ -94,13 +98,25 @@ def _pictures_of(pictures: dict[int, Path], numbers: list[int], path: Path) -> t
     return tuple(pictures[number] for number in numbers)
 
 
-def _notices(pictures: dict[int, Path], numbers: list[int], mask: Path | None) -> tuple[str, ...]:
+def _seen(
+    mask_file: Path | None, images: tuple[Path, ...], shape: tuple[int, int]
+) -> tuple[BoolImage, tuple[str, ...]]:
+    """(H, W), where the endoscope sees, and what is to be said of it."""
+    if mask_file is None:
+        return np.ones(shape, dtype=bool), (f"no {MASK}: every pixel is taken for tissue",)
+    mask = marked_pixels(read_stored(mask_file))
+    places = np.linspace(0, len(images) - 1, min(LOOKED_AT, len(images))).round().astype(int)
+    field = lit_field([read_rgb(images[place]) for place in places])
+    if not is_displaced(mask, field):
+        return mask, ()
+    beyond = f"{np.mean(~mask[field]):.0%} of what the pictures show is beyond it"
+    return field, (f"{mask_file.name} does not lie on the pictures, {beyond}: their lit part is taken",)
+
+
+def _loose(pictures: dict[int, Path], numbers: list[int]) -> tuple[str, ...]:
     known = set(numbers)
     loose = [entry.name for number, entry in pictures.items() if number not in known]
-    said = [f"left out, of views without a pose: {listed(loose)}"] if loose else []
-    if mask is None:
-        said.append(f"no {MASK}: every pixel is taken for tissue")
-    return (*said, "the scale is that of structure from motion, not millimetres")
+    return (f"left out, of views without a pose: {listed(loose)}",) if loose else ()
 
 
 def _poses(path: Path, count: int) -> list[FloatArray]:

@@ -98,6 +98,29 @@ def test_without_a_mask_every_pixel_is_tissue(folder):
     assert "undistorted_mask" in "".join(clip.notices)
 
 
+def test_a_mask_beside_the_light_gives_way_to_it(folder):
+    """A round field of view; its mask is kept where it lies there, narrower or not, but not displaced."""
+    rows, columns = np.mgrid[: LENS.height, : LENS.width]
+    lit = (columns - 36) ** 2 + (rows - 26) ** 2 < 18**2
+    for path in folder.glob("0*.png"):
+        image = np.maximum(np.asarray(Image.open(path)), 60)
+        image[~lit] = 7
+        Image.fromarray(image).save(path)
+
+    def opened(across: int, down: int, radius: int) -> Clip:
+        mask = (columns - 36 - across) ** 2 + (rows - 26 - down) ** 2 < radius**2
+        Image.fromarray(mask.astype(np.uint8) * 255).save(folder / "undistorted_mask.bmp")
+        return open_clip(folder)
+
+    for radius in (14, 18, 21):
+        clip = opened(0, 0, radius)
+        assert not [said for said in clip.notices if "lie on" in said]
+        assert clip.read_frame(0).tissue_mask.sum() == pytest.approx(np.pi * radius**2, rel=0.03)
+    clip = opened(-9, -5, 18)
+    assert "undistorted_mask.bmp does not lie on the pictures" in "".join(clip.notices)
+    assert np.mean(clip.read_frame(0).tissue_mask != lit) < 0.01
+
+
 def test_what_does_not_agree_is_refused(folder, tmp_path):
     def rewrite(name: str, old: str, new: str) -> Callable[[Path], object]:
         return lambda path: (path / name).write_text((path / name).read_text().replace(old, new))
@@ -153,8 +176,12 @@ def test_the_sinus_clip():
     assert clip.points is not None
     points = clip.points.positions
     visible = visible_points(clip, points)
-    mask = clip.read_frame(0).tissue_mask
+    frame = clip.read_frame(0)
+    mask = frame.tissue_mask
     assert 0.3 < mask.mean() < 0.5
+    # The mask in the folder lies 130 px beside the pictures.
+    assert "does not lie on the pictures" in "".join(clip.notices)
+    assert np.mean(frame.image.max(axis=2)[mask] > 30) > 0.98
     inside, right, wrong = [], [], []
     for index in range(0, 30, 6):
         seen = points[visible[index]]
