@@ -124,7 +124,7 @@ class Evaluation:
 
     def frames(self) -> Iterator[FrameMeasures]:
         """Measure the frames one after the other."""
-        stopwatch = Stopwatch(self.model, self.clip.cameras[self.indices[0]])
+        stopwatch = Stopwatch(self.model, self.clip.cameras[self.indices[0]], self.record.config.render_mode)
         for index in self.indices:
             frame = self.photos.read_frame(index)
             drawn, milliseconds = stopwatch.draw(frame)

@@ -78,7 +78,8 @@ def _run_scene(folder: RunFolder, as_trained: bool) -> Scene:
     name = folder.path.absolute().name
     unit = record.clip.unit
     facts = run_facts(folder, record, name) | edits_facts(edits)
-    scene = Scene(name, model, cameras, record.test_indices, facts, unit=unit, first=record.clip.part.first)
+    part, mode = record.clip.part, record.config.render_mode
+    scene = Scene(name, model, cameras, record.test_indices, facts, mode, unit, first=part.first)
     if edits is None:
         return scene
     said = (

@@ -12,6 +12,7 @@ from renderer.clip import Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import BLACK, Rasterizer
+from renderer.splats import RenderMode
 
 REPEATS = 5
 """Drawings of a frame whose time is taken."""
@@ -20,8 +21,8 @@ REPEATS = 5
 class Stopwatch:
     """Draws moments of a model as a player would, its working arrays kept, and takes the time."""
 
-    def __init__(self, model: DynamicGaussians, camera: Camera) -> None:
-        self._model, self._near = model, near_plane(model, camera)
+    def __init__(self, model: DynamicGaussians, camera: Camera, mode: RenderMode = "default") -> None:
+        self._model, self._near, self._mode = model, near_plane(model, camera), mode
         self._rasterizer = Rasterizer(camera.width, camera.height)
         self._no_tile = np.zeros((self._rasterizer.rows, self._rasterizer.columns), dtype=bool)
 
@@ -42,10 +43,10 @@ class Stopwatch:
         began = time.perf_counter()
         splats = self._model.at(frame.time)
         deformed = time.perf_counter()
-        rasterizer.forward(splats, camera, self._near)
+        rasterizer.forward(splats, camera, self._near, mode=self._mode)
         rendered = rasterizer.rendered(camera.width, camera.height, BLACK)
         done = time.perf_counter()
-        rasterizer.forward(splats, camera, self._near, self._no_tile)
+        rasterizer.forward(splats, camera, self._near, self._no_tile, self._mode)
         sorting = time.perf_counter() - done
         return Drawn(rendered.image, rendered.depth, rendered.alpha), (
             done - began,

@@ -14,6 +14,7 @@ from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
 from renderer.near_plane import near_plane
 from renderer.phantom import Phantom
 from renderer.rasterize.cpu import render
+from renderer.splats import RenderMode
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
 from renderer.train.trainer import split
@@ -71,13 +72,13 @@ def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom 
         truth: the phantom that the clip shows, so that motion can be measured.
     """
     model, indices = finished.model, split(clip, config)[1] if config.hold_out else clip.test_indices
-    image, masked, likeness, depth = measured(model, clip, indices)
+    image, masked, likeness, depth = measured(model, clip, indices, config.render_mode)
     return Outcome(
         psnr=image,
         psnr_masked=masked,
         ssim=likeness,
         depth_rmse=depth,
-        motion_rmse=motion_rmse(model, truth, indices) if truth else float("nan"),
+        motion_rmse=motion_rmse(model, truth, indices, config.render_mode) if truth else float("nan"),
         seconds=finished.seconds,
         megabytes=3 * sum(value.nbytes for value in model.arrays().values()) / 1e6,
         n_gaussians=len(model),
@@ -86,13 +87,14 @@ def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom 
 
 
 def measured(
-    model: DynamicGaussians, clip: Clip, indices: Sequence[int]
+    model: DynamicGaussians, clip: Clip, indices: Sequence[int], mode: RenderMode = "default"
 ) -> tuple[float, float, float, float]:
     """Mean psnr, psnr_masked, ssim and depth_rmse over the frames."""
     rows = []
     for index in indices:
         frame = clip.read_frame(index)
-        drawn = render(model.at(frame.time), frame.camera, near=near_plane(model, frame.camera))
+        near = near_plane(model, frame.camera)
+        drawn = render(model.at(frame.time), frame.camera, near=near, mode=mode)
         picture = np.rint(np.clip(drawn.image, 0, 1) * 255) / 255
         photo, mask = frame.image / 255.0, frame.evaluation_mask
         known = frame.measured_depth
@@ -109,7 +111,9 @@ def measured(
     return float(means[0]), float(means[1]), float(means[2]), float(means[3])
 
 
-def motion_rmse(model: DynamicGaussians, truth: Phantom, indices: Sequence[int]) -> float:
+def motion_rmse(
+    model: DynamicGaussians, truth: Phantom, indices: Sequence[int], mode: RenderMode = "default"
+) -> float:
     """Root mean square over the frames' tissue pixels of the error of the way that the tissue there goes
     from the frame to the one half a clip later, in mm; the model's way is blended as its colours are."""
     errors, count = [], truth.params.n_frames
@@ -117,7 +121,8 @@ def motion_rmse(model: DynamicGaussians, truth: Phantom, indices: Sequence[int])
         view, later = truth.view(index), (index + count // 2) % count / count
         now, then = model.at(view.frame.time), model.at(later)
         ways = replace(now, colors=then.means - now.means, harmonics=now.harmonics[:, :0])
-        drawn = render(ways, view.frame.camera, near=near_plane(model, view.frame.camera))
+        near = near_plane(model, view.frame.camera)
+        drawn = render(ways, view.frame.camera, near=near, mode=mode)
         seen = view.frame.evaluation_mask & (drawn.alpha > OPAQUE)
         u, v = view.material[seen].T
         began, _, _ = truth.surface.evaluate(u, v, view.frame.time)

@@ -6,7 +6,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.rasterize.binning import TILE
-from renderer.rasterize.cpu import BLACK, Rasterizer, compensated
+from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.splats import RenderMode, Splats
 
 SOLID = 0.5
@@ -27,8 +27,7 @@ def surface_point(
     rasterizer = Rasterizer(camera.width, camera.height)
     wanted = np.zeros((rasterizer.rows, rasterizer.columns), bool)
     wanted[row // TILE, column // TILE] = True
-    drawn = compensated(splats, camera, near) if mode == "mip" else splats
-    rasterizer.forward(drawn, camera, near, wanted)
+    rasterizer.forward(splats, camera, near, wanted, mode)
     rendered = rasterizer.rendered(camera.width, camera.height, BLACK)
     if rendered.alpha[row, column] <= SOLID:
         return None

@@ -89,13 +89,21 @@ def _screen_axes(
 
 
 @njit(inline="always")
-def _sharp_determinant(axes: FloatArray) -> float:
-    """Determinant of axes axes^T as a sum of squares (Cauchy-Binet): xx yy - xy^2 would cancel."""
-    determinant: float = (
-        (axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]) ** 2
-        + (axes[0, 0] * axes[1, 2] - axes[0, 2] * axes[1, 0]) ** 2
-        + (axes[0, 1] * axes[1, 2] - axes[0, 2] * axes[1, 1]) ** 2
+def _minors(axes: FloatArray) -> tuple[float, float, float]:
+    """The three of axes: the squares add up to the determinant of axes axes^T (Cauchy-Binet), which would
+    cancel as xx yy - xy^2."""
+    return (
+        axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0],
+        axes[0, 0] * axes[1, 2] - axes[0, 2] * axes[1, 0],
+        axes[0, 1] * axes[1, 2] - axes[0, 2] * axes[1, 1],
     )
+
+
+@njit(inline="always")
+def _sharp_determinant(axes: FloatArray) -> float:
+    """Determinant of axes axes^T."""
+    first, second, third = _minors(axes)
+    determinant: float = first**2 + second**2 + third**2
     return determinant
 
 
@@ -109,32 +117,6 @@ def _covariance(axes: FloatArray) -> tuple[float, float, float, float]:
 
 
 @njit(parallel=True, cache=True, error_model="numpy")
-def compensations(
-    means: NDArray[np.float32],  # (N, 3)
-    quats: NDArray[np.float32],  # (N, 4)
-    scales: NDArray[np.float32],  # (N, 3)
-    view: FloatArray,
-    factors: NDArray[np.float32],  # (N,), out
-) -> None:
-    """The share of its opacity, in [0, 1], that a splat keeps where the low-pass filter widens it.
-
-    sqrt(det C / det(C + LOW_PASS I)), both determinants sums of squares; 0 behind the near plane and where
-    that is no number. Source: Mip-Splatting (Yu et al. 2024).
-    """
-    for n in prange(means.shape[0]):
-        rotation, local, axes = np.empty((3, 3)), np.empty(3), np.empty((2, 3))
-        factors[n] = 0.0
-        _to_camera(means[n], view, local)
-        if not local[2] > view[8]:
-            continue
-        _rotation(quats[n], rotation)
-        _screen_axes(local, view, rotation, scales[n], axes)
-        share = _sharp_determinant(axes) / _covariance(axes)[3]
-        if share >= 0.0:
-            factors[n] = math.sqrt(min(share, 1.0))
-
-
-@njit(parallel=True, cache=True, error_model="numpy")
 def project(
     means: NDArray[np.float32],  # (N, 3)
     quats: NDArray[np.float32],  # (N, 4)
@@ -142,10 +124,15 @@ def project(
     opacities: NDArray[np.float32],  # (N,)
     colors: NDArray[np.float32],  # (N, 3)
     view: FloatArray,
+    compensated: bool,
     records: NDArray[np.float32],  # (N, RECORD_SIZE), out
     visible: NDArray[np.bool_],  # (N,), out
 ) -> None:
-    """Fill the splat records; `visible` is False behind the near plane, below the cut or not finite."""
+    """Fill the splat records; `visible` is False behind the near plane, below the cut or not finite.
+
+    `compensated`: a splat keeps the share sqrt(det C / det(C + LOW_PASS I)) of its opacity, both determinants
+    sums of squares, which makes up for the low-pass filter. Source: Mip-Splatting (Yu et al. 2024).
+    """
     for n in prange(means.shape[0]):
         rotation, local, axes = np.empty((3, 3)), np.empty(3), np.empty((2, 3))
         visible[n] = False
@@ -158,6 +145,10 @@ def project(
         xx, xy, yy, determinant = _covariance(axes)
         if not (determinant > 0.0 and determinant < np.inf):
             continue
+        if compensated:
+            opacity *= math.sqrt(min(_sharp_determinant(axes) / determinant, 1.0))
+            if not opacity >= ALPHA_CUT:
+                continue
         reach = 2.0 * math.log(opacity / ALPHA_CUT)
         record = records[n]
         record[CENTER_X] = view[0] * local[0] / local[2] + view[2]
@@ -185,6 +176,29 @@ def _conic_gradient(
     out[0] = -(left_a * a + left_b * b)
     out[1] = -(left_a * b + left_b * c)
     out[2] = -(right_a * b + right_b * c)
+
+
+@njit(inline="always")
+def _add_compensation_gradient(
+    axes: FloatArray, xx: float, xy: float, yy: float, determinant: float, by_log: float, out: FloatArray
+) -> None:
+    """Added to the gradient by the axes (2, 3): what the share of the opacity that a splat keeps adds, from
+    the gradient by its logarithm. The share is above the cut, or there would be no gradient."""
+    first, second, third = _minors(axes)
+    sharp = first * first + second * second + third * third
+    upper = (
+        first * axes[1, 1] + second * axes[1, 2],
+        third * axes[1, 2] - first * axes[1, 0],
+        -second * axes[1, 0] - third * axes[1, 1],
+    )
+    lower = (
+        -first * axes[0, 1] - second * axes[0, 2],
+        first * axes[0, 0] - third * axes[0, 2],
+        second * axes[0, 0] + third * axes[0, 1],
+    )
+    for j in range(3):
+        out[0, j] += by_log * (upper[j] / sharp - (yy * axes[0, j] - xy * axes[1, j]) / determinant)
+        out[1, j] += by_log * (lower[j] / sharp - (xx * axes[1, j] - xy * axes[0, j]) / determinant)
 
 
 @njit(inline="always")
@@ -262,6 +276,7 @@ def project_backward(
     scales: NDArray[np.float32],
     opacities: NDArray[np.float32],
     view: FloatArray,
+    compensated: bool,
     seen: NDArray[np.bool_],  # (N,) splats with gradient sums
     sums: NDArray[np.float32],  # (N, SUM_SIZE)
     by_means: NDArray[np.float32],  # (N, 3), out
@@ -289,6 +304,8 @@ def project_backward(
         for j in range(3):
             by_axes[0, j] = 2 * (by_cov[0] * axes[0, j] + by_cov[1] * axes[1, j])
             by_axes[1, j] = 2 * (by_cov[1] * axes[0, j] + by_cov[2] * axes[1, j])
+        if compensated:
+            _add_compensation_gradient(axes, xx, xy, yy, determinant, np.float64(total[SUM_Q]), by_axes)
         _axes_gradient(local, view, rotation, scales[n], by_axes, by_rotation, by_scale, by_local)
         by_u = (yy * total[SUM_QX] - xy * total[SUM_QY]) / determinant
         by_v = (xx * total[SUM_QY] - xy * total[SUM_QX]) / determinant

@@ -114,7 +114,8 @@ def _write_enhanced(folder: Path, clip: Clip) -> None:
 
 def _draw(evaluation: Evaluation, index: int) -> Drawn:
     camera, model = evaluation.clip.cameras[index], evaluation.model
-    return draw_on_cpu(model.at(evaluation.clip.times[index]), camera, near_plane(model, camera))
+    mode = evaluation.record.config.render_mode
+    return draw_on_cpu(model.at(evaluation.clip.times[index]), camera, near_plane(model, camera), mode)
 
 
 def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str, Any]]) -> ByteImage:

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
 
     from renderer.camera import Camera
     from renderer.rasterize.reference import Rendered
+    from renderer.splats import RenderMode
 
 Backend = Literal["auto", "cpu", "cuda", "reference"]
 
@@ -24,12 +25,14 @@ def rasterize(
     *,
     backend: Backend = "auto",
     near: float = 0.01,
+    mode: RenderMode = "default",
 ) -> Rendered:
     """Image (H, W, 3), alpha (H, W) and expected depth (H, W; 0 where alpha is 0) of activated Gaussians.
 
     Differentiable in the first five arguments. "cpu" computes in float32 with numba kernels; "cuda" in
     float32 with gsplat's; "reference" in float64 with plain torch, slowly. "auto" is "cuda" for tensors that
     are on a card, else "cpu". `near` is in scene units.
+    `mode` "mip" makes up for the low-pass filter, see RenderMode.
 
     Raises:
         ValueError: shapes that do not agree, or an unknown backend.
@@ -40,15 +43,19 @@ def rasterize(
     from renderer.rasterize.reference import Rendered, rasterize_reference
 
     if backend == "reference":
-        return rasterize_reference(means, quats, scales, opacities, colors, camera, background, near=near)
+        return rasterize_reference(
+            means, quats, scales, opacities, colors, camera, background, near=near, mode=mode
+        )
     if backend not in ("auto", "cpu", "cuda"):
         raise ValueError(f"backend must be auto, cpu, cuda or reference, got {backend!r}")
     floats = (value.float() for value in (means, quats, scales, opacities, colors))
     means, quats, scales, opacities, colors = floats
     if backend == "cuda" or (backend == "auto" and means.is_cuda):
-        drawn = rasterize_cuda(means, quats, scales, opacities, colors, camera, background, near=near)
+        drawn = rasterize_cuda(
+            means, quats, scales, opacities, colors, camera, background, near=near, mode=mode
+        )
         return drawn.picture
     image, alpha, depth = CpuRasterize.apply(  # type: ignore[no-untyped-call]
-        means, quats, scales, opacities, colors, camera, background, near
+        means, quats, scales, opacities, colors, camera, background, near, mode
     )
     return Rendered(image, alpha, depth)

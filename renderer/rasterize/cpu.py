@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numba import get_num_threads
@@ -18,7 +18,6 @@ from renderer.projection import (
     SUM_SIZE,
     camera_vector,
     center_gradients,
-    compensations,
     project,
     project_backward,
 )
@@ -101,17 +100,23 @@ class Rasterizer:
         self._entry_sums = np.zeros((count, SUM_SIZE), np.float32)
 
     def forward(
-        self, splats: Splats, camera: Camera, near: float = NEAR, tile_wanted: BoolArray | None = None
+        self,
+        splats: Splats,
+        camera: Camera,
+        near: float = NEAR,
+        tile_wanted: BoolArray | None = None,
+        mode: RenderMode = "default",
     ) -> int:
         """Blend into `planes`; tiles that are not wanted stay empty. Returns the number of tile entries."""
         if len(self.visible) != len(splats):
             self._reserve_splats(len(splats))
         self.wanted = self._all_tiles if tile_wanted is None else tile_wanted
         self._view, self._center = camera_vector(camera, near), camera.position
+        self._compensated = mode == "mip"
         colors = splats.seen_from(self._center).colors
         project(
             splats.means, splats.quats, splats.scales, splats.opacities, colors,
-            self._view, self.records, self.visible,
+            self._view, self._compensated, self.records, self.visible,
         )  # fmt: skip
         return self.blend_records()
 
@@ -156,7 +161,7 @@ class Rasterizer:
         scales, opacities = np.empty((count, 3), np.float32), np.empty(count, np.float32)
         project_backward(
             splats.means, splats.quats, splats.scales, splats.opacities,
-            self._view, self.visible, self.sums, means, quats, scales, opacities,
+            self._view, self._compensated, self.visible, self.sums, means, quats, scales, opacities,
         )  # fmt: skip
         colors = self.sums[:, SUM_RED : SUM_BLUE + 1].copy()
         harmonics = np.empty_like(splats.harmonics)
@@ -220,12 +225,5 @@ def render(
 ) -> Rendered:
     """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out."""
     rasterizer = Rasterizer(camera.width, camera.height)
-    rasterizer.forward(compensated(splats, camera, near) if mode == "mip" else splats, camera, near)
+    rasterizer.forward(splats, camera, near, mode=mode)
     return rasterizer.rendered(camera.width, camera.height, background)
-
-
-def compensated(splats: Splats, camera: Camera, near: float = NEAR) -> Splats:
-    """The splats with the opacities that render mode "mip" gives them before `camera`."""
-    factors = np.empty(len(splats), np.float32)
-    compensations(splats.means, splats.quats, splats.scales, camera_vector(camera, near), factors)
-    return replace(splats, opacities=splats.opacities * factors)

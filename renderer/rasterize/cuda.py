@@ -17,6 +17,7 @@ from torch import Tensor
 from renderer.camera import Camera
 from renderer.rasterize.cpu import BLACK, Background
 from renderer.rasterize.reference import ALPHA_MAX, LOW_PASS, Rendered
+from renderer.splats import RenderMode
 
 
 class Drawn(NamedTuple):
@@ -37,6 +38,7 @@ def rasterize_cuda(
     background: Background = BLACK,
     *,
     near: float = 0.01,
+    mode: RenderMode = "default",
 ) -> Drawn:
     """See `rasterize`; float32 tensors, all on one card.
 
@@ -64,6 +66,7 @@ def rasterize_cuda(
         packed=False,
         backgrounds=torch.tensor([background], dtype=torch.float32, device=device),
         render_mode="RGB+ED",
+        rasterize_mode="antialiased" if mode == "mip" else "classic",
     )
     centers: Tensor = extras["means2d"]
     if centers.requires_grad:

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from renderer.camera import Camera
 from renderer.rasterize.cpu import Background, Rasterizer
-from renderer.splats import Splats
+from renderer.splats import RenderMode, Splats
 
 
 class CpuRasterize(torch.autograd.Function):
@@ -27,11 +27,12 @@ class CpuRasterize(torch.autograd.Function):
         camera: Camera,
         background: Background,
         near: float,
+        mode: RenderMode,
     ) -> tuple[Tensor, Tensor, Tensor]:
         arrays = [value.detach().numpy() for value in (means, quats, scales, opacities, colors)]
         ctx.splats = Splats(*arrays)
         ctx.rasterizer = Rasterizer(camera.width, camera.height)
-        ctx.rasterizer.forward(ctx.splats, camera, near)
+        ctx.rasterizer.forward(ctx.splats, camera, near, mode=mode)
         ctx.background = background
         ctx.rendered = ctx.rasterizer.rendered(camera.width, camera.height, background)
         picture = ctx.rendered
@@ -47,4 +48,4 @@ class CpuRasterize(torch.autograd.Function):
         ctx.rasterizer.set_adjoint(by_image, by_alpha, by_depth, ctx.rendered, ctx.background)
         result = ctx.rasterizer.backward(ctx.splats)
         arrays = (result.means, result.quats, result.scales, result.opacities, result.colors)
-        return (*(torch.from_numpy(array) for array in arrays), None, None, None)
+        return (*(torch.from_numpy(array) for array in arrays), None, None, None, None)

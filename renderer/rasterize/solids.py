@@ -42,7 +42,7 @@ def render_solids(splats: Splats, camera: Camera, shape: Shape, *, near: float =
     records, visible = np.zeros((len(splats), RECORD_SIZE), np.float32), np.zeros(len(splats), bool)
     colors = splats.seen_from(camera.position).colors
     values = (splats.means, splats.quats, splats.scales, splats.opacities, colors)
-    project(*values, camera_vector(camera, near), records, visible)
+    project(*values, camera_vector(camera, near), False, records, visible)
     if shape == "ellipsoid":
         visible &= splats.opacities >= LEAST_OPACITY
     color = np.zeros((camera.height, camera.width, 3), np.float32)

@@ -54,7 +54,7 @@ def _projected(splats: Splats) -> tuple[np.ndarray, np.ndarray]:
     records, visible = np.zeros((count, RECORD_SIZE), np.float32), np.zeros(count, bool)
     project(
         splats.means, splats.quats, splats.scales, splats.opacities, splats.colors,
-        camera_vector(CAMERA, NEAR), records, visible,
+        camera_vector(CAMERA, NEAR), False, records, visible,
     )  # fmt: skip
     return records, visible
 

@@ -16,7 +16,7 @@ from renderer.camera import Camera
 from renderer.near_plane import NEAR_SHARE
 from renderer.rasterize.cuda import Drawn, rasterize_cuda
 from renderer.raw_gaussians import FIELDS, RawGaussians
-from renderer.splats import Float32Array
+from renderer.splats import Float32Array, RenderMode
 from renderer.torch_train.harmonics import seen_colors
 from renderer.torch_train.losses import picture_loss
 from renderer.train.frames import TrainFrame
@@ -35,14 +35,21 @@ class TorchPictures:
         self._centers = torch.zeros((1, 0, 2))
 
     def slopes(
-        self, now: RawGaussians, frame: TrainFrame, weights: LossWeights, size: float, *, every_tile: bool
+        self,
+        now: RawGaussians,
+        frame: TrainFrame,
+        weights: LossWeights,
+        size: float,
+        *,
+        every_tile: bool,
+        mode: RenderMode = "default",
     ) -> Slopes:
         """See Pictures."""
         raw = {
             name: torch.from_numpy(value).to(self._device).requires_grad_()
             for name, value in now.arrays().items()
         }
-        drawn = self._draw(*_activated(raw, frame.camera), frame.camera, near=NEAR_SHARE * size)
+        drawn = self._draw(*_activated(raw, frame.camera), frame.camera, near=NEAR_SHARE * size, mode=mode)
         loss, squared = picture_loss(drawn.picture, frame, weights, size)
         loss.backward()  # type: ignore[no-untyped-call]
         self._centers = drawn.centers

@@ -8,6 +8,8 @@ from annotated_types import Interval
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
+from renderer.splats import RenderMode
+
 Method = Literal["vesselsplat", "deform3dgs", "endogaussian", "static"]
 
 Part = Literal[
@@ -77,6 +79,8 @@ class TrainConfig:
     """All rates fall by this factor, log-linearly, over the run."""
     sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
     """Degree of the spherical harmonics, by which colours depend on the view; auto: as the clip needs."""
+    render_mode: RenderMode = "default"
+    """How splats narrower than a pixel are drawn, see RenderMode; a run is drawn as it was trained."""
     keep: tuple[Part, ...] = ()
     """Parts that stay in although the clip does not need them, to measure what they cost."""
     leave_out: tuple[Literal["deformation", "color_curves"], ...] = ()

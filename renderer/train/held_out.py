@@ -13,6 +13,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.metrics import depth_rmse, psnr
 from renderer.near_plane import NEAR_SHARE
 from renderer.rasterize.cpu import render
+from renderer.splats import RenderMode
 from renderer.train.events import Evaluated
 
 MOST = 4
@@ -26,9 +27,9 @@ FIRST_SECONDS = 2.0
 class HeldOut:
     """`size` is the scene size in the clip's unit."""
 
-    def __init__(self, clip: Clip, indices: Sequence[int], size: float) -> None:
+    def __init__(self, clip: Clip, indices: Sequence[int], size: float, mode: RenderMode = "default") -> None:
         places = np.linspace(0, len(indices) - 1, min(MOST, len(indices))).round().astype(int)
-        self._clip, self._size = clip, size
+        self._clip, self._size, self._mode = clip, size, mode
         self._indices = tuple(indices[place] for place in places)
         self._frames: tuple[Frame, ...] = ()
         self._next = FIRST_SECONDS
@@ -42,16 +43,22 @@ class HeldOut:
         began = perf_counter()
         if not self._frames:
             self._frames = tuple(self._clip.read_frame(index) for index in self._indices)
-        event = evaluated(gaussians, self._frames, iteration, self._size)
+        event = evaluated(gaussians, self._frames, iteration, self._size, self._mode)
         self._next = seconds + max((perf_counter() - began) / SHARE, FIRST_SECONDS)
         return event
 
 
-def evaluated(gaussians: DynamicGaussians, frames: Sequence[Frame], iteration: int, size: float) -> Evaluated:
+def evaluated(
+    gaussians: DynamicGaussians,
+    frames: Sequence[Frame],
+    iteration: int,
+    size: float,
+    mode: RenderMode = "default",
+) -> Evaluated:
     """Means over the frames; a depth error where some frame has a measured depth that the model covers."""
     quality, errors = [], []
     for frame in frames:
-        drawn = render(gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size)
+        drawn = render(gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size, mode=mode)
         rounded = np.rint(np.clip(drawn.image, 0, 1) * 255) / 255
         quality.append(psnr(rounded, frame.image / 255.0, frame.evaluation_mask))
         if frame.measured_depth is not None:

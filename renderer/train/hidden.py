@@ -28,6 +28,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.projection import SUM_RED
 from renderer.rasterize.cpu import Rasterizer
 from renderer.rasterize.tiles import BY_RED
+from renderer.splats import RenderMode
 from renderer.train.events import Omission
 from renderer.train.frames import TrainFrame
 
@@ -42,7 +43,7 @@ _HIDDEN = 0.01
 
 
 def settled(
-    gaussians: DynamicGaussians, frames: Sequence[TrainFrame], near: float
+    gaussians: DynamicGaussians, frames: Sequence[TrainFrame], near: float, mode: RenderMode = "default"
 ) -> tuple[DynamicGaussians, tuple[Omission, ...]]:
     """The model with splines at rest where none of the frames, of one size, saw them; what was left out."""
     motion = gaussians.motion
@@ -52,7 +53,7 @@ def settled(
     normal = np.zeros((len(gaussians), n_controls, _BAND))
     normal_nodes = np.zeros((n_nodes, n_controls, _BAND))
     normal_whole = np.zeros((1, n_controls, _BAND))
-    for frame, seen in zip(frames, _seen_shares(gaussians, frames, near), strict=True):
+    for frame, seen in zip(frames, _seen_shares(gaussians, frames, near, mode), strict=True):
         taps = spline_taps(frame.time, n_controls)
         _add_normal(normal, seen, *taps)
         _add_normal(normal_nodes, _seen_of_nodes(motion, seen), *taps)
@@ -92,12 +93,12 @@ def _seen_of_nodes(motion: SplineMotion, seen: NDArray[np.float32]) -> NDArray[n
 
 
 def _seen_shares(
-    gaussians: DynamicGaussians, frames: Sequence[TrainFrame], near: float
+    gaussians: DynamicGaussians, frames: Sequence[TrainFrame], near: float, mode: RenderMode = "default"
 ) -> Iterator[NDArray[np.float32]]:
     """(N,) of each frame: w / (w + SEEN) of the blending weight w that supervised pixels give a Gaussian."""
     rasterizer = Rasterizer(frames[0].camera.width, frames[0].camera.height)
     for frame in frames:
-        rasterizer.forward(gaussians.at(frame.time), frame.camera, near, frame.tile_wanted)
+        rasterizer.forward(gaussians.at(frame.time), frame.camera, near, frame.tile_wanted, mode)
         rasterizer.adjoint[:] = 0.0
         rasterizer.adjoint[BY_RED] = frame.color_mask
         rasterizer.backward_sums()

@@ -75,7 +75,9 @@ class TrainModel:
         moves = self._recipe.stage_at(iteration).moves
         now = self._motion.moved(self.raw, frame.time) if moves else self.raw
         recipe = self._recipe
-        slopes = self._pictures.slopes(now, frame, recipe.losses, self._size, every_tile=recipe.every_tile)
+        slopes = self._pictures.slopes(
+            now, frame, recipe.losses, self._size, every_tile=recipe.every_tile, mode=recipe.mode
+        )
         by, seen = slopes.by, slopes.seen
         reached = seen.copy()
         self.trouble.not_finite += leave_out_broken(by, seen)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from renderer.near_plane import NEAR_SHARE
 from renderer.rasterize.cpu import Gradients, Rasterizer
 from renderer.raw_gaussians import RawGaussians
-from renderer.splats import Float32Array, Splats
+from renderer.splats import Float32Array, RenderMode, Splats
 from renderer.train.frames import TrainFrame
 from renderer.train.losses import LossWeights, Measured, picture_loss
 
@@ -30,7 +30,14 @@ class Pictures(Protocol):
     """Draws and differentiates, on a processor or on a card; all else of a step is the same on both."""
 
     def slopes(
-        self, now: RawGaussians, frame: TrainFrame, weights: LossWeights, size: float, *, every_tile: bool
+        self,
+        now: RawGaussians,
+        frame: TrainFrame,
+        weights: LossWeights,
+        size: float,
+        *,
+        every_tile: bool,
+        mode: RenderMode = "default",
     ) -> Slopes:
         """Of the Gaussians as they are at the frame's time; `size` is the scene's.
 
@@ -51,15 +58,22 @@ class CpuPictures:
         self._size = (1, 1)
 
     def slopes(
-        self, now: RawGaussians, frame: TrainFrame, weights: LossWeights, size: float, *, every_tile: bool
+        self,
+        now: RawGaussians,
+        frame: TrainFrame,
+        weights: LossWeights,
+        size: float,
+        *,
+        every_tile: bool,
+        mode: RenderMode = "default",
     ) -> Slopes:
         """See Pictures."""
         if self._size != (frame.camera.width, frame.camera.height):
             self._size = frame.camera.width, frame.camera.height
             self._rasterizer = Rasterizer(*self._size)
         splats, rasterizer = now.splats(), self._rasterizer
-        whole = every_tile or weights.takes_whole_picture
-        rasterizer.forward(splats, frame.camera, NEAR_SHARE * size, None if whole else frame.tile_wanted)
+        wanted = None if every_tile or weights.takes_whole_picture else frame.tile_wanted
+        rasterizer.forward(splats, frame.camera, NEAR_SHARE * size, wanted, mode)
         measured = picture_loss(rasterizer, frame, weights, size)
         return Slopes(measured, _by_raw(rasterizer.backward(splats), splats), rasterizer.visible)
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from renderer.clip import Frame
 from renderer.deformation.motion import Motion
 from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.splats import RenderMode
 from renderer.train.densify import DensityControl
 from renderer.train.losses import LossWeights
 from renderer.train.rates import RowRates
@@ -75,6 +76,8 @@ class Recipe:
     """Draw tiles without tissue too, which no loss looks at."""
     every_moment: bool = False
     """What has no gradient in a step goes on by its moments, as Adam is published; else it rests."""
+    mode: RenderMode = "default"
+    """How splats narrower than a pixel are drawn, in training and after."""
     sh_degree: int = 0
     """Of the spherical harmonics at the end, 0 to 3: one more every sixth of the run."""
 

@@ -84,7 +84,7 @@ def train(
     yield Started(start, recipe.iterations, len(model), needs.omitted)
 
     meter, watch = _Meter(recipe, seconds), LossWatch()
-    held = HeldOut(clip, held_out or clip.test_indices, size)
+    held = HeldOut(clip, held_out or clip.test_indices, size, recipe.mode)
     for iteration in range(start, recipe.iterations):
         frame = pool.frame(iteration, recipe.stage_at(iteration))
         began = time.perf_counter()
@@ -108,13 +108,13 @@ def train(
     gaussians: DynamicGaussians = model.gaussians
     omitted: tuple[Omission, ...] = ()
     if "unseen" not in config.keep:
-        gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size)
+        gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
     if "hidden" not in config.keep and (needs.has_masks or not clip.camera_is_fixed):
-        gaussians, resting = settled(gaussians, pool.full, NEAR_SHARE * size)
+        gaussians, resting = settled(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
     if held_out:
         views = [clip.read_frame(index) for index in held_out]
-        yield evaluated(gaussians, views, recipe.iterations, size)
+        yield evaluated(gaussians, views, recipe.iterations, size, recipe.mode)
     elif clip.test_indices:
         yield held.measure(gaussians, recipe.iterations, meter.seconds)
     yield Finished(recipe.iterations, meter.seconds, gaussians, omitted)

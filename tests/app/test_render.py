@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -14,15 +15,19 @@ import pytest
 from app.drawers import Renderer, drawer
 from app.drawing import draw_on_cpu
 from app.errors import UserError
+from app.evaluate import open_evaluation
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
+from app.training import run_training
 from renderer.camera import Camera
 from renderer.draw.offscreen import render_offscreen
 from renderer.draw.splat_view import Precision
+from renderer.metrics import psnr
 from renderer.near_plane import near_plane
 from renderer.rasterize.accuracy import exact
 from renderer.rasterize.cpu import render
-from tests.app.conftest import Call
+from renderer.splat_files import read_splats
+from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.fake_steps import model_of
 from tests.renderer.scenes import random_splats, turned_camera
 
@@ -46,6 +51,26 @@ def test_render_writes_pictures_that_know_where_they_come_from(
     assert (facts["frame"], facts["time"]) == (9, record.time(9))
     assert facts["camera"] == record.camera(9).to_json()
     assert str(runs["original"].parent) not in json.dumps(facts)
+
+
+def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    path, config = tmp_path / "run", replace(CONFIG, render_mode="mip", initial_spacing=0.3)
+    list(run_training(request_of(clip_path, path, config=config)))
+    run = RunFolder(path)
+    record, model = run.record(), run.model()
+    at = model.at(record.time(9)), record.camera(9), near_plane(model, record.camera(9))
+    picture = draw_on_cpu(*at, "mip").bytes
+    assert not np.array_equal(picture, draw_on_cpu(*at).bytes)
+    assert vesselsplat("render", path, "--out", tmp_path / "out", "--frames", 9).code == 0
+    assert np.array_equal(cv2.imread(str(tmp_path / "out" / "frame-000009.png"))[..., ::-1], picture)
+    assert vesselsplat("export", path, "--ply", tmp_path / "ply", "--frames", 9).code == 0
+    assert read_splats(tmp_path / "ply" / "frame-000009.ply").mode == "mip"
+    evaluation = open_evaluation(path)
+    *_, last = evaluation.frames()
+    frame = evaluation.photos.read_frame(9)
+    assert last.psnr == psnr(picture / 255.0, frame.image / 255.0, frame.evaluation_mask)
 
 
 @pytest.mark.gl

@@ -31,8 +31,9 @@ def install(monkeypatch: pytest.MonkeyPatch) -> None:
         spread, _ = _torch_impl._quat_scale_to_covar_preci(quats, scales, True, False)
         assert not rest["packed"]
         return _torch_impl._fully_fused_projection(
-            means, spread, views, lenses, width, height, rest["eps2d"], rest["near_plane"]
-        )
+            means, spread, views, lenses, width, height, rest["eps2d"], rest["near_plane"],
+            calc_compensations=rest["calc_compensations"],
+        )  # fmt: skip
 
     def tiles(means2d: Tensor, radii: Tensor, depths: Tensor, size: int, *grid: int, **_: Any) -> Any:
         return _torch_impl._isect_tiles(means2d.detach(), radii, depths.detach(), size, *grid)

@@ -34,6 +34,18 @@ def test_what_is_said_at_the_end_is_what_is_measured_afterwards() -> None:
     assert last.depth_rmse == pytest.approx(depth, rel=0.01)
 
 
+def test_a_run_is_measured_as_it_is_drawn_in_training() -> None:
+    """Of splats narrower than a pixel, which are drawn otherwise by default."""
+    clip, fine = moving_sheet(), replace(PLAIN, render_mode="mip", initial_spacing=0.2)
+    *_, last, finished = train(clip, fine)
+    assert isinstance(last, Evaluated)
+    assert isinstance(finished, Finished)
+    psnr, _, _, depth = measured(finished.model, clip, clip.test_indices, "mip")
+    assert last.psnr == pytest.approx(psnr, abs=0.01)
+    assert last.depth_rmse == pytest.approx(depth, rel=0.01)
+    assert psnr > measured(finished.model, clip, clip.test_indices)[0] + 1
+
+
 def test_watching_changes_nothing_and_shows_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     clip = moving_sheet()
     _, alone = run(clip)

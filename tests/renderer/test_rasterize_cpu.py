@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numba
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from renderer.rasterize import rasterize
 from renderer.rasterize.cpu import Rasterizer, render
 from renderer.rasterize.exp2 import exp2
 from renderer.rasterize.reference import rasterize_reference
-from renderer.splats import Splats
+from renderer.splats import RenderMode, Splats
 from tests.renderer.scenes import random_splats, turned_camera
 
 NAMES = ("means", "quats", "scales", "opacities", "colors")
@@ -71,10 +73,19 @@ def loss_weights(shape: tuple[int, int]) -> tuple[Tensor, Tensor, Tensor]:
     return torch.tensor(by_image), torch.tensor(by_alpha), torch.tensor(by_depth)
 
 
-def gradients_of(splats: Splats, camera: Camera, backend: str) -> list[np.ndarray]:
+def thinned(splats: Splats, thinness: float) -> Splats:
+    """Every other one a needle: two axes as many times shorter than the third."""
+    scales = splats.scales.copy()
+    scales[::2, 1:] = scales[::2, :1] / np.float32(thinness)
+    return replace(splats, scales=scales)
+
+
+def gradients_of(
+    splats: Splats, camera: Camera, backend: str, mode: RenderMode = "default"
+) -> list[np.ndarray]:
     dtype = torch.float64 if backend == "reference" else torch.float32
     inputs = tensors(splats, dtype)
-    out = rasterize(*inputs, camera, (0.3, 0.1, 0.6), backend=backend)  # type: ignore[arg-type]
+    out = rasterize(*inputs, camera, (0.3, 0.1, 0.6), backend=backend, mode=mode)  # type: ignore[arg-type]
     by_image, by_alpha, by_depth = loss_weights((camera.height, camera.width))
     loss = (out.image * by_image).sum() + (out.alpha * by_alpha).sum() + (out.depth * by_depth).sum()
     loss.backward()
@@ -91,17 +102,33 @@ def test_gradients_agree_with_the_oracle_on_random_scenes(name: str) -> None:
     assert np.sqrt(((got - want) ** 2).mean()) < 2e-3 * scale
 
 
+@pytest.mark.parametrize("sigma", [(0.2, 1.0), (2.0, 4.0)], ids=["narrower than a pixel", "wider"])
+@pytest.mark.parametrize("thinness", [1.0, 30.0, 1e4], ids=["round", "needles", "hairs"])
+def test_compensated_gradients_agree_with_the_oracle(thinness: float, sigma: tuple[float, float]) -> None:
+    camera = turned_camera(48, 40)
+    splats = thinned(random_splats(200, camera, 3, sigma=sigma), thinness)
+    plain = gradients_of(splats, camera, "reference")
+    got, want = (gradients_of(splats, camera, backend, "mip") for backend in ("cpu", "reference"))
+    for one, other, without in zip(got, want, plain, strict=True):
+        scale = np.sqrt((other**2).mean())
+        assert np.sqrt(((one - other) ** 2).mean()) < 1e-3 * scale
+        assert np.sqrt(((without - other) ** 2).mean()) > 1e-2 * scale
+
+
+@pytest.mark.parametrize("thinness", [1.0, 300.0], ids=["round", "hairs"])
+@pytest.mark.parametrize("mode", ["default", "mip"])
 @pytest.mark.parametrize("name", NAMES)
-def test_gradients_are_central_differences(name: str) -> None:
+def test_gradients_are_central_differences(name: str, mode: RenderMode, thinness: float) -> None:
     """Not against another backward pass, but against the float64 picture itself."""
     splats, camera = four_splats()
-    got = gradients_of(splats, camera, "cpu")[NAMES.index(name)]
+    splats = thinned(splats, thinness)
+    got = gradients_of(splats, camera, "cpu", mode)[NAMES.index(name)]
     weights = loss_weights((camera.height, camera.width))
 
     def loss(change: np.ndarray) -> float:
         inputs = [value.detach() for value in tensors(splats, torch.float64)]
         inputs[NAMES.index(name)] = inputs[NAMES.index(name)] + torch.tensor(change)
-        out = rasterize_reference(*inputs, camera, (0.3, 0.1, 0.6))
+        out = rasterize_reference(*inputs, camera, (0.3, 0.1, 0.6), mode=mode)
         return sum(
             float((a * b).sum()) for a, b in zip((out.image, out.alpha, out.depth), weights, strict=True)
         )

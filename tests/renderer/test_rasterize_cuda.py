@@ -16,7 +16,7 @@ from renderer.rasterize import rasterize
 from renderer.rasterize.cuda import Drawn, rasterize_cuda
 from renderer.rasterize.reference import Rendered
 from renderer.raw_gaussians import FIELDS
-from renderer.splats import Splats
+from renderer.splats import RenderMode, Splats
 from renderer.torch_train.card import trouble
 from renderer.torch_train.pictures import TorchPictures
 from renderer.train.events import Evaluated
@@ -49,13 +49,16 @@ def leaves(splats: Splats, device: str) -> list[torch.Tensor]:
     return [torch.tensor(value, device=device, requires_grad=True) for value in values]
 
 
-def drawn(splats: Splats, camera: Camera, device: str, near: float = 0.01) -> Drawn:
+def drawn(
+    splats: Splats, camera: Camera, device: str, near: float = 0.01, mode: RenderMode = "default"
+) -> Drawn:
     values = leaves(splats, device)
-    return rasterize_cuda(*values, camera, BACKGROUND, near=near)  # type: ignore[misc]
+    return rasterize_cuda(*values, camera, BACKGROUND, near=near, mode=mode)  # type: ignore[misc]
 
 
-def reference(splats: Splats, camera: Camera, near: float = 0.01) -> Rendered:
-    return rasterize(*leaves(splats, "cpu"), camera, BACKGROUND, backend="reference", near=near)  # type: ignore[misc]
+def reference(splats: Splats, camera: Camera, near: float = 0.01, mode: RenderMode = "default") -> Rendered:
+    values = leaves(splats, "cpu")
+    return rasterize(*values, camera, BACKGROUND, backend="reference", near=near, mode=mode)  # type: ignore[misc]
 
 
 def apart(got: Rendered, expected: Rendered) -> dict[str, float]:
@@ -76,7 +79,16 @@ def test_pictures_agree_with_the_reference(device: str) -> None:
     assert difference["depth"] < 3e-3  # of 40 to 120
 
 
-def test_slopes_agree_with_the_reference(device: str) -> None:
+def test_splats_narrower_than_a_pixel_are_made_up_for(device: str) -> None:
+    camera = turned_camera(70, 45)
+    splats = random_splats(300, camera, sigma=(0.3, 1.0))
+    expected = reference(splats, camera, mode="mip")
+    assert apart(drawn(splats, camera, device, mode="mip").picture, expected)["image"] < 3e-5
+    assert apart(drawn(splats, camera, device).picture, expected)["image"] > 0.05
+
+
+@pytest.mark.parametrize("mode", ["default", "mip"])
+def test_slopes_agree_with_the_reference(device: str, mode: RenderMode) -> None:
     camera = turned_camera(50, 40)
     splats = random_splats(200, camera, seed=3)
     generator = torch.Generator().manual_seed(0)
@@ -85,7 +97,7 @@ def test_slopes_agree_with_the_reference(device: str) -> None:
 
     def slopes(backend: str, on: str) -> list[torch.Tensor]:
         values = leaves(splats, on)
-        picture = rasterize(*values, camera, backend=backend)  # type: ignore[arg-type, misc]
+        picture = rasterize(*values, camera, backend=backend, mode=mode)  # type: ignore[arg-type, misc]
         parts = (getattr(picture, name) for name in PARTS)
         torch.stack(
             [(part * by.to(on)).sum() for part, by in zip(parts, weights, strict=True)]

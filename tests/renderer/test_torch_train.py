@@ -17,6 +17,7 @@ from renderer.clip import Frame
 from renderer.rasterize import rasterize
 from renderer.rasterize.cuda import Drawn
 from renderer.raw_gaussians import FIELDS, RawGaussians
+from renderer.splats import RenderMode
 from renderer.torch_train.card import trouble
 from renderer.torch_train.pictures import TorchPictures
 from renderer.train.config import Method
@@ -39,10 +40,10 @@ WEIGHTS = {
 }
 
 
-def kernels_draw(*values: Any, near: float) -> Drawn:
+def kernels_draw(*values: Any, near: float, mode: RenderMode) -> Drawn:
     """The numba rasteriser as a torch function."""
     centers = torch.zeros((1, len(values[0]), 2))
-    return Drawn(rasterize(*values, backend="cpu", near=near), centers)
+    return Drawn(rasterize(*values, backend="cpu", near=near, mode=mode), centers)
 
 
 def through_torch() -> TorchPictures:
@@ -75,8 +76,10 @@ def before(camera: Camera, raw: RawGaussians) -> RawGaussians:
 
 @pytest.mark.parametrize("weights", WEIGHTS.values(), ids=WEIGHTS)
 @pytest.mark.parametrize("guess", [False, True], ids=["measured", "guessed"])
-@pytest.mark.parametrize("bands", [0, 3, 8, 15])
-def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int) -> None:
+@pytest.mark.parametrize(
+    ("bands", "mode"), [(0, "default"), (3, "default"), (8, "default"), (15, "default"), (3, "mip")]
+)
+def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int, mode: RenderMode) -> None:
     camera = turned_camera(75, 50)
     raw = with_harmonics(blobs(400), bands)
     # At many depths, or neighbours' depths would differ by rounding alone, whose sign is anyone's.
@@ -84,7 +87,7 @@ def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int) 
     raw = before(camera, raw)
     frame = photo(camera, guess=guess)
     one, other = (
-        pictures.slopes(raw, frame, weights, 50.0, every_tile=False)
+        pictures.slopes(raw, frame, weights, 50.0, every_tile=False, mode=mode)
         for pictures in (CpuPictures(), through_torch())
     )
     assert other.measured.loss == pytest.approx(one.measured.loss, rel=1e-5)

@@ -25,6 +25,7 @@ def recipe_for(config: TrainConfig, needs: Needs) -> Recipe:
         RECIPES[config.method](config, needs),
         every_tile="tiles" in config.keep,
         every_moment="moments" in config.keep,
+        mode=config.render_mode,
     )
     if needs.moves or needs.recolors:
         return recipe

