@@ -2,6 +2,8 @@
 
 The anti-alias filter (`render_mode` "mip") is off: on held-out training frames of the pulling clip (1000
 steps, seed 0) it changes nothing that counts, 37.24 dB and 3.18 mm of depth error for 37.26 dB and 3.20 mm.
+Phantoms before a moving camera (500 steps, 8000 Gaussians, seed 0) gain 0.2 dB where they rest, 34.39 for
+34.20 dB, and 0.02 dB where they move, in up to a sixth more time: one seed each, too little to switch it on.
 """
 
 from __future__ import annotations
