@@ -11,7 +11,7 @@ from pathlib import Path
 
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, job_actions, second_actions, tuning_actions
+from app.gui.actions import actions, edit_actions, job_actions, second_actions, tuning_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places
@@ -23,7 +23,7 @@ from enhance import EnhanceParams
 
 Context = imgui.test_engine.TestContext
 STEPS = 50
-PATIENCE = 900.0
+PATIENCE = 300.0
 """Seconds after which the window is said to hang."""
 KEEP_FILES = 12
 K = imgui.Key
@@ -92,9 +92,20 @@ class Person:
         end = time.monotonic() + PATIENCE
         while not until():
             if time.monotonic() > end:
-                raise TimeoutError(f"waited {PATIENCE:.0f} s for {what}")
+                raise TimeoutError(f"waited {PATIENCE:.0f} s for {what}; {self.scene()}")
             self.ctx.yield_()
             time.sleep(0.03)
+
+    def scene(self) -> str:
+        """What may stand in the way."""
+        state = self.state
+        asked = {
+            "opening": state.opening, "banner": state.banner, "leaving": state.editing.leaving,
+            "tuning": state.tuning.shown, "grid": state.tuning.grid is not None, "help": state.help_open,
+            "picture wanted": state.picture_request is not None,
+            "popup": imgui.is_popup_open("", imgui.PopupFlags_.any_popup),
+        }  # fmt: skip
+        return ", ".join(f"{name}: {value}" for name, value in asked.items())
 
     # ---- where every deed begins and ends
 
@@ -104,6 +115,8 @@ class Person:
 
     def open(self, path: Path) -> None:
         actions.open_path(self.state, path)
+        if self.state.editing.leaving is not None:
+            edit_actions.answer(self.state, "discard")
         self.wait(lambda: self.state.opening is None, f"{path.name} to open")
         if self.state.clip is not None:
             self.wait(self.settled, f"the pictures of {path.name}")
@@ -264,7 +277,7 @@ def tune(person: Person) -> None:
     if not isinstance(person.state.params, EnhanceParams):
         return  # What is varied here is of the paper's method.
     person.press(CTRL | K.t)
-    tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, person.rng.uniform(1, 5), 3))
+    tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, person.rng.uniform(1, 4), 3))
     tuning_actions.choose_axis(person.state, 1, Choice("p", 0.2, person.rng.uniform(0.5, 1), 3))
     person.pace()
     person.click("//Tuning/###try")
