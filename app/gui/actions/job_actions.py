@@ -145,6 +145,7 @@ def show_live_model(state: AppState, model: DynamicGaussians) -> None:
         job.iterations,
         live=True,
         origin=origin_of(RunFolder(job.run_path)),
+        mode="default" if job.request is None else job.request.config.render_mode,
         unit=job.clip.unit,
         first=_first(job),
     )

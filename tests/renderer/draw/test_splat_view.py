@@ -358,10 +358,8 @@ def test_exact_keys_draw_a_scene_with_a_far_outlier_right(ctx: moderngl.Context)
     camera = Camera.from_fov(60, 96, 72)
     near = joined(random_splats(400, camera, 12, sigma=(3.0, 9.0)), splat((0.0, 0.0, 1e7)))
     oracle = reference(near, camera).image.numpy()
-    view, framebuffer = (
-        SplatView(ctx, precision="float", keys=16),
-        ctx.simple_framebuffer((96, 72), dtype="f4"),
-    )
+    view = SplatView(ctx, precision="float", keys=16)
+    framebuffer = ctx.simple_framebuffer((96, 72), dtype="f4")
     view.upload(near)
     view.draw(camera, framebuffer)
     assert psnr(read_image(framebuffer), oracle) < 40
