@@ -15,7 +15,7 @@ from renderer.phantom import Phantom, PhantomParams
 
 DRAWN: Final = ("subsample", "scales", "both")
 """Groups with one truth, that the product offers."""
-REPEATS: Final = 15
+REPEATS: Final = 61
 WHOLE: Final = " + ".join(map(str, EXACT.radii))
 DEFAULT: Final = ("subsample", "s = 2")
 COLUMNS: Final = (

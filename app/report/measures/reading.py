@@ -20,7 +20,7 @@ from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.sources import open_clip
 
 PARAMS: Final = PhantomParams(n_frames=4, width=640, height=512)
-REPEATS: Final = 3
+REPEATS: Final = 15
 QUALITIES: Final = (95, 75)
 COLUMNS: Final = (
     *(Column(name="clip"), Column(name="layout")),
