@@ -82,7 +82,7 @@ def opengl(
     camera: Camera,
     near: float,
     truth: NDArray[np.float64],
-    repeats: int = 5,
+    repeats: int = 11,
 ) -> Iterator[Row]:
     """Rows for one view; `truth` (H, W, 3) is the float64 picture over black. Pictures take turns, and every
     one is uploaded and sorted."""
@@ -106,7 +106,7 @@ def keyframes(
     times: Sequence[float],
     near: float,
     pixel: float,
-    repeats: int = 2,
+    repeats: int = 4,
 ) -> Iterator[Row]:
     """Rows for a model over the clip's `times`; `pixel` is the size of one at its distance, in scene units.
 

@@ -61,7 +61,7 @@ class _Work:
 
 
 def accuracy(
-    splats: Splats, camera: Camera, near: float, truth: NDArray[np.float64], repeats: int = 9
+    splats: Splats, camera: Camera, near: float, truth: NDArray[np.float64], repeats: int = 41
 ) -> Iterator[Row]:
     """Rows for one view, against the float64 picture `truth` of `exact`; pictures take turns.
 
