@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from app.enhanced_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
-from app.errors import UserError
+from app.errors import UserError, sentence
 from app.pictures import is_image
 from app.provenance import LAYOUTS
 from app.series import open_series
@@ -139,7 +138,7 @@ def enhance_batch(
             finally:
                 writing.close()
         except (OSError, UserError, ClipError, ImageError) as error:
-            failed = Failed(item, _line(error))
+            failed = Failed(item, sentence(error))
             yield Step(place + 1, len(items), item.name, failed=failed)
         else:
             yield Step(place + 1, len(items), item.name, written=written)
@@ -155,10 +154,3 @@ def _counted(
             written: Written = end.value
             return written
         yield Step(place, count, item.name, done, total)
-
-
-def _line(error: Exception) -> str:
-    """What went wrong, in words alone."""
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.strerror}{f': {os.path.basename(str(error.filename))}' if error.filename else ''}"
-    return str(error)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import datetime
 from pathlib import Path
 
 from app.enhanced_files import Setting
@@ -12,6 +11,7 @@ from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
 from app.gui.work.enhancing import POOLED_FRAMES
 from app.methods import preset_of
+from app.stamp import stamp
 from enhance import EnhanceParams
 
 
@@ -67,7 +67,6 @@ def batch_request(state: AppState) -> BatchRequest | None:
     """The batch by the present setting, which is then under way; None where `why_not_start` says why."""
     if why_not_start(state):
         return None
-    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
     setting = Setting(
         preset_of(state.params),
         state.params,
@@ -75,7 +74,7 @@ def batch_request(state: AppState) -> BatchRequest | None:
         "tissue" if state.tissue_only else "all",
         POOLED_FRAMES if state.scope == "clip" else None,
     )
-    request = BatchRequest(state.batches.inputs, results_folder(state) / f"enhanced-{stamp}", setting)
+    request = BatchRequest(state.batches.inputs, results_folder(state) / f"enhanced-{stamp()}", setting)
     state.batches.under_way, state.batches.progressed = request, None
     return request
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 
 from app.atomic import write_bytes
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.views.free_view import FreeView
+from app.stamp import stamp
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, splatting_json
 from renderer.camera_path import CameraPath, Keyframe
@@ -211,8 +211,7 @@ def export_path_cameras(state: AppState) -> None:
 def _write(state: AppState, kind: str, content: Callable[[], bytes]) -> None:
     """A JSON file among the saved pictures, named after what is open and the time."""
     name = Path(state.model.name).stem if state.model is not None else "vesselsplat"
-    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
-    path = state.places.pictures / f"{name}-{kind}-{stamp}.json"
+    path = state.places.pictures / f"{name}-{kind}-{stamp()}.json"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_bytes(path, content())

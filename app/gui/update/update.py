@@ -140,8 +140,8 @@ def _take_opened(state: AppState, channels: Channels) -> None:
             session_actions.taken_up(state, request.path)
 
 
-def ask_for_pictures(state: AppState, channels: Channels) -> None:
-    """Also as soon as a frame has been laid out, so that a moved setting is worked on while it is drawn."""
+def _ask_for_pictures(state: AppState, channels: Channels) -> None:
+    """Before answers are taken, for a setting that has moved, and at the end, for a frame that plays."""
     pictures = state.picture_request
     if pictures is not None and channels.pictures.asked != pictures:
         state.asked_at = state.now
@@ -149,7 +149,7 @@ def ask_for_pictures(state: AppState, channels: Channels) -> None:
 
 
 def _take_pictures(state: AppState, channels: Channels) -> None:
-    ask_for_pictures(state, channels)
+    _ask_for_pictures(state, channels)
     if _may_come_at_once(state):
         channels.pictures.wait(PROMPT)
     taken = channels.pictures.take()
@@ -293,7 +293,7 @@ def is_slow(*views: View | None) -> bool:
 
 def _ask(state: AppState, channels: Channels) -> None:
     channels.opening.want(state.opening)
-    ask_for_pictures(state, channels)
+    _ask_for_pictures(state, channels)
     channels.picks.want(state.viewer.pick)
     channels.selecting.want(state.editing.wish)
     channels.photos.want(state.photo_request)

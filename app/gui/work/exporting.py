@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field, replace
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,6 +16,7 @@ from app.gui.work.shots import Panes
 from app.gui.work.viewing import ViewRequest, draw_view, view_facts
 from app.moments import FRAMES_PER_SECOND
 from app.provenance import provenance, source, write_png, write_sidecar
+from app.stamp import stamp
 from app.video import Written, write_frames
 from app.views import Composed, ViewKind
 from renderer.clip import ByteImage
@@ -76,8 +76,7 @@ class Exporting:
 
 def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
-    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
-    name = f"{request.stem}-{stamp}{SUFFIXES[request.form]}"
+    name = f"{request.stem}-{stamp()}{SUFFIXES[request.form]}"
     with filled(request.folder) as staging:
         if request.form == "picture":
             _picture(request, staging / name)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
 from app.gui.work.exporting import ExportRequest, Step, picture_facts
 from app.provenance import provenance, write_png
+from app.stamp import stamp
 from renderer.clip import ByteImage
 
 
@@ -29,8 +29,7 @@ class WindowRequest:
 
 def save_window(request: WindowRequest) -> Iterator[Step]:
     """Raises OSError or UserError."""
-    stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
-    path = request.folder / f"{request.stem}-window-{stamp}.png"
+    path = request.folder / f"{request.stem}-window-{stamp()}.png"
     facts = picture_facts(request.shown) if request.shown is not None else {}
     write_png(path, request.image, provenance(kind="window", **facts))
     yield Step(1, path)
