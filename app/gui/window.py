@@ -54,7 +54,7 @@ from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places, Theme, load_settings
-from app.gui.update.update import Channels, update
+from app.gui.update.update import Channels, take_pictures, update
 from app.gui.work.background import Worker
 from app.job import TrainingJob
 from app.report.saved import holds_report
@@ -205,10 +205,11 @@ class Window:
         layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
         layout.docking_splits = dockings.splits()
         panels: list[tuple[str, str, Callable[[], None]]] = [
+            # Before the pictures, which show in the same frame what has moved here.
+            ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
             ("Pictures", "MainDockSpace", self._draw_pictures),
             ("3D view", "Below", self._draw_view),
             (SPLATS, "MainDockSpace", self._draw_view),
-            ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
             ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state, self._make_job)),
             ("Runs", "SideBelow", lambda: draw_runs(self.state, self._make_job)),
             ("Cameras", "SideBelow", lambda: draw_cameras(self.state, self._import_views)),
@@ -283,6 +284,7 @@ class Window:
 
     def _draw_pictures(self) -> None:
         assert self._textures is not None
+        take_pictures(self.state, self._channels)
         draw_compare(self.state, self._textures, lambda: draw_welcome(self.state, self._openers))
 
     def _draw_tuning(self) -> None:

@@ -146,6 +146,9 @@ def tidy(places: Places) -> None:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
+Deed = Callable[[Person], None]
+
+
 def slide(person: Person) -> None:
     for _ in range(4):
         name = person.rng.choice(["d_factor"] * 2 + ["z", "p"])
@@ -376,7 +379,7 @@ def with_run(person: Person) -> bool:
     return True
 
 
-DEEDS: dict[Callable[[Person], None], float] = {
+DEEDS: dict[Deed, float] = {
     slide: 5, compare: 4, play: 3, look_around: 3, fly_a_path: 2, look_at_two: 1, edit: 2, tune: 2,
     export: 2, reconstruct: 1, go_elsewhere: 2, keep_session: 1, look_at_panels: 1,
 }  # fmt: skip

@@ -16,8 +16,6 @@ import numpy as np
 import psutil
 
 MEGABYTE = 1 << 20
-WARM = 5.0
-"""Minutes after which everything has been loaded once."""
 GROWTH = 0.05
 NAMES = 4096
 """OpenGL counts objects from 1; a window that has more than these at once leaks."""
@@ -58,6 +56,8 @@ class Health:
     """Exceptions of any thread, and warnings that were logged."""
     due: bool = False
     """A reading is wanted, with the next frame."""
+    warm: float | None = None
+    """The minute by which everything has been done, and so loaded."""
     spent: tuple[float, float] = (0.0, 0.0)
     """When processor time was last looked at, and how much it was, in seconds."""
 
@@ -116,7 +116,8 @@ class Health:
     @property
     def growth(self) -> float | None:
         """Of memory from when all was warm to the end, medians of three; None where that was too short."""
-        memory = [reading.memory for reading in self.readings if reading.minute >= WARM]
+        warm = float("inf") if self.warm is None else self.warm
+        memory = [reading.memory for reading in self.readings if reading.minute >= warm]
         if len(memory) < 2:
             return None
         first, last = np.median(memory[:3]), np.median(memory[-3:])
@@ -126,7 +127,7 @@ class Health:
         """Print it; whether every bar was kept. `left`: processes that outlived the window."""
         growth = self.growth
         told = "not measured: shorter than the warm-up" if growth is None else f"{growth:+.1%}"
-        print(f"memory from minute {WARM:.0f} to the end: {told} (bar {GROWTH:.0%})")
+        print(f"memory from when all had been done twice to the end: {told} (bar {GROWTH:.0%})")
         found = {
             "OpenGL errors": self.gl_errors,
             "leaked processes": [f"{one.pid} {' '.join(one.cmdline()[:4])}" for one in left],

@@ -44,8 +44,8 @@ from app.gui.work.window_shot import WindowRequest, save_window
 from app.moments import FRAMES_PER_SECOND
 
 PROMPT = 0.012
-"""Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown a
-frame or two earlier than when they are looked for at the next one."""
+"""Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the
+frame that moved it."""
 PATIENCE = 0.3
 """Seconds before a new frame's photo is shown without its enhanced partner."""
 SLOW_VIEW = 60.0
@@ -100,7 +100,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     if state.toast is not None and now > state.toast.until:
         state.toast = None
     _take_opened(state, channels)
-    _take_pictures(state, channels)
+    take_pictures(state, channels)
     _take_pick(state, channels)
     _take_photo(state, channels)
     channels.compare.take(state)
@@ -148,7 +148,8 @@ def _ask_for_pictures(state: AppState, channels: Channels) -> None:
         channels.pictures.ask(pictures)
 
 
-def _take_pictures(state: AppState, channels: Channels) -> None:
+def take_pictures(state: AppState, channels: Channels) -> None:
+    """Those of a setting that has just moved too, where they come soon: before a frame and within it."""
     _ask_for_pictures(state, channels)
     if _may_come_at_once(state):
         channels.pictures.wait(PROMPT)

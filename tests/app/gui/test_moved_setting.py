@@ -1,0 +1,54 @@
+"""A setting moved under the hand is on screen in the frame that moved it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from imgui_bundle import imgui
+
+from app.gui import window
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.settings import Places, Settings
+from app.gui.update import update
+from assets import phantom_path
+from enhance import EnhanceParams
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+MOVED = [EnhanceParams(z=z) for z in (0.3, 0.4, 0.5)]
+
+
+@pytest.mark.display
+def test_the_picture_of_a_moved_setting_is_in_the_same_frame(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draw_enhancement, draw_compare = window.draw_enhancement, window.draw_compare
+    moves: list[tuple[object, int]] = []
+    """A setting, and the frame in which it was chosen."""
+    drawn: list[tuple[object, int]] = []
+    """The setting of the pictures that were drawn, and in which frame."""
+
+    def move(state: AppState) -> None:
+        draw_enhancement(state)
+        if is_settled(state) and len(moves) < len(MOVED):
+            moves.append((MOVED[len(moves)], imgui.get_frame_count()))
+            actions.set_params(state, MOVED[len(moves) - 1])
+
+    def look(state: AppState, *rest: Any) -> None:
+        if state.pictures is not None:
+            drawn.append((state.pictures.request.params, imgui.get_frame_count()))
+        draw_compare(state, *rest)
+
+    monkeypatch.setattr(window, "draw_enhancement", move)
+    monkeypatch.setattr(window, "draw_compare", look)
+    monkeypatch.setattr(update, "PROMPT", 5.0)  # A slow machine is not what is tried.
+    driver = Driver(places, Settings(acknowledged=True), [])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        actions.open_path(driver.state, phantom_path())
+        wait(ctx, lambda: len(moves) == len(MOVED), "all moves")
+        ctx.yield_()
+
+    driver.run(drive)
+    assert set(moves) <= set(drawn)
