@@ -108,7 +108,8 @@ def keyframes(
     pixel: float,
     repeats: int = 4,
 ) -> Iterator[Row]:
-    """Rows for a model over the clip's `times`; `pixel` is the size of one at its distance, in scene units.
+    """Rows for a model over the clip's `times`, timed in turns; `pixel` is the size of one at its distance,
+    in scene units.
 
     "every moment": what the model is at a time is computed, uploaded and drawn. The others are compared with
     these pictures, at frames and between them.
@@ -116,12 +117,8 @@ def keyframes(
     target = ctx.simple_framebuffer((camera.width, camera.height), 4, dtype="f4")
     moments = np.linspace(times[0], times[-1], MOMENTS).tolist()
     exact = SplatView(ctx, precision="float", near=near)
-    show = {
-        time: partial(_drawn, exact, target, camera, partial(_upload, exact, model, time)) for time in moments
-    }
-    truth = {time: work() for time, work in show.items()}
-    nothing = [np.zeros_like(truth[moments[0]])]
-    yield _row("every moment", "computed and uploaded", nothing, _over(list(show.values()), repeats))
+    show = [partial(_drawn, exact, target, camera, partial(_upload, exact, model, time)) for time in moments]
+    ways = [_Way("every moment", "computed and uploaded", exact, show)]
     for every, pixels in [*((every, PIXELS[0]) for every in EVERY), *((1, one) for one in PIXELS[1:])]:
         began = perf_counter()
         kept = baked(model, [*times[:-1:every], times[-1]], Tolerance(pixels * pixel))
@@ -129,11 +126,27 @@ def keyframes(
         view = SplatView(ctx, precision="float", near=near)
         view.upload_keyframes(kept)
         works = [partial(_drawn, view, target, camera, partial(view.seek, time)) for time in moments]
-        errors = [255 * np.abs(work() - truth[time]) for work, time in zip(works, moments, strict=True)]
         name = f"{'every frame' if every == 1 else f'one frame in {every}'}, {pixels:g} px"
-        yield _row("keyframes", name, errors, _over(works, repeats), kept.n_bytes / 1e6, seconds)
-        view.release()
-    exact.release()
+        ways.append(_Way("keyframes", name, view, works, kept.n_bytes / 1e6, seconds))
+    truth = [work() for work in show]
+    every_work = [work for way in ways for work in way.works]
+    _times(every_work, 1)
+    for way, taken in zip(ways, _times(every_work, repeats).reshape(len(ways), -1), strict=True):
+        errors = [255 * np.abs(work() - true) for work, true in zip(way.works, truth, strict=True)]
+        yield _row(way.group, way.setting, errors, taken, way.megabytes, way.baking)
+        way.view.release()
+
+
+@dataclass(frozen=True)
+class _Way:
+    """To have the model at each of some moments; the last two as in a Row."""
+
+    group: str
+    setting: str
+    view: SplatView
+    works: Sequence[Callable[[], NDArray[np.float64]]]
+    megabytes: float | None = None
+    baking: float | None = None
 
 
 def _upload(view: SplatView, model: DynamicGaussians, time: float) -> None:
@@ -157,11 +170,6 @@ def _times(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.fl
             work()
             row[place] = 1000 * (perf_counter() - start)
     return np.asarray(taken.T)
-
-
-def _over(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
-    """Of all works alike."""
-    return _times(works, repeats).ravel()
 
 
 def _row(
