@@ -266,7 +266,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.click("//Export/###video of both panes")
     person.wait(lambda: state.exports.under_way is None or state.exports.under_way.done > 2, "some frames")
     yield "export under way"
-    person.window.cancel_export()
+    person.window.writing.cancel_export()
     yield "toast"
     person.press(CTRL | SHIFT | K.e)
     for panel in ("Log", "Notes"):

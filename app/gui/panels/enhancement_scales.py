@@ -19,7 +19,9 @@ def draw_scales(params: EnhanceParams, used: Statistics | None) -> EnhanceParams
     exponents = scales.exponents(params, used.p if used else ())
     changed = params
     for index in range(len(params.radii)):
-        with imgui_ctx.push_id(f"window {index}"):
+        # These sliders are narrow: a handle of the usual width hides what they say.
+        thin = imgui_ctx.push_style_var(imgui.StyleVar_.grab_min_size, em(0.3))
+        with imgui_ctx.push_id(f"window {index}"), thin:
             changed = _draw_scale(changed, index, exponents)
         if len(changed.radii) != len(params.radii):
             return changed
