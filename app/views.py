@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final, Literal, Protocol
 
@@ -113,25 +113,40 @@ def splats_for(kind: ViewKind, model: Moments, time: float, camera: Camera) -> S
     return by_motion(splats, model.at(0.0)) if kind == "motion" else splats
 
 
-def composed(kind: ViewKind, drawn: Drawn, unit: str, photo: ByteImage | None = None) -> Composed:
-    """The view of splats drawn in its shape and colours; `photo` (H', W', 3) is what a difference is to."""
+def composed(
+    kind: ViewKind,
+    drawn: Drawn,
+    unit: str,
+    photo: ByteImage | None = None,
+    scale: Scale | None = None,
+) -> Composed:
+    """The view of splats drawn in its shape and colours; `photo` (H', W', 3) is what a difference is to.
+
+    Without a `scale`, values have that which holds those of this picture.
+    """
     if kind == "depth":
-        scale = _scale_of(drawn.depth[drawn.depth > 0], unit)
+        scale = scale or _scale_of(drawn.depth[drawn.depth > 0], unit)
         return Composed(scale.colored(drawn.depth, drawn.depth > 0), scale)
     if kind == "opacity":
-        scale = Scale(0.0, 1.0, "opacity", "grey")
+        scale = scale or Scale(0.0, 1.0, "opacity", "grey")
         return Composed(scale.colored(drawn.alpha, drawn.alpha > 0), scale)
     if kind == "motion":
         seen = drawn.alpha > 0
         way = np.divide(drawn.image[..., 0], drawn.alpha, out=np.zeros_like(drawn.alpha), where=seen)
-        scale = Scale(0.0, _nice_end(way[seen], 99.5), f"{unit} since the start")
+        scale = scale or Scale(0.0, _nice_end(way[seen], 99.5), f"{unit} since the start")
         return Composed(scale.colored(way, seen), scale)
     if kind == "difference":
         assert photo is not None
         away = difference(drawn.bytes, photo)
-        scale = Scale(0.0, max(_nice_end(away, 90), LEAST_DIFFERENCE), "grey levels", "inferno")
+        end = max(_nice_end(away, 90), LEAST_DIFFERENCE)
+        scale = scale or Scale(0.0, end, "grey levels", "inferno")
         return Composed(scale.colored(away, np.ones(away.shape, bool)), scale)
     return Composed(drawn.bytes)
+
+
+def holding(scales: Sequence[Scale]) -> Scale:
+    """One that holds what each of them does, of one quantity."""
+    return replace(scales[0], low=min(one.low for one in scales), high=max(one.high for one in scales))
 
 
 def difference(picture: ByteImage, photo: ByteImage) -> Float32Array:

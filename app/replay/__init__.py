@@ -16,7 +16,7 @@ from app.provenance import libraries, version
 from app.replay.difference import Difference, difference
 from app.replay.drawn import remake_depth, remake_render, remake_splats, remake_video
 from app.replay.enhanced import remake_enhanced, remake_enhanced_video
-from app.replay.panes import remake_measures, remake_panes, remake_panes_video
+from app.replay.panes import remake_measures, remake_panes, remake_panes_video, remake_view_video
 from app.replay.recorded import Facts, recorded
 from app.replay.sources import Sources
 from app.replay.tuned import remake_tuning_sheet
@@ -44,6 +44,7 @@ KINDS: Final[Mapping[str, Remake]] = MappingProxyType(
         "splats": remake_splats,
         "panes": remake_panes,
         "panes video": remake_panes_video,
+        "view video": remake_view_video,
         "measures": remake_measures,
         "tuning sheet": remake_tuning_sheet,
         "window": refuse_window,

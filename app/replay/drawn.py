@@ -26,9 +26,9 @@ from app.scene import Scene, open_scene
 from app.supersampling import supersampled
 from app.training import input_clip
 from app.video import write_video
-from app.views import SHAPES, ViewKind, composed, splats_for
+from app.views import SHAPES, Scale, ViewKind, composed, splats_for
 from renderer.camera import Camera
-from renderer.clip import ByteImage
+from renderer.clip import ByteImage, Clip
 from renderer.splat_files.inria_ply import ply_bytes
 
 
@@ -66,6 +66,7 @@ class RenderFacts:
     background: tuple[float, float, float] | None = (0.0, 0.0, 0.0)
     """None: alpha says where nothing is."""
     view: ViewKind = "color"
+    scale: Scale | None = None
     frame: int | None = None
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
 
@@ -132,27 +133,38 @@ def remake_render(facts: Facts, sources: Sources, target: Path) -> str:
     if said.background is None:
         shown = drawn(scene, facts, drawer[0], said.view).straight
     else:
-        shown = view_of(scene, facts, sources, drawer[0], trained=True)
+        shown = view_of(scene, facts, drawer[0], photos_of(facts, sources, trained=True))
     write_image(target, shown, again(facts))
     return drawer[1]
 
 
-def view_of(scene: Scene, facts: Facts, sources: Sources, draw: Draw, *, trained: bool) -> ByteImage:
-    """What the facts say that the picture shows; a difference is to the photo that the run was `trained` on,
-    or to the clip's own. Raises UserError or pydantic.ValidationError."""
+def view_of(scene: Scene, facts: Facts, draw: Draw, photos: Clip | None) -> ByteImage:
+    """What the facts say that the picture shows; a difference is to the photo of its frame. Raises UserError,
+    ClipError or pydantic.ValidationError."""
     said = RENDER.validate_python(facts)
-    photo = _photo(facts, said, sources, trained=trained) if said.view == "difference" else None
-    return with_bar(composed(said.view, drawn(scene, facts, draw, said.view), scene.unit, photo))
+    photo = _photo(photos, said.frame) if photos is not None else None
+    shown = drawn(scene, facts, draw, said.view)
+    return with_bar(composed(said.view, shown, scene.unit, photo, said.scale))
 
 
-def _photo(facts: Facts, said: RenderFacts, sources: Sources, *, trained: bool) -> ByteImage:
-    """Of the frame. Raises UserError or pydantic.ValidationError."""
+def _photo(photos: Clip, frame: int | None) -> ByteImage:
+    """Raises UserError or ClipError."""
+    if frame is None or not 0 <= frame < len(photos):
+        raise UserError(f"expected a difference to one of {len(photos)} frames, got frame {frame}")
+    return photos.read_image(frame)
+
+
+def photos_of(facts: Facts, sources: Sources, *, trained: bool) -> Clip | None:
+    """What a difference is to: the photos that the run was `trained` on, or the clip's own; None for another
+    kind of view. Raises UserError, ClipError or pydantic.ValidationError."""
+    if RENDER.validate_python(facts).view != "difference":
+        return None
     run = SCENE.validate_python(facts).run
-    if run is None or said.frame is None:
-        raise UserError(f"expected the run and the frame of a difference, got neither: {sources.file}")
+    if run is None:
+        raise UserError(f"expected the run of a difference, got none: {sources.file}")
     record = sources.find_run(run).record()
     clip = run_clip(record)
-    return (input_clip(clip, record) if trained else clip).read_image(said.frame)
+    return input_clip(clip, record) if trained else clip
 
 
 def remake_depth(facts: Facts, sources: Sources, target: Path) -> str:

@@ -1,8 +1,9 @@
-"""What the window showed, made again: panes and 3D view as a picture, panes as a video or a table."""
+"""What the window showed, made again: panes and 3D views as pictures or videos, panes as a table."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass as plain_dataclass
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -10,23 +11,25 @@ from typing import Any, Literal
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
+from app.drawing import Draw
 from app.errors import UserError
 from app.gui.work.enhancing import PictureRequest, Scope
-from app.gui.work.exporting import view_panel
 from app.gui.work.measure_table import MADE_AGAIN, rows_at, write_measures
 from app.gui.work.others import OtherMaker
-from app.gui.work.page import sheet
+from app.gui.work.page import Panel, sheet
 from app.gui.work.shots import Arrangement, Panes, Shot
 from app.gui.work.sizing import Sizing
+from app.gui.work.view_pages import view_page, view_panel
 from app.gui.work.viewing import ShownModel
 from app.methods import METHODS
 from app.picture_mask import NO_MASK, PictureMask
 from app.pictures import ArrayImage
 from app.provenance import write_png, write_sidecar
-from app.replay.drawn import RENDER, drawer_of, scene_of, view_of
+from app.replay.drawn import RENDER, drawer_of, photos_of, scene_of, view_of
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
+from app.scene import Scene
 from app.video import write_video
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE
@@ -86,21 +89,65 @@ class SpanFacts:
         return range(self.first_frame, self.last_frame + 1)
 
 
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class ViewVideoFacts:
+    """What a video of the 3D view, or of both, says of itself."""
+
+    views: tuple[Facts, ...]
+    moments: tuple[Facts, ...]
+    frames_per_second: float
+
+
 PANES, SPAN = TypeAdapter(PanesFacts), TypeAdapter(SpanFacts)
+VIEW_VIDEO = TypeAdapter(ViewVideoFacts)
+
+
+@plain_dataclass(frozen=True, eq=False)
+class Seen:
+    """A 3D view, to be drawn at any moment."""
+
+    facts: Facts
+    scene: Scene
+    draw: Draw
+    renderer: str
+    photos: Clip | None
+    """What a difference is to."""
+
+    def panel(self, moment: Facts) -> Panel:
+        """Raises UserError, ClipError or pydantic.ValidationError."""
+        facts = self.facts | moment
+        image = view_of(self.scene, facts, self.draw, self.photos)
+        return view_panel(self.scene.name, image, RENDER.validate_python(facts).view)
+
+
+def seen(facts: Facts, sources: Sources) -> Seen:
+    """Raises UserError, ClipError or pydantic.ValidationError."""
+    draw, name = drawer_of(facts)
+    photos = photos_of(facts, sources, trained=False)
+    return Seen(facts, scene_of(facts, sources), draw, name, photos)
 
 
 def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
     """Panes, the 3D view, or both. Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
-    panels, name = panes_of(facts, sources).panels(OtherMaker()) if "source" in facts else [], None
-    for view in facts.get("views", []):
-        draw, name = drawer_of(view)
-        scene = scene_of(view, sources)
-        image = view_of(scene, view, sources, draw, trained=False)
-        panels.append(view_panel(scene.name, image, RENDER.validate_python(view).view))
+    panels = panes_of(facts, sources).panels(OtherMaker()) if "source" in facts else []
+    views = [seen(view, sources) for view in facts.get("views", [])]
+    panels += [view.panel({}) for view in views]
     if not panels:
         raise UserError(f"expected panes or a 3D view, got neither: {sources.file}")
     write_png(target, sheet(panels), again(facts))
-    return name
+    return views[0].renderer if views else None
+
+
+def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
+    """The 3D view, or both. Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
+    said = VIEW_VIDEO.validate_python(facts)
+    if not (said.views and said.moments):
+        raise UserError(f"expected at least one 3D view and one frame, got none: {sources.file}")
+    views = [seen(view, sources) for view in said.views]
+    pages = (view_page([view.panel(moment) for view in views]) for moment in said.moments)
+    write_video(target, pages, said.frames_per_second)
+    write_sidecar(target, again(facts))
+    return views[0].renderer
 
 
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:

@@ -14,6 +14,7 @@ from app.gui.work.background import Failure
 from app.gui.work.enhancing import PictureRequest
 from app.gui.work.exporting import Exporting, ExportRequest, Form, Step
 from app.gui.work.shots import Arrangement, Panes, Shot
+from app.gui.work.view_pages import Views
 from app.gui.work.viewing import ShownModel, ViewRequest
 from app.moments import FRAMES_PER_SECOND
 
@@ -68,11 +69,12 @@ OFFERS: dict[What, Offer] = {
         "Both panes", "panes video", "Every frame from In to Out, side by side.", SIDES
     ),
     "video through time": Offer(
-        "3D through time", "view video", "The 3D view in colour from here, through the clip's time.",
+        "3D through time", "view video", "The 3D view as shown, and the second one, through the clip's time.",
         sees="time",
     ),
     "video along the path": Offer(
-        "3D along the path", "view video", "The 3D view in colour along the camera path.", sees="path"
+        "3D along the path", "view video", "The 3D view, and the second one, along the camera path.",
+        sees="path",
     ),
     "measures of both panes": Offer(
         "Table of both panes", "measures", "DV/BV, contrast, noise and more, from In to Out: CSV and JSON.",
@@ -102,6 +104,9 @@ def _lacks(state: AppState, offer: Offer) -> str:
         return "The reconstruction is not finished: wait for it, or continue it."
     if offer.sees == "path" and not state.cameras.views.path.keyframes:
         return "There is no camera path yet: the panel Cameras makes one."
+    seen = offer.sees == "time" and state.viewer.snapped
+    if offer.form == "view video" and state.view_kind == "difference" and not seen:
+        return "A difference is seen through the clip's camera only: C, or choose another view."
     if not offer.sides or (offer.sees == "still" and state.clip is None):
         return ""
     if state.clip is None:
@@ -150,16 +155,17 @@ def shown_request(state: AppState) -> ExportRequest | None:
 
 def _request(state: AppState, offer: Offer) -> ExportRequest:
     panes = _panes(state, offer) if state.clip is not None else Panes()
-    views = _views(state, offer)
+    moments = _moments(state, offer)
     rate = (state.clip.frames_per_second if state.clip else None) or FRAMES_PER_SECOND
     if offer.sees == "path":
         rate = FRAMES_PER_SECOND
     return ExportRequest(
         state.places.pictures,
-        state.clip.path.stem if state.clip is not None and panes.shots else views[0].shown.name,
+        state.clip.path.stem if state.clip is not None and panes.shots else moments[0][0].shown.name,
         offer.form,
         panes,
-        views,
+        moments,
+        state.clip if offer.form == "view video" else None,
         state.span,
         rate,
         state.opened_options,
@@ -193,16 +199,20 @@ def _photo(picture: PictureRequest) -> PictureRequest:
     return replace(picture, params=None)
 
 
-def _views(state: AppState, offer: Offer) -> tuple[ViewRequest, ...]:
-    """The 3D view once, or once a frame of its video."""
+def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
+    """The 3D view once, or once a frame of its video; each time with the second one, where there is one."""
     view = state.plain_view_request
     if view is None or offer.sees == "no":
         return ()
     if offer.sees == "still":
-        both = (view, state.second_request)
-        return tuple(_as_chosen(state, one) for one in both if one is not None)
-    moments = _through_time(state, view.shown) if offer.sees == "time" else _along_path(state, view.shown)
-    return tuple(_as_chosen(state, moment) for moment in moments)
+        return (_with_second(state, view),)
+    moving = _through_time(state, view.shown) if offer.sees == "time" else _along_path(state, view.shown)
+    return tuple(_with_second(state, replace(first, kind=state.view_kind)) for first in moving)
+
+
+def _with_second(state: AppState, first: ViewRequest) -> Views:
+    both = (first, state.beside(first))
+    return tuple(_as_chosen(state, one) for one in both if one is not None)
 
 
 def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:

@@ -322,9 +322,22 @@ class AppState:
 
     @property
     def second_request(self) -> ViewRequest | None:
-        """What the second 3D view should show now: the first one's moment through its camera."""
-        first, shown = self.plain_view_request, self.second.shown
-        return None if first is None or shown is None else replace(first, shown=shown)
+        """What the second 3D view should show now."""
+        first = self.plain_view_request
+        return None if first is None else self.beside(first)
+
+    def beside(self, first: ViewRequest) -> ViewRequest | None:
+        """The second reconstruction at the moment of `first` through its camera; None without one.
+
+        A photo is of the first one's frames: where the second has others, its difference to them is none.
+        """
+        shown = self.second.shown
+        if shown is None:
+            return None
+        same = (shown.first, shown.cameras) == (first.shown.first, first.shown.cameras)
+        if first.kind == "difference" and not same:
+            return replace(first, shown=shown, kind="color", photo=None)
+        return replace(first, shown=shown)
 
     @property
     def has_photos(self) -> bool:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from app.atomic import filled
-from app.color_bar import with_bar
 from app.gui.work.measure_table import rows_at, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
 from app.gui.work.shots import Panes
-from app.gui.work.viewing import ViewRequest, draw_view, view_facts
+from app.gui.work.view_pages import Views, drawn_panel, steady, video_facts, view_pages
+from app.gui.work.viewing import view_facts
+from app.in_steps import retold
 from app.moments import FRAMES_PER_SECOND
 from app.provenance import provenance, source, write_png, write_sidecar
 from app.stamp import stamp
-from app.video import Written, write_frames
-from app.views import Composed, ViewKind
-from renderer.clip import ByteImage
+from app.video import write_frames
+from renderer.clip import ByteImage, Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 Form = Literal["picture", "panes video", "view video", "measures"]
@@ -36,9 +36,10 @@ class ExportRequest:
     stem: str
     form: Form
     panes: Panes = field(default_factory=Panes)
-    views: tuple[ViewRequest, ...] = ()
-    """Of the 3D view, with as many pixels as the file has: in a picture that and the second one, in a video
-    one a frame."""
+    moments: tuple[Views, ...] = ()
+    """Of the 3D view, with as many pixels as the file has: one in a picture, in a video one a frame."""
+    photos: Clip | None = None
+    """What the differences of a video are to."""
     span: tuple[int, int] = (0, 0)
     """First and last frame of the clip that a video or a table of panes has."""
     frames_per_second: float = FRAMES_PER_SECOND
@@ -49,7 +50,7 @@ class ExportRequest:
         """How often it comes up for air."""
         if self.form == "picture":
             return 1
-        return len(self.views) if self.form == "view video" else len(self.frames)
+        return len(self.moments) if self.form == "view video" else len(self.frames)
 
     @property
     def frames(self) -> range:
@@ -106,8 +107,8 @@ def picture_facts(request: ExportRequest) -> dict[str, Any]:
         photo = request.panes.shots[0].photo
         frame = {"index": photo.frame_index, "label": photo.clip.labels[photo.frame_index]}
         facts = _facts(request) | {"frame": frame}
-    if request.views:
-        facts["views"] = [view_facts(wanted) for wanted in request.views]
+    for views in request.moments:
+        facts["views"] = [view_facts(wanted) for wanted in views]
     return facts
 
 
@@ -119,59 +120,28 @@ def _picture(request: ExportRequest, path: Path) -> None:
         panels += request.panes.laid_out(made)
         for said, one in zip(facts["panes"], made, strict=True):
             said["statistics"] = one.statistics
-    for wanted in request.views:
-        (view,) = draw_view(wanted)
-        image = with_bar(Composed(view.image, view.scale))
-        panels.append(view_panel(wanted.shown.name, image, wanted.kind))
+    for views in request.moments:
+        panels += [drawn_panel(wanted) for wanted in views]
     write_png(path, sheet(panels), provenance(kind="panes", **facts))
-
-
-def view_panel(name: str, image: ByteImage, kind: ViewKind) -> Panel:
-    """A model, by the name of its run or file."""
-    shows = "" if kind == "color" else f"   {kind}"
-    return Panel(f"Reconstruction   {name}{shows}", image)
 
 
 def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
     if request.form == "view video":
-        frames, facts = _view_frames(request), _view_video_facts(request)
+        moments = yield from retold(steady(request.moments, request.photos), Step)
+        frames, facts = view_pages(moments, request.photos), {"kind": "view video"} | video_facts(moments)
     else:
         request = replace(request, panes=request.panes.steady(OtherMaker()))
         frames = _pane_frames(request)
         facts = {"kind": "panes video"} | _facts(request) | _span_facts(request)
-    written = yield from _counted(write_frames(path, frames, request.frames_per_second))
+    written = yield from retold(write_frames(path, frames, request.frames_per_second), Step)
     facts |= {"frames_per_second": request.frames_per_second, "video": written}
     write_sidecar(path, provenance(**facts))
-
-
-def _counted(writing: Generator[int, None, Written]) -> Generator[Step, None, Written]:
-    try:
-        while True:
-            try:
-                yield Step(next(writing))
-            except StopIteration as end:
-                written: Written = end.value
-                return written
-    finally:
-        writing.close()
 
 
 def _pane_frames(request: ExportRequest) -> Iterator[ByteImage]:
     maker = OtherMaker()
     for frame in request.frames:
         yield sheet(request.panes.at(frame).panels(maker))
-
-
-def _view_frames(request: ExportRequest) -> Iterator[ByteImage]:
-    for wanted in request.views:
-        (drawn,) = draw_view(wanted)
-        yield drawn.image
-
-
-def _view_video_facts(request: ExportRequest) -> dict[str, Any]:
-    """As `vesselsplat export --video` says it."""
-    moments = [{"time": one.time, "camera": one.camera.to_json(), "near": one.near} for one in request.views]
-    return {"kind": "render video"} | view_facts(request.views[0]) | {"moments": moments}
 
 
 def _measures(request: ExportRequest, path: Path) -> Iterator[Step]:

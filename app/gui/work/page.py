@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,7 +40,7 @@ def describe(pictures: Pictures) -> str:
     return f"{z} · {p} · d {params.d_factor:.2f}"
 
 
-def sheet(panels: list[Panel]) -> ByteImage:
+def sheet(panels: Sequence[Panel]) -> ByteImage:
     """(H, W, 3): the panels side by side at their own sizes, a caption above each, the notice below."""
     margin = 8
     size = max(14, max(panel.image.shape[0] for panel in panels) // 32)

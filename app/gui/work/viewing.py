@@ -105,6 +105,8 @@ class ViewRequest:
     """Of the same frame, where the view is the difference to it."""
     supersampling: int = 1
     """Drawn with so many times as many pixels each way, and averaged."""
+    scale: Scale | None = None
+    """Of its values; None: that which holds those of this picture."""
 
     @property
     def near(self) -> float:
@@ -119,7 +121,8 @@ class ViewRequest:
 
     def composed(self, drawn: Drawn) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape."""
-        return composed(self.kind, drawn, self.shown.unit, self.photo.image if self.photo else None)
+        photo = self.photo.image if self.photo else None
+        return composed(self.kind, drawn, self.shown.unit, photo, self.scale)
 
     def scaled(self, scale: float) -> ViewRequest:
         """The same view with fewer pixels."""
@@ -142,18 +145,30 @@ class View:
 
 def view_facts(request: ViewRequest) -> dict[str, Any]:
     """What an export says of it: its own run and clip, which need not be those of the pictures beside it."""
+    return lasting_facts(request) | moment_facts(request)
+
+
+def lasting_facts(request: ViewRequest) -> dict[str, Any]:
+    """What is so at every moment of a video: the model, and how it is drawn."""
     shown = request.shown
     origin = shown.origin.facts if shown.origin else {"run": {"name": shown.name}}
     return origin | {
         "iteration": shown.iteration,
-        "time": request.time,
-        "camera": request.camera.to_json(),
         "near": request.near,
         "background": BACKGROUND,
         "renderer": "numba on the CPU",
         "supersampling": request.supersampling,
         "view": request.kind,
-        "frame": shown.frame_at(request.time),
+        "scale": request.scale,
+    }
+
+
+def moment_facts(request: ViewRequest) -> dict[str, Any]:
+    """When, and from where it is seen."""
+    return {
+        "time": request.time,
+        "camera": request.camera.to_json(),
+        "frame": request.shown.frame_at(request.time),
     }
 
 

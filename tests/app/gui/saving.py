@@ -19,7 +19,7 @@ def asked(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None 
         if wanted.params is not None:
             shots += (Shot("Enhanced", photo, wanted.params),)
     stem = wanted.clip.path.stem if wanted is not None else "view"
-    return ExportRequest(folder, stem, "picture", Panes(shots), views=() if view is None else (view,))
+    return ExportRequest(folder, stem, "picture", Panes(shots), moments=() if view is None else ((view,),))
 
 
 def saved(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None = None) -> Path:

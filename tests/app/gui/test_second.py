@@ -11,6 +11,7 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import SLOW_VIEW, Channels, update, view_request
+from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.viewing import View
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -92,6 +93,28 @@ def test_two_views_are_reduced_when_they_are_slow_together(seen: AppState) -> No
     wanted = view_request(seen)
     assert wanted is not None
     assert wanted.reduced
+
+
+def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: AppState) -> None:
+    first = seen.plain_view_request
+    assert first is not None
+    assert seen.model is not None
+    assert seen.clip is not None
+    photo = Photo(PhotoRequest(seen.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
+    wanted = first.of_kind("difference", photo)
+    assert seen.beside(wanted) is None
+    seen.second.shown = replace(seen.model)
+    same = seen.beside(wanted)
+    assert same == replace(wanted, shown=seen.second.shown)
+    for other in (replace(seen.model, first=2), replace(seen.model, cameras=seen.model.cameras[:3])):
+        seen.second.shown = other
+        beside = seen.beside(wanted)
+        assert beside is not None
+        assert (beside.kind, beside.photo) == ("color", None)
+        assert (beside.time, beside.camera) == (wanted.time, wanted.camera)
+        depth = seen.beside(first.of_kind("depth"))
+        assert depth is not None
+        assert depth.kind == "depth"
 
 
 def test_a_new_session_has_no_second_view(seen: AppState, model: DynamicGaussians, tmp_path: Path) -> None:

@@ -1,0 +1,36 @@
+"""Work in steps, with a result at its end: each step told in other words, or all of them taken at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import TypeVar
+
+Done = TypeVar("Done")
+Told = TypeVar("Told")
+Result = TypeVar("Result")
+
+
+def retold(
+    work: Generator[Done, None, Result], told: Callable[[Done], Told]
+) -> Generator[Told, None, Result]:
+    """The same work and result; closed before its end, it closes the work."""
+    try:
+        while True:
+            try:
+                done = next(work)
+            except StopIteration as end:
+                result: Result = end.value
+                return result
+            yield told(done)
+    finally:
+        work.close()
+
+
+def in_one_go(work: Generator[object, None, Result]) -> Result:
+    """Its result."""
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            result: Result = end.value
+            return result
