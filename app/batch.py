@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from app.enhanced_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
 from app.errors import UserError, sentence
+from app.in_steps import retold
 from app.pictures import is_image
 from app.provenance import LAYOUTS
 from app.series import open_series
@@ -132,25 +134,10 @@ def enhance_batch(
         try:
             yield Step(place, len(items), item.name)
             series = open_series(item.source)
-            writing = enhance_into(item.output, series, setting, watch)
-            try:
-                written = yield from _counted(writing, place, len(items), item, len(series))
-            finally:
-                writing.close()
+            step = partial(Step, place, len(items), item.name, total=len(series))
+            written = yield from retold(enhance_into(item.output, series, setting, watch), step)
         except (OSError, UserError, ClipError, ImageError) as error:
             failed = Failed(item, sentence(error))
             yield Step(place + 1, len(items), item.name, failed=failed)
         else:
             yield Step(place + 1, len(items), item.name, written=written)
-
-
-def _counted(
-    writing: Generator[int, None, Written], place: int, count: int, item: Item, total: int
-) -> Generator[Step, None, Written]:
-    while True:
-        try:
-            done = next(writing)
-        except StopIteration as end:
-            written: Written = end.value
-            return written
-        yield Step(place, count, item.name, done, total)

@@ -17,6 +17,7 @@ import numpy as np
 from app.atomic import replaced
 from app.color_tag import tag_colors
 from app.errors import UserError
+from app.in_steps import in_one_go
 from app.pictures import ArrayImage
 from app.utf8 import require_utf8
 
@@ -51,13 +52,7 @@ def write_video(
     path: Path, frames: Iterator[ArrayImage], frames_per_second: float, *, like: Path | None = None
 ) -> Written:
     """`write_frames` in one go. Raises UserError as that does."""
-    writing = write_frames(path, frames, frames_per_second, like=like)
-    while True:
-        try:
-            next(writing)
-        except StopIteration as end:
-            written: Written = end.value
-            return written
+    return in_one_go(write_frames(path, frames, frames_per_second, like=like))
 
 
 def write_frames(

@@ -13,6 +13,7 @@ from app.arguments import add_fields, parameters
 from app.batch import VIDEOS, Item, Step, enhance_batch, items_in
 from app.enhanced_files import VIDEO, Setting, Stream, Written, enhance_into
 from app.errors import UserError
+from app.in_steps import in_one_go
 from app.methods import METHODS, PAPER, VESSEL, Params
 from app.pictures import is_image
 from app.progress import progress
@@ -117,13 +118,7 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
 
 def _whole(output: Path, series: Series, setting: Setting) -> Written:
     """Written in one go, with progress; reading, enhancing and writing overlap."""
-    writing = enhance_into(output, series, setting, _watched)
-    while True:
-        try:
-            next(writing)
-        except StopIteration as end:
-            written: Written = end.value
-            return written
+    return in_one_go(enhance_into(output, series, setting, _watched))
 
 
 def _watched(stage: str, series: Series, items: Stream) -> Stream:
