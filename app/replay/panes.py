@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from app.drawing import Draw
 from app.errors import UserError
 from app.gui.work.enhancing import PictureRequest, Scope
-from app.gui.work.measure_table import MADE_AGAIN, rows_at, write_measures
+from app.gui.work.measure_table import MADE_AGAIN, measured_rows, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
 from app.gui.work.shots import Arrangement, Panes, Shot
@@ -23,7 +22,6 @@ from app.gui.work.view_pages import view_page, view_panel
 from app.gui.work.viewing import ShownModel
 from app.methods import METHODS
 from app.picture_mask import NO_MASK, PictureMask
-from app.pictures import ArrayImage
 from app.provenance import write_png, write_sidecar
 from app.replay.drawn import RENDER, drawer_of, photos_of, scene_of, view_of
 from app.replay.recorded import Facts, again
@@ -152,22 +150,16 @@ def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
 
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
-    span, panes, maker = SPAN.validate_python(facts), panes_of(facts, sources), OtherMaker()
-    wanted = span.frames(panes)
-
-    def frames() -> Iterator[ArrayImage]:
-        for frame in wanted:
-            yield sheet(panes.at(frame).panels(maker))
-
-    write_video(target, frames(), span.frames_per_second)
+    span, panes = SPAN.validate_python(facts), panes_of(facts, sources)
+    write_video(target, panes.pages(span.frames(panes)), span.frames_per_second)
     write_sidecar(target, again(facts))
 
 
 def remake_measures(facts: Facts, sources: Sources, target: Path) -> None:
     """The table and the JSON beside it. Raises UserError, ClipError, ImageError or ValidationError."""
-    panes, maker = panes_of(facts, sources), OtherMaker()
+    panes = panes_of(facts, sources)
     frames = SPAN.validate_python(facts).frames(panes)
-    rows = [row for frame in frames for row in rows_at(panes, frame, maker)]
+    rows = [row for rows_of_frame in measured_rows(panes, frames) for row in rows_of_frame]
     kept = {name: value for name, value in again(facts).items() if name not in ("kind", *MADE_AGAIN)}
     write_measures(target, rows, kept)
 

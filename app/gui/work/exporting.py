@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.atomic import filled
-from app.gui.work.measure_table import rows_at, write_measures
+from app.gui.work.measure_table import measured_rows, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
 from app.gui.work.shots import Panes
@@ -19,7 +19,7 @@ from app.moments import FRAMES_PER_SECOND
 from app.provenance import provenance, source, write_png, write_sidecar
 from app.stamp import stamp
 from app.video import write_frames
-from renderer.clip import ByteImage, Clip
+from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 Form = Literal["picture", "panes video", "view video", "measures"]
@@ -131,22 +131,16 @@ def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
         frames, facts = view_pages(moments, request.photos), {"kind": "view video"} | video_facts(moments)
     else:
         request = replace(request, panes=request.panes.steady(OtherMaker()))
-        frames = _pane_frames(request)
+        frames = request.panes.pages(request.frames)
         facts = {"kind": "panes video"} | _facts(request) | _span_facts(request)
     written = yield from retold(write_frames(path, frames, request.frames_per_second), Step)
     facts |= {"frames_per_second": request.frames_per_second, "video": written}
     write_sidecar(path, provenance(**facts))
 
 
-def _pane_frames(request: ExportRequest) -> Iterator[ByteImage]:
-    maker = OtherMaker()
-    for frame in request.frames:
-        yield sheet(request.panes.at(frame).panels(maker))
-
-
 def _measures(request: ExportRequest, path: Path) -> Iterator[Step]:
-    maker, rows = OtherMaker(), []
-    for done, frame in enumerate(request.frames, start=1):
-        rows += rows_at(request.panes, frame, maker)
+    rows = []
+    for done, rows_of_frame in enumerate(measured_rows(request.panes, request.frames), start=1):
+        rows += rows_of_frame
         yield Step(done)
     write_measures(path, rows, _facts(request) | _span_facts(request))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -23,8 +24,14 @@ MADE_AGAIN = ("definitions", "frames")
 """What the JSON holds beside its provenance."""
 
 
-def rows_at(panes: Panes, frame: int, maker: OtherMaker) -> list[Row]:
-    """A row a pane, of its picture in its own size. Raises ClipError or ImageError."""
+def measured_rows(panes: Panes, frames: Iterable[int]) -> Iterator[list[Row]]:
+    """At each frame a row a pane, of its picture in its own size. Raises ClipError or ImageError."""
+    maker = OtherMaker()
+    for frame in frames:
+        yield _rows_at(panes, frame, maker)
+
+
+def _rows_at(panes: Panes, frame: int, maker: OtherMaker) -> list[Row]:
     clip = panes.shots[0].photo.clip
     photo = clip.read_image(frame)
     view = field_of_view(photo)

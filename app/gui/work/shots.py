@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -11,7 +11,7 @@ import numpy as np
 from app.color_bar import with_bar
 from app.gui.work.enhancing import PictureRequest
 from app.gui.work.others import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
-from app.gui.work.page import INK, Panel, describe
+from app.gui.work.page import INK, Panel, describe, sheet
 from app.gui.work.sizing import Sizing
 from app.gui.work.viewing import ShownModel, view_facts
 from app.methods import Look
@@ -87,6 +87,12 @@ class Panes:
     def panels(self, maker: OtherMaker) -> list[Panel]:
         """Raises ClipError or ImageError."""
         return self.laid_out(self.made(maker))
+
+    def pages(self, frames: Iterable[int]) -> Iterator[ByteImage]:
+        """One a frame. Raises ClipError or ImageError."""
+        maker = OtherMaker()
+        for frame in frames:
+            yield sheet(self.at(frame).panels(maker))
 
     def steady(self, maker: OtherMaker) -> Panes:
         """A difference with the scale of this frame at all frames, so that they can be compared."""
