@@ -10,9 +10,8 @@ from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
 from app.gui.work.enhancing import POOLED_FRAMES
-from app.methods import preset_of
+from app.methods import preset_of, worded
 from app.stamp import stamp
-from enhance import EnhanceParams
 
 
 def toggle_batches(state: AppState) -> None:
@@ -45,15 +44,8 @@ def results_folder(state: AppState) -> Path:
 
 def summary(state: AppState) -> str:
     """The present setting in a line."""
-    look = state.params
-    if isinstance(look, EnhanceParams):
-        z = "auto" if look.z is None else f"{look.z:.2f}"
-        p = "auto" if look.p is None else "own" if isinstance(look.p, tuple) else f"{look.p:.2f}"
-        said = f"paper · z {z} · P {p} · d {look.d_factor:.2f}"
-    else:
-        said = f"vessel · strength {look.strength:.2f} · lift {look.lift:.2f} · d {look.d_factor:.2f}"
     measured = "each clip as a whole" if state.scope == "clip" else "each picture on its own"
-    return f"{said} · {measured}{' · without the surround' if state.tissue_only else ''}"
+    return f"{worded(state.params)} · {measured}{' · without the surround' if state.tissue_only else ''}"
 
 
 def why_not_start(state: AppState) -> str:

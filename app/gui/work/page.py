@@ -10,9 +10,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from app.gui.legible import legible
 from app.gui.work.enhancing import Pictures
-from app.methods import VESSEL
+from app.methods import worded
 from app.provenance import NOTICE
-from enhance.vessel import VesselParams
 from renderer.clip import ByteImage
 
 INK, GROUND = (235, 235, 235), (28, 28, 28)
@@ -32,12 +31,7 @@ def describe(pictures: Pictures) -> str:
     used, params = pictures.statistics, pictures.request.params
     if used is None or params is None:
         return ""
-    if isinstance(params, VesselParams):
-        return f"{VESSEL} · strength {params.strength:.2f} · lift {params.lift:.2f} · d {params.d_factor:.2f}"
-    z = f"z {'auto ' if params.z is None else ''}{used.z:.2f}"
-    exponents = "/".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
-    p = f"P {'auto ' if params.p is None else ''}{exponents}"
-    return f"{z} · {p} · d {params.d_factor:.2f}"
+    return worded(params, used)
 
 
 def sheet(panels: Sequence[Panel]) -> ByteImage:

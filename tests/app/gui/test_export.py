@@ -15,9 +15,11 @@ from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.exporting import export
 from app.gui.work.page import Panel, describe, sheet
 from app.gui.work.viewing import ShownModel
+from app.methods import Params, worded
 from app.provenance import digest, read_provenance
 from assets import phantom_path
 from enhance import EnhanceParams
+from enhance.vessel import VesselParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, photo
@@ -25,7 +27,7 @@ from tests.app.gui.saving import asked, saved
 from tests.app.gui.test_opening import make_run, opened
 
 
-def pair(clip: Clip, params: EnhanceParams | None) -> Pictures:
+def pair(clip: Clip, params: Params) -> Pictures:
     return list(PictureMaker().make(PictureRequest(clip, 2, params)))[-1]
 
 
@@ -88,6 +90,11 @@ def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     assert text.startswith("z 0.25 · P auto ")
     assert text.endswith("d 1.00")
     assert describe(pair(clip, None)) == ""
+    assert worded(EnhanceParams(z=0.25)) == "z 0.25 · P auto · d 1.00"
+    chosen = EnhanceParams(z=0.25, p=(0.4, 0.5, 0.4))
+    assert describe(pair(clip, chosen)) == worded(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
+    vessel = VesselParams(strength=1.5)
+    assert describe(pair(clip, vessel)) == worded(vessel)
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppState, clip: Clip) -> None:
