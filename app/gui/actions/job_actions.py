@@ -72,7 +72,7 @@ def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) ->
 
 def start_first(state: AppState, make_job: MakeJob) -> None:
     """Start what waits first, once its clip is open, unless a reconstruction is under way."""
-    first = next((waiting for waiting in state.queue if not waiting.asleep), None)
+    first = state.next_waiting
     if state.reconstruction.is_alive or first is None or first.clip is None:
         return
     state.queue, draft = tuple(each for each in state.queue if each is not first), state.reconstruction

@@ -93,7 +93,7 @@ def wake(state: AppState) -> None:
 
 def without_clip(state: AppState) -> TrainRequest | None:
     """The next one, where its clip is still to be opened."""
-    first = next((waiting for waiting in state.queue if not waiting.asleep), None)
+    first = state.next_waiting
     return first.request if first is not None and first.clip is None else None
 
 

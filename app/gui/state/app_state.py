@@ -289,6 +289,11 @@ class AppState:
         )
 
     @property
+    def next_waiting(self) -> Waiting | None:
+        """The reconstruction that is to be made next: the first that is not asleep."""
+        return next((waiting for waiting in self.queue if not waiting.asleep), None)
+
+    @property
     def view_request(self) -> ViewRequest | None:
         """What the 3D view should show now; None without a model or while it is hidden."""
         return self._view_of(self.editing.tinted or self.model)
