@@ -22,7 +22,7 @@ from app.gui.actions import (
 )
 from app.gui.actions.job_actions import MakeJob
 from app.gui.commands.camera_commands import second_commands
-from app.gui.commands.command import Outside
+from app.gui.commands.command import Outside, Section
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
 from app.gui.drawing.chosen_viewport import ChosenViewport
@@ -106,6 +106,7 @@ class Window:
             lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
         )
         self._outside = self._reach()
+        self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
         self._window_shots = WindowShots(state, self._channels.windows)
         self._worn: tuple[Theme, int] | None = None
@@ -179,7 +180,7 @@ class Window:
         calls.setup_imgui_config = starting.configure
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
-        calls.show_menus = lambda: menus.draw_menus(self.state, sections(self.state, self._outside))
+        calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
         calls.before_swap = self._window_shots.follow
@@ -249,11 +250,12 @@ class Window:
         glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self.drop)  # type: ignore[arg-type]
 
     def _advance(self) -> None:
-        """Before each frame: news from the background, and how soon the next frame is wanted."""
+        """Before each frame: news from the background, what can be done, how soon the next is wanted."""
         while self._dropped:
             self._open(Path(self._dropped.pop()))
         update(self.state, self._channels, time.monotonic() - self._began)
         queue_actions.advance(self.state, self._make_job)
+        self._commands = sections(self.state, self._outside)
         params = hello_imgui.get_runner_params()
         self._wear(params)
         dockings.follow(self.state)
@@ -313,15 +315,14 @@ class Window:
     def _draw_over(self) -> None:
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
-        all_commands = sections(self.state, self._outside)
-        overlays.draw_help(self.state, all_commands)
+        overlays.draw_help(self.state, self._commands)
         draw_question(self.state)
         overlays.draw_notice(self.state)
         self.writing.draw()
         draw_recovery(self.state)
         self._dialogs.draw()
-        draw_palette(self.state, all_commands)
-        self._keyboard.handle(self.state, all_commands)
+        draw_palette(self.state, self._commands)
+        self._keyboard.handle(self.state, self._commands)
         ask_before_quitting(self.state)
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
