@@ -1,12 +1,13 @@
-"""Run times as the report states them: medians with their spread, of works that take turns."""
+"""Run times as the report states them: medians with their spread."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
+
+from renderer.laps import lap_times
 
 
 @dataclass(frozen=True)
@@ -19,12 +20,6 @@ class Laps:
 
 
 def laps(works: Sequence[Callable[[], object]], repeats: int) -> list[Laps]:
-    """Of each work, after one lap that does not count; they take turns, so that load slows them alike."""
-    taken = np.empty((repeats + 1, len(works)))
-    for row in taken:
-        for index, work in enumerate(works):
-            start = perf_counter()
-            work()
-            row[index] = perf_counter() - start
-    low, middle, high = np.percentile(taken[1:], (25, 50, 75), axis=0)
-    return [Laps(float(m), float((h - l) / 2)) for l, m, h in zip(low, middle, high, strict=True)]  # noqa: E741
+    """Of each work; they take turns, after one lap that does not count."""
+    quartiles = np.percentile(lap_times(works, repeats), (25, 50, 75), axis=1).T.tolist()
+    return [Laps(middle, (high - low) / 2) for low, middle, high in quartiles]

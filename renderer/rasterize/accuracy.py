@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from time import perf_counter
 from typing import Final, Literal
 
 import cv2
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
+from renderer.laps import lap_times
 from renderer.projection import ALPHA_CUT, HALF_HEIGHT, HALF_WIDTH, LOG2_OPACITY
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.splats import Float32Array, Splats
@@ -72,14 +72,9 @@ def accuracy(
     seen = splats.seen_from(camera.position)
     size = camera.width, camera.height
     works = list(_works(seen, camera, near))
-    taken = np.empty((repeats + 1, len(works)))
     entries = [work.draw() for work in works]
-    for row in taken:
-        for place, work in enumerate(works):
-            start = perf_counter()
-            work.draw()
-            row[place] = 1000 * (perf_counter() - start)
-    low, middle, high = np.percentile(taken[1:], (25, 50, 75), axis=0)
+    taken = 1000 * lap_times([work.draw for work in works], repeats)
+    low, middle, high = np.percentile(taken, (25, 50, 75), axis=1)
     for place, work in enumerate(works):
         error = 255 * np.abs(work.picture(size) - truth)
         yield Row(
