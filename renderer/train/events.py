@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from renderer.gaussians import DynamicGaussians
+from renderer.train.config import Part
 
 
 @dataclass(frozen=True)
@@ -14,6 +15,8 @@ class Omission:
     what: str
     why: str
     saves: str
+    part: Part | None = None
+    """By which it can be kept; None where it was asked for, or there is no such thing in the method."""
 
 
 @dataclass(frozen=True)

@@ -69,9 +69,8 @@ def settled(
         opacity_controls=_at_rest(motion.opacity_controls, normal, whole),
         node_controls=_at_rest(motion.node_controls, normal_nodes, whole),
     )
-    omission = Omission(
-        "motion of hidden tissue", "no training frame shows it", f"{share:.1%} of the control values"
-    )
+    saves = f"{share:.1%} of the control values"
+    omission = Omission("motion of hidden tissue", "no training frame shows it", saves, "hidden")
     return replace(gaussians, motion=still), (omission,)
 
 

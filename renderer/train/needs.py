@@ -10,7 +10,7 @@ import numpy as np
 from renderer.clip import Clip, Frame
 from renderer.deformation.spline import MIN_CONTROLS, controls_for
 from renderer.harmonics import BANDS
-from renderer.train.config import TrainConfig
+from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
 from renderer.train.frames import tissue_tiles
 from renderer.train.stillness import Stillness, stillness
@@ -98,23 +98,28 @@ def _omitted(
     harmonics = 3 * (BANDS[-1] - BANDS[needs.sh_degree])
     if harmonics:
         saves = f"{harmonics} of {RAW_NUMBERS + 3 * BANDS[-1]} numbers a Gaussian"
-        yield Omission("harmonics", _why_no_harmonics(clip, config), saves)
+        part: Part | None = "harmonics" if config.sh_degree is None else None
+        yield Omission("harmonics", _why_no_harmonics(clip, config), saves, part)
     curve = f"{3 * needs.n_controls} numbers a Gaussian"
     if not needs.moves:
-        yield Omission("deformation", _why_no_deformation(clip, config, measured), _motion_of(config, curve))
+        asked = config.method == "static" or "deformation" in config.leave_out
+        why, saves = _why_no_deformation(clip, config, measured), _motion_of(config, curve)
+        yield Omission("deformation", why, saves, None if asked else "deformation")
     if not needs.recolors and config.method == "vesselsplat":
         asked = "color_curves" in config.leave_out
         why = "as asked" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
-        yield Omission("colour curves", why, curve)
+        yield Omission("colour curves", why, curve, None if asked else "color_curves")
     if needs.recolors or (needs.moves and config.method == "vesselsplat"):
         yield from _of_curves(clip, config, needs)
     if not needs.has_depth:
-        yield Omission("depth loss", "no depth is measured", "a term of the loss")
+        yield Omission("depth loss", "no depth is measured", "a term of the loss", "depth")
     if not needs.has_masks:
-        yield Omission("mask maths", "no pixel is masked", "weights in halving frames")
+        yield Omission("mask maths", "no pixel is masked", "weights in halving frames", "masks")
     share = 1 - float(np.mean([tissue_tiles(frame.tissue_mask).mean() for frame in frames]))
     if share > 0 and "tiles" not in config.keep:
-        yield Omission("tiles without tissue", "no photo to compare with", f"{share:.0%} of the tiles")
+        yield Omission(
+            "tiles without tissue", "no photo to compare with", f"{share:.0%} of the tiles", "tiles"
+        )
 
 
 def _of_curves(clip: Clip, config: TrainConfig, needs: Needs) -> Iterator[Omission]:
@@ -122,10 +127,11 @@ def _of_curves(clip: Clip, config: TrainConfig, needs: Needs) -> Iterator[Omissi
     fewer = len(clip) - needs.n_controls
     if fewer > 0:
         why = f"a curve needs one each {len(clip) / needs.n_controls:.1f} frames"
-        yield Omission("control values", why, f"{fewer} of {len(clip)} a curve")
+        part: Part | None = "controls" if config.n_controls is None else None
+        yield Omission("control values", why, f"{fewer} of {len(clip)} a curve", part)
     if needs.n_controls > MIN_CONTROLS and "moments" not in config.keep:
         saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} a curve and step"
-        yield Omission("moments of far controls", "they have no gradient", saves)
+        yield Omission("moments of far controls", "they have no gradient", saves, "moments")
 
 
 def _why_no_harmonics(clip: Clip, config: TrainConfig) -> str:

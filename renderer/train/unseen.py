@@ -25,9 +25,8 @@ def without_unseen(
     lost = len(seen) - int(np.count_nonzero(seen))
     if lost == 0:
         return gaussians, ()
-    omission = Omission(
-        "unseen Gaussians", "no training frame shows them", f"{lost} of {len(seen)} Gaussians"
-    )
+    saves = f"{lost} of {len(seen)} Gaussians"
+    omission = Omission("unseen Gaussians", "no training frame shows them", saves, "unseen")
     return gaussians.rows(np.flatnonzero(seen)), (omission,)
 
 

@@ -85,6 +85,7 @@ def pictures(person: Person, model: Model) -> Iterator[str]:
     person.press(K.f)
     person.press(K._0)
     person.press(K.e)
+    person.wait(person.settled, "plain white light")
     yield "white light"
     person.press(K.e)
     person.choose("//Pictures", "##right", "Method: CLAHE")
@@ -147,7 +148,13 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     yield "reconstruction idle"
     person.click("//Reconstruction/What will be left out")
     person.wait(lambda: state.omissions is not None, "what is left out")
+    person.ctx.mouse_move("//Reconstruction/###start")
     yield "reconstruction left out"
+    person.click("//Reconstruction/**/###keep harmonics")
+    person.wait(lambda: bool(state.omissions and state.omissions.kept), "what is left out with that kept")
+    person.ctx.sleep_no_skip(1.0, 0.1)
+    yield "reconstruction kept"
+    person.press(CTRL | K.z)
     person.click("//Reconstruction/What will be left out")
     person.choose("//Reconstruction", "##input", "Both in turn")
     person.click("//Reconstruction/###start")
@@ -176,6 +183,10 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: state.reconstruction.status == "failed", "the failure")
     yield "reconstruction failed"
     state.banner = None
+    person.click("//Reconstruction/Look at it")
+    person.ctx.window_focus("//3D view")
+    person.wait(lambda: state.view is not None, "the model as it was last seen")
+    yield "reconstruction unfinished"
     person.choose("//Reconstruction", "##input", "Original")
     person.click("//Reconstruction/###start")
     job = state.reconstruction.job
@@ -211,7 +222,7 @@ def view(person: Person, model: Model) -> Iterator[str]:
     person.press(K.c)
     person.press(K.n)
     person.press(K.m)
-    for x in (0.35, 0.6):
+    for x in (0.44, 0.55):
         person.drag("//3D view/view", (x, 0.5), (x, 0.5))
         person.ctx.yield_(20)
     yield "view depth measured"
@@ -281,7 +292,10 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.open(REPORT)
     yield "report"
     dockings.toggle("Report")
-    for menu in ("File", "Picture", "Compare", "Camera", "View"):
+    person.press(CTRL | SHIFT | K.b)
+    yield "files and folders"
+    person.press(CTRL | SHIFT | K.b)
+    for menu in ("File", "Picture", "Compare", "Clip", "Reconstruct", "Camera", "View", "Help"):
         person.ctx.set_ref("//##MainMenuBar")
         person.ctx.menu_click(menu)
         person.ctx.set_ref("")

@@ -19,6 +19,7 @@ from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance
+from renderer.train.config import Part
 
 MakeJob = Callable[[TrainRequest], Job]
 
@@ -30,6 +31,13 @@ def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
     chosen = state.reconstruction.input
     inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
     enqueue(state, make_job, tuple(Waiting(state.clip, _request(state, each)) for each in inputs))
+
+
+def keep_part(state: AppState, part: Part, *, kept: bool) -> None:
+    """Of the next reconstruction: what its clip does not need stays in all the same, or no longer."""
+    draft = state.reconstruction
+    others = tuple(other for other in draft.config.keep if other != part)
+    draft.config = replace(draft.config, keep=(*others, part) if kept else others)
 
 
 def _request(state: AppState, frames: Input) -> TrainRequest:

@@ -18,6 +18,7 @@ from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import InputKind, Reconstruction
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
+from renderer.train.events import Omission
 
 METHODS: tuple[Method, ...] = get_args(Method)
 INPUTS: tuple[InputKind, ...] = get_args(InputKind)
@@ -197,17 +198,36 @@ def _draw_omissions(state: AppState) -> None:
     if not state.asks_for_omissions:
         return
     found, request = state.omissions, state.omissions_request
-    if found is None or request is None or found.request != request:
+    # While a part that was just kept or let go is looked at, the lines stay under the hand.
+    if found is None or request is None or found.request.unkept != request.unkept:
         imgui.text_colored(theme.now().muted, "Looking at the clip…")
-    elif not found.omitted:
+    elif not found.lines:
         imgui.text_colored(theme.now().muted, "Nothing: the clip needs all of it.")
-    with imgui_ctx.push_text_wrap_pos(0):
-        for omission in found.omitted if found is not None and found.request == request else ():
-            imgui.text_unformatted(omission.what)
-            imgui.same_line()
-            imgui.text_colored(theme.now().muted, omission.why)
-            explain(f"Saves {omission.saves}.")
+    else:
+        with imgui_ctx.begin_table("omissions", 2) as table:
+            if table:
+                imgui.table_setup_column("what", imgui.TableColumnFlags_.width_stretch)
+                imgui.table_setup_column("keep", imgui.TableColumnFlags_.width_fixed)
+                for omission in found.lines:
+                    _draw_omission(state, omission)
     imgui.tree_pop()
+
+
+def _draw_omission(state: AppState, omission: Omission) -> None:
+    imgui.table_next_column()
+    imgui.align_text_to_frame_padding()
+    imgui.text_unformatted(capital(omission.what))
+    explain(f"Saves {omission.saves}.")
+    with imgui_ctx.push_text_wrap_pos(0):
+        imgui.text_colored(theme.now().muted, capital(omission.why))
+    explain(f"Saves {omission.saves}.")
+    imgui.table_next_column()
+    if (part := omission.part) is None:
+        return
+    changed, kept = imgui.checkbox(f"Keep###keep {part}", part in state.reconstruction.config.keep)
+    explain(f"Train it all the same, although {omission.why}: it costs {omission.saves}.")
+    if changed:
+        job_actions.keep_part(state, part, kept=kept)
 
 
 def _draw_messages(run: Reconstruction) -> None:

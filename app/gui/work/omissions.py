@@ -1,13 +1,15 @@
-"""What a reconstruction will leave out, looked up before it is started, off the window's thread."""
+"""What a reconstruction will leave out or is told to keep, looked up before it is started, off the window's
+thread."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import get_args
 
 from app.clip_part import WHOLE, ClipPart
 from renderer.clip import Clip
-from renderer.train.config import TrainConfig
+from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
 
 
@@ -19,6 +21,11 @@ class OmissionsRequest:
     config: TrainConfig
     part: ClipPart = WHOLE
 
+    @property
+    def unkept(self) -> OmissionsRequest:
+        """The same with nothing that is kept."""
+        return replace(self, config=replace(self.config, keep=()))
+
 
 @dataclass(frozen=True, eq=False)
 class Omissions:
@@ -26,6 +33,19 @@ class Omissions:
 
     request: OmissionsRequest
     omitted: tuple[Omission, ...]
+    kept: tuple[Omission, ...] = ()
+    """What would be left out if it were not kept."""
+
+    @property
+    def lines(self) -> tuple[Omission, ...]:
+        """Both, in an order that does not change as one of them is kept; last what cannot be."""
+        parts = get_args(Part)
+        return tuple(
+            sorted(
+                (*self.omitted, *self.kept),
+                key=lambda each: len(parts) if each.part is None else parts.index(each.part),
+            )
+        )
 
 
 def look(request: OmissionsRequest) -> Iterator[Omissions]:
@@ -34,7 +54,17 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     from renderer.train.needs import decide
     from renderer.train.trainer import split
 
-    clip = request.part.of(request.clip)
-    fit, _ = split(clip, request.config)
+    config, clip = request.config, request.part.of(request.clip)
+    fit, _ = split(clip, config)
     frames = [clip.read_frame(index) for index in fit]
-    yield Omissions(request, decide(clip, frames, request.config).omitted)
+
+    def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
+        return decide(clip, frames, replace(config, keep=keep)).omitted
+
+    kept = (
+        each
+        for part in config.keep
+        for each in omitted(tuple(other for other in config.keep if other != part))
+        if each.part == part
+    )
+    yield Omissions(request, omitted(config.keep), tuple(kept))

@@ -1,17 +1,20 @@
-"""What will be left out is told before, and is what training then says."""
+"""What will be left out is told before, and is what training then says; what is kept, training keeps."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
+from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
+from app.training import TrainRequest
 from renderer.sources import open_clip
-from renderer.train.config import TrainConfig
+from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Started
 from renderer.train.trainer import train
+from tests.app.gui.conftest import FakeJob
 
 
 def test_it_is_what_training_says_when_it_starts(clip_path: Path) -> None:
@@ -42,3 +45,59 @@ def test_it_is_looked_up_only_when_asked_for_and_not_for_more_iterations(
     state.reconstruction.config = replace(state.reconstruction.config, method="static")
     update(state, channels, 0.5)
     assert channels.omissions.asked != first
+
+
+def test_each_part_that_can_be_kept_stays_in_when_it_is_and_keeps_its_line(clip_path: Path) -> None:
+    clip, config = open_clip(clip_path), TrainConfig()
+    (before,) = look(OmissionsRequest(clip, config))
+    parts = [each.part for each in before.lines if each.part is not None]
+    assert "harmonics" in parts
+    assert not before.kept
+    for part in parts:
+        kept_config = replace(config, keep=(part,))
+        (after,) = look(OmissionsRequest(clip, kept_config))
+        assert part not in [each.part for each in after.omitted]
+        assert [each.part for each in after.kept] == [part]
+        # More can be left out of what is kept, such as numbers of its curves.
+        assert [each.part for each in after.lines if each.part in parts] == parts
+        assert after.request.unkept == before.request
+
+
+def test_what_the_method_or_a_setting_takes_away_cannot_be_kept(clip_path: Path) -> None:
+    clip = open_clip(clip_path)
+    asked = TrainConfig(method="static", sh_degree=0)
+    (told,) = look(OmissionsRequest(clip, asked))
+    parts = {each.what: each.part for each in told.omitted}
+    assert parts["harmonics"] is None
+    assert parts["deformation"] is None
+    without = TrainConfig(leave_out=("deformation", "color_curves"))
+    (told,) = look(OmissionsRequest(clip, without))
+    for part in (each.part for each in told.omitted if each.part is not None):
+        replace(without, keep=(part,))  # Never both kept and left out.
+
+
+def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
+    state: AppState, clip_path: Path
+) -> None:
+    state.clip = open_clip(clip_path)
+    both: tuple[Part, ...] = ("tiles", "harmonics")
+    for part in both:
+        job_actions.keep_part(state, part, kept=True)
+        job_actions.keep_part(state, part, kept=True)
+        actions.settle_params(state)
+    jobs: list[TrainRequest] = []
+
+    def make_job(request: TrainRequest) -> FakeJob:
+        jobs.append(request)
+        return FakeJob(request)
+
+    job_actions.start_reconstruction(state, make_job)
+    assert [job.config for job in jobs] == [TrainConfig(keep=both)]
+    job_actions.keep_part(state, "tiles", kept=False)
+    assert state.reconstruction.config.keep == ("harmonics",)
+    assert jobs[0].config.keep == both
+    history_actions.undo(state)
+    assert state.reconstruction.config.keep == both
+    history_actions.undo(state)
+    history_actions.undo(state)
+    assert state.reconstruction.config == TrainConfig()
