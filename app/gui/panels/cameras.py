@@ -12,6 +12,7 @@ from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
+from app.gui.work.viewing import ShownModel
 from renderer.camera_path import Keyframe
 
 Act = Callable[[], None]
@@ -32,7 +33,7 @@ def draw_cameras(state: AppState, ask_file: Act) -> None:
         if index < len(state.cameras.views.named):
             _draw_view(state, index)
     imgui.separator_text("Path")
-    _draw_path(state)
+    _draw_path(state, state.model)
 
 
 def _draw_files(state: AppState, ask_file: Act) -> None:
@@ -71,7 +72,7 @@ def _draw_new_view(state: AppState) -> None:
 def _draw_view(state: AppState, index: int) -> None:
     one = state.cameras.views.named[index]
     with imgui_ctx.push_id(f"view {index}"):
-        width = imgui.get_content_region_avail().x - em(4.2)
+        width = imgui.get_content_region_avail().x - em(5.2)
         if imgui.selectable(f"{legible(one.name)}###go", False, 0, ImVec2(width, 0))[0]:
             path_actions.go_to(state, one.camera)
         explain("See the reconstruction from here.")
@@ -98,7 +99,7 @@ def _draw_rename(state: AppState, index: int, name: str) -> None:
         imgui.close_current_popup()
 
 
-def _draw_path(state: AppState) -> None:
+def _draw_path(state: AppState, model: ShownModel) -> None:
     cameras, path = state.cameras, state.cameras.views.path
     button(f"{icons.ICON_FA_PLUS} Keyframe###keyframe", lambda: path_actions.add_keyframe(state))
     explain("I: this view and this time, at the path's present second or after its end.")
@@ -126,24 +127,24 @@ def _draw_path(state: AppState) -> None:
         moved, seconds = imgui.slider_float("##playhead", cameras.playhead, path.start, path.end, "%.2f s")
         if moved:
             path_actions.seek_path(state, seconds)
-    _draw_keyframes(state)
+    _draw_keyframes(state, model)
 
 
-def _draw_keyframes(state: AppState) -> None:
+def _draw_keyframes(state: AppState, model: ShownModel) -> None:
     flags = imgui.TableFlags_.sizing_stretch_same
     with imgui_ctx.begin_table("keyframes", 3, flags) as table:
         if not table:
             return
         imgui.table_setup_column("Second")
-        imgui.table_setup_column("Clip time")
-        imgui.table_setup_column("", imgui.TableColumnFlags_.width_fixed, em(6.6))
+        imgui.table_setup_column("Frame")
+        imgui.table_setup_column("", imgui.TableColumnFlags_.width_fixed, em(7.2))
         imgui.table_headers_row()
         for index, key in enumerate(state.cameras.views.path.keyframes):
             with imgui_ctx.push_id(f"key {index}"):
-                _draw_keyframe(state, index, key)
+                _draw_keyframe(state, model, index, key)
 
 
-def _draw_keyframe(state: AppState, index: int, key: Keyframe) -> None:
+def _draw_keyframe(state: AppState, model: ShownModel, index: int, key: Keyframe) -> None:
     imgui.table_next_column()
     imgui.set_next_item_width(-em(0.1))
     changed, seconds = imgui.drag_float("##seconds", key.seconds, 0.02, 0, 3600, "%.2f s")
@@ -152,10 +153,12 @@ def _draw_keyframe(state: AppState, index: int, key: Keyframe) -> None:
         path_actions.move_keyframe(state, index, seconds)
     imgui.table_next_column()
     imgui.set_next_item_width(-em(0.1))
-    changed, time = imgui.drag_float("##time", key.time, 0.002, 0, 1, "%.3f")
-    explain("The moment of the clip that is seen, from 0 to 1.")
+    first, last = model.start + 1, model.start + len(model.cameras)
+    number, form = model.number_at(key.time), model.form(key.time)
+    changed, number = imgui.drag_float("##time", number, 0.05, first, last, form)
+    explain("The moment of the clip that is seen: a frame, or between two. Drag, or Ctrl+click to type.")
     if changed:
-        path_actions.retime_keyframe(state, index, time)
+        path_actions.retime_keyframe(state, index, model.time_of(number))
     imgui.table_next_column()
     acts: tuple[tuple[str, str, Act], ...] = (
         (icons.ICON_FA_EYE, "See it", lambda: path_actions.seek_path(state, key.seconds)),

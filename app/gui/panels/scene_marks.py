@@ -64,7 +64,9 @@ def draw_marks(viewer: Viewer, request: ViewRequest, corner: ImVec2, size: ImVec
     for end in shown:
         draw.add_circle_filled(end, em(0.22), ink)
     if len(shown) == 2:
-        text = measured.text(request.shown.unit, request.time)
+        text = measured.text(request.shown.unit)
+        if request.time != measured.time:
+            text += f" at {request.shown.moment(measured.time)}"
         beside = ImVec2((shown[0].x + shown[1].x) / 2 + em(0.5), (shown[0].y + shown[1].y) / 2)
         tag(text, beside, theme.TAG_CAUTION)
 

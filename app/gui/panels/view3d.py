@@ -169,10 +169,17 @@ def _draw_kind(state: AppState) -> None:
 
 
 def _draw_time(state: AppState) -> None:
+    model = state.model
+    if model is None or len(model.cameras) < 2:
+        return
     imgui.set_next_item_width(-em(0.1))
-    changed, time = imgui.slider_float("##time", state.time, 0.0, 1.0, "time %.3f")
+    first, last = model.start + 1, model.start + len(model.cameras)
+    changed, number = imgui.slider_float(
+        "##time", model.number_at(state.time), first, last, model.form(state.time)
+    )
+    explain(f"The moment that is seen, also between frames: time {state.time:.3f} of 0 to 1.")
     if changed:
-        actions.seek_view(state, time)
+        actions.seek_view(state, model.time_of(number))
 
 
 def _move(state: AppState, size: ImVec2) -> None:
@@ -256,17 +263,18 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
         return [("DRAWING…", theme.TAG_CAUTION)]
     model, second = shown.request.shown, state.second.shown
     tags: list[Tag] = []
+    moment = model.moment(shown.request.time)
     if model.live:
         count = f"{grouped(model.iteration)} / {grouped(model.iterations)}"
         name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
         tags.append((f"{name} · iteration {count}", theme.TAG_CAUTION))
     if second is not None:
         other = state.model if model is second else second
-        tags.append((f"{made_by(model, other)} · time {shown.request.time:.3f}", theme.TAG_ENHANCED))
+        tags.append((f"{made_by(model, other)} · {moment}", theme.TAG_ENHANCED))
     elif model.iterations == 0:
         tags.append((f"SPLATS · {legible(model.name)}", theme.TAG_ORIGINAL))
     else:
-        tags.append((f"RECONSTRUCTION · time {shown.request.time:.3f}", theme.TAG_ORIGINAL))
+        tags.append((f"RECONSTRUCTION · {moment}", theme.TAG_ORIGINAL))
     if model is not second:
         tags += _hand_tags(state, shown)
     if shown.request.kind not in ("color", "difference"):

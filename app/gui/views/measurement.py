@@ -29,9 +29,8 @@ class Measurement:
         """Along the straight line, in the scene's unit."""
         return math.dist(*self.points) if len(self.points) == 2 else None
 
-    def text(self, unit: str, time: float) -> str:
-        """The distance as it is shown at `time`; empty before there is one."""
+    def text(self, unit: str) -> str:
+        """The distance as it is shown; empty before there is one."""
         if self.distance is None:
             return ""
-        said = f"{self.distance:.3g} {'units' if unit == SCENE_UNITS else unit}"
-        return said if time == self.time else f"{said} at time {self.time:.3f}"
+        return f"{self.distance:.3g} {'units' if unit == SCENE_UNITS else unit}"

@@ -57,6 +57,22 @@ class ShownModel:
         """The frame of the clip that is nearest to `time` in [0, 1]."""
         return min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)
 
+    def number_at(self, time: float) -> float:
+        """Of the clip's frames, counted from 1, the one at `time` in [0, 1]; between two a fraction."""
+        return round(1 + self.start + time * len(self.cameras), 2)
+
+    def time_of(self, number: float) -> float:
+        """In [0, 1], of a frame of the clip counted from 1, or of a moment between two."""
+        return (number - 1 - self.start) / len(self.cameras)
+
+    def moment(self, time: float) -> str:
+        """`time` in [0, 1] as a person says it."""
+        return f"frame {self.number_at(time):g}"
+
+    def form(self, time: float) -> str:
+        """How a control writes that number: of so many decimals."""
+        return "frame %.0f" if self.number_at(time).is_integer() else "frame %.2f"
+
     def camera_at(self, time: float) -> Camera:
         """The clip's own, of the frame nearest to `time`."""
         return self.cameras[self.frame_at(time)]

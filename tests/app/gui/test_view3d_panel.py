@@ -121,7 +121,7 @@ def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: Dy
     assert request is not None
     expected = 60 / request.camera.fx * 50.0  # On the model's sheet, which is 50 before the camera.
     assert opened.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
-    assert "mm" in opened.viewer.measurement.text("mm", opened.time)
+    assert "mm" in opened.viewer.measurement.text("mm")
     camera_actions.toggle_measuring(opened)
     assert opened.viewer.measurement.points == ()
 
@@ -186,6 +186,23 @@ def test_two_reconstructions_share_camera_time_and_hand(
     laid: list[ByteImage] = []
     ui.frame(lambda: view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1)))
     assert len(laid) == 2
+
+
+def test_a_moment_is_told_by_the_clip_s_own_frames(opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    shown = opened.model
+    assert shown is not None
+    count = len(shown.cameras)
+    assert [shown.moment(index / count) for index in range(count)] == [
+        f"frame {index + 1}" for index in range(count)
+    ]
+    assert shown.moment(1.5 / count) == "frame 2.5"
+    assert replace(shown, first=4).moment(0.0) == "frame 5"
+    for time in (0.0, 0.31, 0.5, 0.9):
+        assert shown.time_of(shown.number_at(time)) == pytest.approx(time, abs=0.005 / count)
+    actions.seek(opened, 2)
+    opened.view_size = (64, 48)
+    assert "RECONSTRUCTION · frame 3" in texts(view_tags(opened, StillViewport().show(opened)))
 
 
 def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: DynamicGaussians) -> None:
