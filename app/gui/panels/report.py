@@ -8,18 +8,18 @@ from app.gui.actions import actions
 from app.gui.look import theme
 from app.gui.look.widgets import centered, em, explain
 from app.gui.state.app_state import AppState
-from app.gui.work.reported import Chart, Reported, Scale, current
+from app.gui.work.reported import Chart, Reported, Scale, current, plain
 
 FLAGS = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
-NEAR = 12.0
-"""Screen pixels from the pointer to a point that it names."""
+NEAR = 0.75
+"""Text heights from the pointer to a point that it names."""
 
 
 def draw_report(state: AppState) -> None:
     """A diagram, which one, and what the report says in words."""
     if state.report is None:
         imgui.dummy(ImVec2(0, em(3)))
-        centered("Open the report.json that `vesselsplat report` wrote, by Ctrl+I or by dropping it here.")
+        centered("Open the report.json that the command vesselsplat report wrote: Ctrl+I, or drop it here.")
         return
     report = state.report
     imgui.text_colored(theme.now().muted, report.about)
@@ -51,16 +51,19 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
     implot.setup_axes("ms", chart.measure)
     _setup(implot.ImAxis_.x1, chart.across, logarithmic=True)
     _setup(implot.ImAxis_.y1, chart.up, logarithmic=chart.logarithmic)
-    implot.setup_legend(implot.Location_.north_east)
-    implot.plot_stairs(chart.front.name, chart.front.milliseconds, chart.front.errors)
+    # Nothing lies beyond the front: no setting is both faster and better.
+    where = implot.Location_.south_west if chart.logarithmic else implot.Location_.north_west
+    implot.setup_legend(where)
+    front = chart.front
+    implot.plot_stairs(front.name, front.milliseconds, front.errors, implot.Spec(line_weight=em(0.1)))
     for line in chart.series:
-        implot.plot_scatter(line.name, line.milliseconds, line.errors)
+        implot.plot_scatter(line.name, line.milliseconds, line.errors, implot.Spec(marker_size=em(0.25)))
     if now is not None:
         _draw_dot(chart, now)
     _explain_nearest(chart)
     implot.end_plot()
     if now is not None:
-        text = f"Now: {now.setting}, {now.error:.3g} in {1e3 * now.seconds:.3g} ms"
+        text = f"Now: {now.setting}, {plain(now.error)} in {plain(1e3 * now.seconds)} ms"
         imgui.text_colored(theme.now().accent, f"{text}, the default" if now.is_default else text)
     elif chart.part == "enhancement":
         imgui.text_colored(theme.now().muted, "The present setting is not among those that were measured.")
@@ -78,7 +81,7 @@ def _draw_dot(chart: Chart, now: object) -> None:
     draw = implot.get_plot_draw_list()
     implot.push_plot_clip_rect()
     draw.add_circle_filled(place, em(0.38), imgui.get_color_u32(theme.now().accent))
-    draw.add_circle(place, em(0.6), imgui.get_color_u32(theme.now().accent), 0, 2.0)
+    draw.add_circle(place, em(0.6), imgui.get_color_u32(theme.now().accent), 0, em(0.12))
     implot.pop_plot_clip_rect()
 
 
@@ -89,10 +92,8 @@ def _explain_nearest(chart: Chart) -> None:
     mouse = imgui.get_mouse_pos()
     for point in chart.points:
         place = implot.plot_to_pixels(*chart.place(point))
-        if (place.x - mouse.x) ** 2 + (place.y - mouse.y) ** 2 < NEAR**2:
+        if (place.x - mouse.x) ** 2 + (place.y - mouse.y) ** 2 < em(NEAR) ** 2:
             default = " (default)" if point.is_default else ""
-            text = (
-                f"{point.series}: {point.setting}{default}\n{point.error:.4g} in {1e3 * point.seconds:.4g} ms"
-            )
-            imgui.set_tooltip(text)
+            measured = f"{plain(point.error, 4)} in {plain(1e3 * point.seconds, 4)} ms"
+            imgui.set_tooltip(f"{point.series}: {point.setting}{default}\n{measured}")
             return

@@ -20,6 +20,11 @@ LEAST = 1e-6
 """What an error of 0 is drawn as, on a logarithmic axis."""
 
 
+def plain(value: float, digits: int = 3) -> str:
+    """With so many digits that count, and no power of ten: the window's font has no exponents."""
+    return np.format_float_positional(value, digits, unique=False, fractional=False, trim="-")
+
+
 @dataclass(frozen=True, eq=False)
 class Line:
     """Points of one kind."""
@@ -40,7 +45,7 @@ class Scale:
     @property
     def labels(self) -> list[str]:
         """Of the ticks."""
-        return [f"{tick:g}" for tick in self.ticks]
+        return [plain(tick) for tick in self.ticks]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from app.gui.actions import actions
 from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.reported import LEAST, current, read
+from app.gui.work.reported import LEAST, Scale, current, read
 from app.provenance import provenance, strict_json
 from app.report.section import Plate, Section
 from app.report.work_precision import Diagram, Point
@@ -55,6 +55,14 @@ def test_charts_are_ready_to_draw(path: Path) -> None:
     assert second.up.ticks == ()
     assert min(line.errors.min() for line in first.series) == LEAST
     assert read(path).sentences[0] == ("E", ("words",))
+
+
+@pytest.mark.parametrize("decade", range(-6, 6))
+def test_ticks_are_numbers_without_a_power_of_ten_that_say_where_they_are(decade: int) -> None:
+    ticks = tuple(digit * 10.0**decade for digit in (1.0, 2.0, 5.0))
+    labels = Scale(ticks[0], ticks[-1], ticks).labels
+    assert not any(set(label) - set("0123456789.") for label in labels)
+    assert [float(label) for label in labels] == pytest.approx(ticks)
 
 
 def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
