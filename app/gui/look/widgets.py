@@ -20,6 +20,8 @@ from enhance import EnhanceParams
 
 ROOM = 1e4
 """Pixels that no label needs."""
+NAMES = 5.6
+"""Text heights that the names of controls have, before the controls."""
 L = TypeVar("L", bound=Look)
 EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
 
@@ -73,10 +75,11 @@ def _declared(kind: type[Any], name: str) -> Declared:
 
 def row(label: str, tooltip: str) -> None:
     """The name of a control on a line of its own column; the control follows to its right."""
+    start = imgui.get_cursor_pos_x()
     imgui.align_text_to_frame_padding()
     imgui.text(label)
     explain(tooltip)
-    imgui.same_line(em(6.2))
+    imgui.same_line(start + em(NAMES))
 
 
 def explain(text: str) -> None:

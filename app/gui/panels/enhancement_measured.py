@@ -105,9 +105,9 @@ def _draw_plot(
     fills = (ink.shade(0.75), ink.accent)
     for label, color, shares in zip(("photo", "enhanced"), fills, spreads or (), strict=False):
         implot.plot_shaded(label, MIDDLES, shares, 0.0, implot.Spec(fill_color=color, fill_alpha=FILL_ALPHA))
-    implot.plot_line("same", line[0], line[0], implot.Spec(line_color=ink.shade(0.4), line_weight=1.0))
+    implot.plot_line("same", line[0], line[0], implot.Spec(line_color=ink.shade(0.4), line_weight=em(0.06)))
     implot.plot_line("curve", *line, implot.Spec(line_color=ink.text, line_weight=em(0.12)))
-    implot.plot_inf_lines("mark", np.array([mark]), implot.Spec(line_color=ink.warning, line_weight=1.5))
+    implot.plot_inf_lines("mark", np.array([mark]), implot.Spec(line_color=ink.warning, line_weight=em(0.1)))
     implot.end_plot()
 
 

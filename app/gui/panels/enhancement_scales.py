@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.look.widgets import button, declared, em, explain, row, slide, slider
+from app.gui.look.widgets import NAMES, button, declared, em, explain, row, slide, slider
 from app.gui.state import scales
 from enhance import EnhanceParams, Statistics
 
@@ -55,8 +55,7 @@ def _draw_scale(params: EnhanceParams, index: int, exponents: tuple[float, ...])
 
 def _draw_counts(params: EnhanceParams) -> EnhanceParams:
     made: list[EnhanceParams] = []
-    imgui.dummy(ImVec2(0, 0))
-    imgui.same_line(em(6.2))
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + em(NAMES))
     more = len(params.radii) < scales.MOST_SCALES
     button("Add window", lambda: made.append(scales.with_scale(params)), enabled=more)
     explain(f"One more, twice as wide; {scales.MOST_SCALES} at most.")
@@ -71,12 +70,12 @@ def _draw_subsample(params: EnhanceParams) -> EnhanceParams:
     about = declared(EnhanceParams, "subsample")
     row("Subsample", about.text)
     imgui.set_next_item_width(em(4.2))
-    labels = [f"{factor}×" if factor > 1 else "off" for factor in SUBSAMPLES]
+    labels = [f"{factor}×" if factor > 1 else "Off" for factor in SUBSAMPLES]
     index = SUBSAMPLES.index(params.subsample) if params.subsample in SUBSAMPLES else 1
     changed, index = imgui.combo("##subsample", index, labels)
     explain(about.text)
     params = replace(params, subsample=SUBSAMPLES[index]) if changed else params
     imgui.same_line()
-    changed, keep = imgui.checkbox("keep black", params.keep_black)
+    changed, keep = imgui.checkbox("Keep black", params.keep_black)
     explain(declared(EnhanceParams, "keep_black").text)
     return replace(params, keep_black=keep) if changed else params

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from imgui_bundle import imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.commands.command import Command, Section
 from app.gui.legible import legible
@@ -16,6 +16,7 @@ from app.gui.state.app_state import AppState
 
 def draw_menus(state: AppState, sections: tuple[Section, ...]) -> None:
     """Every command, for those who look rather than remember."""
+    _hide_border(imgui.Col_.menu_bar_bg)
     for name, grouped in groupby(sections, lambda section: section.menu):
         together = tuple(grouped)
         with imgui_ctx.begin_menu(name) as menu:
@@ -48,6 +49,7 @@ def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
 
 def draw_status(state: AppState) -> None:
     """The notice on the left, always; what is open and how fast things are on the right."""
+    _hide_border(imgui.Col_.window_bg)
     imgui.text_colored(theme.now().warning, LONG_NOTICE)
     text = "   ·   ".join(_facts(state))
     x = imgui.get_window_width() - imgui.calc_text_size(text).x - em(1)
@@ -58,15 +60,29 @@ def draw_status(state: AppState) -> None:
             explain(state.drawn_by)
 
 
+def _hide_border(ground: imgui.Col_) -> None:
+    """The runner's bars have every window's border, which at the edge of the screen is a line too many."""
+    low, size, style = imgui.get_window_pos(), imgui.get_window_size(), imgui.get_style()
+    high, draw = ImVec2(low.x + size.x, low.y + size.y), imgui.get_window_draw_list()
+    draw.push_clip_rect(low, high)
+    ink = imgui.get_color_u32(style.color_(ground))
+    draw.add_rect(low, high, ink, thickness=style.window_border_size)
+    draw.pop_clip_rect()
+
+
 def _facts(state: AppState) -> list[str]:
     facts = []
     if state.clip is not None:
         width, height = state.clip.size
         facts.append(f"{legible(state.clip.name)}  {width}×{height}")
     if state.pictures is not None and state.pictures.enhanced is not None:
-        facts.append(f"enhanced in {state.pictures.milliseconds:.0f} ms")
+        facts.append(f"enhanced in {_while(state.pictures.milliseconds)}")
     if state.model is not None:
         who = "by the processor" if state.processor_draws else "by OpenGL"
-        took = f" in {state.view.milliseconds:.0f} ms" if state.view and state.processor_draws else ""
+        took = f" in {_while(state.view.milliseconds)}" if state.view and state.processor_draws else ""
         facts.append(f"3D drawn {who}{took}")
     return facts
+
+
+def _while(milliseconds: float) -> str:
+    return f"{milliseconds:.0f} ms" if milliseconds < 1000 else f"{milliseconds / 1000:.1f} s"

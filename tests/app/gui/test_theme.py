@@ -15,6 +15,8 @@ from tests.app.gui.ui import Ui
 
 READABLE = 4.5
 """WCAG 2.2, success criterion 1.4.3, level AA."""
+TOLD_APART = 3.0
+"""The same, 1.4.11."""
 BOTH: tuple[Theme, ...] = ("dark", "light")
 PANELS = ("window_bg", "popup_bg", "menu_bar_bg", "title_bg", "title_bg_active", "tab_dimmed_selected", "tab",
           "tab_selected", "tab_hovered", "table_header_bg")  # fmt: skip
@@ -57,6 +59,10 @@ def test_every_text_can_be_read(ui: Ui, name: Theme) -> None:
     for ground in ("lit", "caution", "alarm"):
         bright[f"text on {ground}"] = contrast(worn.text, getattr(worn, ground))
     assert {pair: round(value, 2) for pair, value in bright.items() if value < READABLE} == {}
+    # What moves over the middle of its own number.
+    assert all(
+        contrast(worn.text, style(grab)) >= TOLD_APART for grab in ("slider_grab", "slider_grab_active")
+    )
 
 
 @pytest.mark.parametrize(
