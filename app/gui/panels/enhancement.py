@@ -38,8 +38,8 @@ VESSEL_SLIDERS = {
 }
 MAIN_VESSEL = ("strength", "radius", "lift", "d_factor")
 SCOPES: tuple[Scope, ...] = get_args(Scope)
-SCOPE_LABELS = ["of each frame", "of the whole clip"]
-PIXEL_LABELS = ["all", "tissue only"]
+SCOPE_LABELS = ["Of each frame", "Of the whole clip"]
+PIXEL_LABELS = ["All", "Tissue only"]
 
 
 def draw_enhancement(state: AppState) -> None:

@@ -70,7 +70,7 @@ def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
         imgui.text_colored(theme.now().accent, psnr)
         explain("PSNR: of frames held out where that was measured, else of the training frames.")
-    steps = f"{config.iterations:,} steps"
+    steps = f"{config.iterations:,} iterations"
     if run.made != "finished":
         steps = f"{run.iteration:,} of {config.iterations:,}"
     imgui.align_text_to_frame_padding()
@@ -112,7 +112,7 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     end = imgui.get_content_region_avail().x - 2 * (imgui.get_frame_height() + em(0.3))
     ink = theme.now().muted if waiting.asleep else theme.now().text
     method, steps = named(request.config.method), request.config.iterations
-    imgui.text_colored(ink, f"{method} · {request.input} · {steps:,} steps")
+    imgui.text_colored(ink, f"{method} · {request.input} · {steps:,} iterations")
     since = " It waits since an earlier session." if waiting.asleep else ""
     explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)

@@ -128,7 +128,7 @@ def _draw_buttons(state: AppState) -> None:
     else:
         button(f"{icons.ICON_FA_PLAY}  Try###try", lambda: tuning_actions.start_grid(state), width=6)
         explain("Every combination on the frame that is shown, in the background.")
-    _before("order", em(10))
+    _before("Order", em(10))
     imgui.set_next_item_width(em(10))
     index = METRICS.index(tuning.sort) + 1 if tuning.sort else 0
     _, index = imgui.combo("##order", index, SORT_LABELS)
