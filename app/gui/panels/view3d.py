@@ -112,7 +112,6 @@ def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
     _draw_snap(state)
     _draw_kind(state)
     if state.clip is None:
-        beside_of(em(8))
         _draw_time(state)
         return
     beside_of(em(12))
@@ -121,7 +120,6 @@ def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
     if changed:
         actions.toggle_link(state)
     if not state.linked:
-        beside_of(em(8))
         _draw_time(state)
 
 
@@ -172,6 +170,7 @@ def _draw_time(state: AppState) -> None:
     model = state.model
     if model is None or len(model.cameras) < 2:
         return
+    beside_of(em(8))
     imgui.set_next_item_width(-em(0.1))
     first, last = model.start + 1, model.start + len(model.cameras)
     changed, number = imgui.slider_float(

@@ -205,6 +205,25 @@ def test_a_moment_is_told_by_the_clip_s_own_frames(opened: AppState, model: Dyna
     assert "RECONSTRUCTION · frame 3" in texts(view_tags(opened, StillViewport().show(opened)))
 
 
+def test_a_still_model_has_no_time_and_the_same_room(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    shown, opened.clip = opened.model, None
+    assert shown is not None
+    rooms, times = [], []
+    for cameras in (shown.cameras, shown.cameras[:1]):
+        opened.model = replace(shown, cameras=cameras)
+        ui.frame(lambda: view3d(opened))
+        rooms.append(opened.view_size)
+        ui.drag(lambda: view3d(opened), (700, 20), (880, 20))  # Where the slider is.
+        times.append(opened.view_time)
+        opened.view_time = 0.0
+    assert rooms[0] == rooms[1]
+    assert times[0] == pytest.approx((len(shown.cameras) - 1) / len(shown.cameras), abs=0.1)
+    assert times[1] == 0.0
+
+
 def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     opened.view_size = (64, 48)
