@@ -174,7 +174,7 @@ def _draw_time(state: AppState) -> None:
     imgui.set_next_item_width(-em(0.1))
     first, last = model.start + 1, model.start + len(model.cameras)
     changed, number = imgui.slider_float(
-        "##time", model.number_at(state.time), first, last, model.form(state.time)
+        "##time", model.number_at(state.time), first, last, f"frame {model.form(state.time)}"
     )
     explain(f"The moment that is seen, also between frames: time {state.time:.3f} of 0 to 1.")
     if changed:

@@ -70,8 +70,8 @@ class ShownModel:
         return f"frame {self.number_at(time):g}"
 
     def form(self, time: float) -> str:
-        """How a control writes that number: of so many decimals."""
-        return "frame %.0f" if self.number_at(time).is_integer() else "frame %.2f"
+        """How a control writes that number: with decimals only between two frames."""
+        return "%.0f" if self.number_at(time).is_integer() else "%.2f"
 
     def camera_at(self, time: float) -> Camera:
         """The clip's own, of the frame nearest to `time`."""
