@@ -173,9 +173,10 @@ def _draw_time(state: AppState) -> None:
     beside_of(em(8))
     imgui.set_next_item_width(-em(0.1))
     first, last = model.start + 1, model.start + len(model.cameras)
-    changed, number = imgui.slider_float(
-        "##time", model.number_at(state.time), first, last, f"frame {model.form(state.time)}"
-    )
+    number, form = model.number_at(state.time), f"frame {model.form(state.time)}"
+    # Also to moments between frames.
+    flags = imgui.SliderFlags_.no_round_to_format
+    changed, number = imgui.slider_float("##time", number, first, last, form, flags)
     explain(f"The moment that is seen, also between frames: time {state.time:.3f} of 0 to 1.")
     if changed:
         actions.seek_view(state, model.time_of(number))
