@@ -14,6 +14,7 @@ from app.gui.frame import dockings
 from app.gui.work.tuning import Choice
 from app.job import Failed
 from app.run_folder import RunFolder
+from app.supersampling import FACTORS
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from renderer.splat_files.inria_ply import ply_bytes
@@ -274,10 +275,13 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     state = person.state
     person.press(CTRL | SHIFT | K.e)
     yield "export"
-    person.click("//Export/###video of both panes")
-    person.wait(lambda: state.exports.under_way is None or state.exports.under_way.done > 2, "some frames")
+    state.exports.supersampling = FACTORS[-1]
+    person.click("//Export/###video through time")
+    person.wait(lambda: state.exports.under_way is not None and state.exports.under_way.done > 0, "a frame")
     yield "export under way"
     person.window.writing.cancel_export()
+    person.wait(lambda: not state.exports.is_busy, "the end of the export")
+    state.exports.supersampling = FACTORS[0]
     yield "toast"
     person.press(CTRL | SHIFT | K.e)
     for panel in ("Log", "Notes"):
