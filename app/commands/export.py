@@ -7,8 +7,9 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from app import moments
+from app import moments, scene_view
 from app.atomic import filled, write_bytes
+from app.color_bar import with_bar
 from app.drawers import drawn_by
 from app.errors import UserError
 from app.moments import Moment
@@ -31,6 +32,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
     moments.add_flags(parser)
+    scene_view.add_flag(parser)
 
 
 def run(flags: argparse.Namespace) -> None:
@@ -60,17 +62,17 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment]) -> None:
 
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
     draw, by = drawn_by(flags.renderer, flags.supersampling)
-
-    views = [moment.facts | {"near": near_plane(scene.model, moment.camera)} for moment in wanted]
+    view = scene_view.asked_for(flags, scene, draw).steady(wanted)
 
     def pictures() -> Iterator[ArrayImage]:
         with progress("draw", len(wanted)) as report:
-            for done, (moment, view) in enumerate(zip(wanted, views, strict=True), start=1):
-                yield draw(scene.model.at(moment.time), moment.camera, view["near"], scene.mode).bytes
+            for done, moment in enumerate(wanted, start=1):
+                yield with_bar(view.at(moment))
                 report(done, moment.name)
 
     written = write_video(flags.video, pictures(), flags.frames_per_second)
-    facts = scene.facts | by | {"background": (0.0, 0.0, 0.0), "video": written}
-    facts |= {"frames_per_second": flags.frames_per_second, "moments": views}
+    seen = [moment.facts | {"near": near_plane(scene.model, moment.camera)} for moment in wanted]
+    facts = scene.facts | by | {"background": (0.0, 0.0, 0.0), "view": view.kind, "scale": view.scale}
+    facts |= {"frames_per_second": flags.frames_per_second, "moments": seen, "video": written}
     write_sidecar(flags.video, repeatable(kind="render video", **facts))
     sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {by['renderer']}\n")

@@ -7,22 +7,17 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app import moments
+from app import moments, scene_view
 from app.atomic import filled
 from app.color_bar import with_bar
 from app.drawers import drawn_by
 from app.drawing import Drawn, colored_depth
 from app.errors import UserError
-from app.evaluate import run_clip
 from app.moments import Moment
 from app.pictures import write_image
 from app.progress import progress
 from app.provenance import repeatable, write_png
-from app.run_folder import RunFolder
-from app.scene import is_splat_file
-from app.training import input_clip
-from app.views import EXPLAINED, SHAPES, composed, has_scale, splats_for
-from renderer.clip import Clip
+from app.views import SHAPES, has_scale
 from renderer.near_plane import near_plane
 
 
@@ -32,13 +27,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--transparent", action="store_true", help="without a background: alpha in the PNG, not premultiplied"
     )
-    parser.add_argument(
-        "--view",
-        choices=EXPLAINED,
-        default="color",
-        help="what the pictures show, with a scale where that is a quantity; difference: to the photos that "
-        "the run was trained on (default color)",
-    )
+    scene_view.add_flag(parser)
     parser.add_argument("--depth", action="store_true", help="write expected depth too: float32 and coloured")
 
 
@@ -51,29 +40,18 @@ def run(flags: argparse.Namespace) -> None:
     draw, by = drawn_by(flags.renderer, flags.supersampling)
     behind = None if flags.transparent else (0.0, 0.0, 0.0)
     facts = scene.facts | by | {"background": behind, "view": flags.view}
-    photos = _photos(flags) if flags.view == "difference" else None
+    view = scene_view.asked_for(flags, scene, draw)
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             near = near_plane(scene.model, moment.camera)
-            splats = splats_for(flags.view, scene.model, moment.time, moment.camera)
-            drawn = draw(splats, moment.camera, near, scene.mode, SHAPES[flags.view])
-            photo = photos.read_image(moment.frame or 0) if photos else None
-            picture = with_bar(composed(flags.view, drawn, scene.unit, photo))
-            shown = drawn.straight if flags.transparent else picture
+            drawn = view.drawn(moment.time, moment.camera, near)
+            shown = drawn.straight if flags.transparent else with_bar(view.composed(drawn, moment.frame))
             own_facts = facts | moment.facts | {"near": near}
             write_png(staging / f"{moment.name}.png", shown, repeatable(kind="render", **own_facts))
             if flags.depth:
                 _write_depth(staging, moment, drawn, own_facts)
             report(done, moment.name)
     sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {by['renderer']}\n")
-
-
-def _photos(flags: argparse.Namespace) -> Clip:
-    """What each frame of a run should look like. Raises UserError where there is none."""
-    if is_splat_file(flags.scene) or flags.camera or flags.time is not None:
-        raise UserError("--view difference: expected frames of a run from its own cameras, which have photos")
-    record = RunFolder(flags.scene).record()
-    return input_clip(run_clip(record), record)
 
 
 def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:

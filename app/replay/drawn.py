@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,16 +16,17 @@ from app.drawers import Renderer, drawer
 from app.drawing import Draw, Drawn, colored_depth
 from app.errors import UserError
 from app.evaluate import run_clip
-from app.pictures import ArrayImage, write_image
+from app.pictures import write_image
 from app.provenance import comment, write_sidecar
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
 from app.run_edits import unpacked
 from app.scene import Scene, open_scene
+from app.scene_view import SceneView
 from app.supersampling import supersampled
 from app.training import input_clip
 from app.video import write_video
-from app.views import SHAPES, Scale, ViewKind, composed, splats_for
+from app.views import Scale, ViewKind
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
 from renderer.splat_files.inria_ply import ply_bytes
@@ -56,6 +56,7 @@ class ViewFacts:
     time: float
     camera: dict[str, Any]
     near: float
+    frame: int | None = None
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -67,7 +68,6 @@ class RenderFacts:
     """None: alpha says where nothing is."""
     view: ViewKind = "color"
     scale: Scale | None = None
-    frame: int | None = None
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
 
 
@@ -76,7 +76,7 @@ class VideoFacts:
     """What it takes to draw all frames."""
 
     frames_per_second: float
-    moments: tuple[ViewFacts, ...]
+    moments: tuple[Facts, ...]
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -119,46 +119,37 @@ def drawer_of(facts: Facts) -> tuple[Draw, str]:
     return supersampled(draw, said.supersampling), name
 
 
-def drawn(scene: Scene, facts: Facts, draw: Draw, kind: ViewKind = "color") -> Drawn:
-    """Raises UserError or pydantic.ValidationError."""
-    view = VIEW.validate_python(facts)
-    camera = _camera(view)
-    splats = splats_for(kind, scene.model, view.time, camera)
-    return draw(splats, camera, view.near, scene.mode, SHAPES[kind])
-
-
 def remake_render(facts: Facts, sources: Sources, target: Path) -> str:
-    """Raises UserError or pydantic.ValidationError."""
-    drawer, said, scene = drawer_of(facts), RENDER.validate_python(facts), scene_of(facts, sources)
-    if said.background is None:
-        shown = drawn(scene, facts, drawer[0], said.view).straight
+    """Raises UserError, ClipError or pydantic.ValidationError."""
+    view, name = view_of(facts, sources, trained=True)
+    if RENDER.validate_python(facts).background is None:
+        write_image(target, drawn(view, facts).straight, again(facts))
     else:
-        shown = view_of(scene, facts, drawer[0], photos_of(facts, sources, trained=True))
-    write_image(target, shown, again(facts))
-    return drawer[1]
+        write_image(target, picture(view, facts), again(facts))
+    return name
 
 
-def view_of(scene: Scene, facts: Facts, draw: Draw, photos: Clip | None) -> ByteImage:
-    """What the facts say that the picture shows; a difference is to the photo of its frame. Raises UserError,
-    ClipError or pydantic.ValidationError."""
-    said = RENDER.validate_python(facts)
-    photo = _photo(photos, said.frame) if photos is not None else None
-    shown = drawn(scene, facts, draw, said.view)
-    return with_bar(composed(said.view, shown, scene.unit, photo, said.scale))
+def view_of(facts: Facts, sources: Sources, *, trained: bool) -> tuple[SceneView, str]:
+    """What the facts say that is drawn, and by what it is; a difference is to the photos that the run was
+    `trained` on, or to the clip's own. Raises UserError, ClipError or pydantic.ValidationError."""
+    (draw, name), said = drawer_of(facts), RENDER.validate_python(facts)
+    photos = _photos(facts, sources, trained=trained) if said.view == "difference" else None
+    return SceneView(scene_of(facts, sources), said.view, draw, photos, said.scale), name
 
 
-def _photo(photos: Clip, frame: int | None) -> ByteImage:
-    """Raises UserError or ClipError."""
-    if frame is None or not 0 <= frame < len(photos):
-        raise UserError(f"expected a difference to one of {len(photos)} frames, got frame {frame}")
-    return photos.read_image(frame)
+def drawn(view: SceneView, facts: Facts) -> Drawn:
+    """At the moment of the facts. Raises UserError or pydantic.ValidationError."""
+    seen = VIEW.validate_python(facts)
+    return view.drawn(seen.time, _camera(seen), seen.near)
 
 
-def photos_of(facts: Facts, sources: Sources, *, trained: bool) -> Clip | None:
-    """What a difference is to: the photos that the run was `trained` on, or the clip's own; None for another
-    kind of view. Raises UserError, ClipError or pydantic.ValidationError."""
-    if RENDER.validate_python(facts).view != "difference":
-        return None
+def picture(view: SceneView, facts: Facts) -> ByteImage:
+    """At the moment of the facts. Raises UserError, ClipError or pydantic.ValidationError."""
+    return with_bar(view.composed(drawn(view, facts), VIEW.validate_python(facts).frame))
+
+
+def _photos(facts: Facts, sources: Sources, *, trained: bool) -> Clip:
+    """Raises UserError, ClipError or pydantic.ValidationError."""
     run = SCENE.validate_python(facts).run
     if run is None:
         raise UserError(f"expected the run of a difference, got none: {sources.file}")
@@ -169,24 +160,19 @@ def photos_of(facts: Facts, sources: Sources, *, trained: bool) -> Clip | None:
 
 def remake_depth(facts: Facts, sources: Sources, target: Path) -> str:
     """As numbers or in colours. Raises UserError or pydantic.ValidationError."""
-    draw, name = drawer_of(facts)
-    depth = drawn(scene_of(facts, sources), facts, draw).depth
+    view, name = view_of(facts | {"view": "color"}, sources, trained=True)
+    depth = drawn(view, facts).depth
     write_image(target, depth if target.suffix == ".npy" else colored_depth(depth)[0], again(facts))
     return name
 
 
 def remake_video(facts: Facts, sources: Sources, target: Path) -> str:
-    """Raises UserError or pydantic.ValidationError."""
-    video, scene = VIDEO.validate_python(facts), scene_of(facts, sources)
+    """Raises UserError, ClipError or pydantic.ValidationError."""
+    video = VIDEO.validate_python(facts)
     if not video.moments:
         raise UserError(f"expected at least one frame, got none: {sources.file}")
-    draw, name = drawer_of(facts)
-
-    def frames() -> Iterator[ArrayImage]:
-        for view in video.moments:
-            yield draw(scene.model.at(view.time), _camera(view), view.near, scene.mode).bytes
-
-    write_video(target, frames(), video.frames_per_second)
+    view, name = view_of(facts, sources, trained=True)
+    write_video(target, (picture(view, moment) for moment in video.moments), video.frames_per_second)
     write_sidecar(target, again(facts))
     return name
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass as plain_dataclass
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -10,7 +9,6 @@ from typing import Any, Literal
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.drawing import Draw
 from app.errors import UserError
 from app.gui.work.enhancing import PictureRequest, Scope
 from app.gui.work.measure_table import MADE_AGAIN, measured_rows, write_measures
@@ -23,11 +21,11 @@ from app.gui.work.viewing import ShownModel
 from app.methods import METHODS
 from app.picture_mask import NO_MASK, PictureMask
 from app.provenance import write_png, write_sidecar
-from app.replay.drawn import RENDER, drawer_of, photos_of, scene_of, view_of
+from app.replay.drawn import picture, scene_of, view_of
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
-from app.scene import Scene
+from app.scene_view import SceneView
 from app.video import write_video
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE
@@ -100,40 +98,22 @@ PANES, SPAN = TypeAdapter(PanesFacts), TypeAdapter(SpanFacts)
 VIEW_VIDEO = TypeAdapter(ViewVideoFacts)
 
 
-@plain_dataclass(frozen=True, eq=False)
-class Seen:
-    """A 3D view, to be drawn at any moment."""
-
-    facts: Facts
-    scene: Scene
-    draw: Draw
-    renderer: str
-    photos: Clip | None
-    """What a difference is to."""
-
-    def panel(self, moment: Facts) -> Panel:
-        """Raises UserError, ClipError or pydantic.ValidationError."""
-        facts = self.facts | moment
-        image = view_of(self.scene, facts, self.draw, self.photos)
-        return view_panel(self.scene.name, image, RENDER.validate_python(facts).view)
-
-
-def seen(facts: Facts, sources: Sources) -> Seen:
-    """Raises UserError, ClipError or pydantic.ValidationError."""
-    draw, name = drawer_of(facts)
-    photos = photos_of(facts, sources, trained=False)
-    return Seen(facts, scene_of(facts, sources), draw, name, photos)
+def _panel(view: SceneView, facts: Facts) -> Panel:
+    """At the moment of the facts. Raises UserError, ClipError or pydantic.ValidationError."""
+    return view_panel(view.scene.name, picture(view, facts), view.kind)
 
 
 def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
     """Panes, the 3D view, or both. Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     panels = panes_of(facts, sources).panels(OtherMaker()) if "source" in facts else []
-    views = [seen(view, sources) for view in facts.get("views", [])]
-    panels += [view.panel({}) for view in views]
+    name = None
+    for said in facts.get("views", []):
+        view, name = view_of(said, sources, trained=False)
+        panels.append(_panel(view, said))
     if not panels:
         raise UserError(f"expected panes or a 3D view, got neither: {sources.file}")
     write_png(target, sheet(panels), again(facts))
-    return views[0].renderer if views else None
+    return name
 
 
 def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
@@ -141,11 +121,11 @@ def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
     said = VIEW_VIDEO.validate_python(facts)
     if not (said.views and said.moments):
         raise UserError(f"expected at least one 3D view and one frame, got none: {sources.file}")
-    views = [seen(view, sources) for view in said.views]
-    pages = (view_page([view.panel(moment) for view in views]) for moment in said.moments)
+    views = [(one, *view_of(one, sources, trained=False)) for one in said.views]
+    pages = (view_page([_panel(view, one | moment) for one, view, _ in views]) for moment in said.moments)
     write_video(target, pages, said.frames_per_second)
     write_sidecar(target, again(facts))
-    return views[0].renderer
+    return views[0][2]
 
 
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:

@@ -101,6 +101,22 @@ def test_exports_come_again(runs: dict[str, Path], tmp_path: Path, vesselsplat: 
     assert (call.code, call.error) == (0, "")
 
 
+@pytest.mark.parametrize("view", ["motion", "difference"])
+def test_videos_of_kinds_of_view_come_again(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, view: str
+) -> None:
+    video = tmp_path / "a.mp4"
+    assert vesselsplat("export", runs["enhanced"], "--video", video, "--view", view).code == 0
+    facts = json.loads(video.with_name("a.mp4.json").read_text())
+    assert facts["view"] == view
+    assert facts["scale"]["high"] > 0
+    call = vesselsplat("replay", video, "--source", runs["enhanced"].parent)
+    assert (call.code, call.error) == (0, "")
+    facts["scale"]["high"] *= 2
+    video.with_name("a.mp4.json").write_text(json.dumps(facts))
+    assert vesselsplat("replay", video, "--source", runs["enhanced"].parent).code == 2
+
+
 @pytest.mark.parametrize("params", [None, EnhanceParams(d_factor=0.5), VesselParams(lift=0.4)])
 @pytest.mark.parametrize("scope", ["image", "clip"])
 def test_a_screenshot_comes_again(

@@ -19,9 +19,11 @@ from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from app.views import EXPLAINED, SHAPES, Composed, Scale, composed, difference, has_scale, nice_step
 from renderer.camera import Camera
+from renderer.camera_path import CameraPath, Keyframe
 from renderer.near_plane import near_plane
 from renderer.paint import by_motion, by_normal
 from renderer.splats import Shape, Splats
+from renderer.view_files import Views, views_json
 from tests.app.conftest import Call
 from tests.renderer.scenes import random_splats, turned_camera
 
@@ -226,6 +228,19 @@ def test_what_does_not_go_together_is_one_line(
     assert (call.code, call.error.count("\n")) == (2, 1)
     assert word in call.error
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", [("render", "--out"), ("export", "--video")])
+def test_along_a_path_there_are_no_photos_to_differ_from(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, command: tuple[str, str]
+) -> None:
+    file, out = tmp_path / "views.json", tmp_path / "out"
+    camera = RunFolder(runs["original"]).record().camera(0)
+    file.write_bytes(views_json(Views(path=CameraPath((Keyframe(0.0, 0.0, camera),)), unit="mm")))
+    call = vesselsplat(command[0], runs["original"], command[1], out, "--path", file, "--view", "difference")
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert "own cameras" in call.error
+    assert not out.exists()
 
 
 def test_every_view_has_a_shape_and_an_explanation() -> None:

@@ -10,13 +10,11 @@ from app.color_bar import with_bar
 from app.gui.work.page import Panel, sheet
 from app.gui.work.photos import PhotoRequest, read_photo
 from app.gui.work.viewing import View, ViewRequest, draw_view, lasting_facts, moment_facts
-from app.views import Composed, ViewKind, has_scale, holding
+from app.views import Composed, ViewKind, has_scale, holding, spread
 from renderer.clip import ByteImage, Clip
 
 Views = tuple[ViewRequest, ...]
 """Of one moment: the 3D view, and the second one where there is one."""
-LOOKED_AT = 8
-"""Moments of a video, evenly spread, whose values its scale holds."""
 
 
 def view_panel(name: str, image: ByteImage, kind: ViewKind) -> Panel:
@@ -50,19 +48,12 @@ def steady(moments: Sequence[Views], photos: Clip | None) -> Generator[int, None
     columns = []
     for column in zip(*moments, strict=True):
         scales = []
-        for wanted in _spread(column) if has_scale(column[0].kind) else ():
+        for wanted in spread(column) if has_scale(column[0].kind) else ():
             scales += [scale for scale in (_drawn(_with_photo(wanted, photos)).scale,) if scale is not None]
             yield 0
         scale = holding(scales) if scales else None
         columns.append([replace(wanted, scale=scale) for wanted in column])
     return tuple(zip(*columns, strict=True))
-
-
-def _spread(column: Views) -> Views:
-    """A few of them, the first and the last among them."""
-    last = len(column) - 1
-    places = sorted({round(last * place / (LOOKED_AT - 1)) for place in range(LOOKED_AT)})
-    return tuple(column[place] for place in places)
 
 
 def video_facts(moments: Sequence[Views]) -> dict[str, Any]:
