@@ -141,3 +141,5 @@ def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
     imgui.same_line()
     button("Cancel", cancel, width=6)
     explain("Nothing is left half-written.")
+    # As high as the two lines in its place, so that no button moves away from the pointer.
+    imgui.dummy(ImVec2(0, 2 * imgui.get_text_line_height() - imgui.get_frame_height()))

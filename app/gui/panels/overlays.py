@@ -86,6 +86,8 @@ def draw_toast(state: AppState) -> None:
         imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().shade(0.22, 0.97)),
         imgui_ctx.begin("##toast", None, flags),
     ):
+        # Also over the dialog that it answers, which may reach as far down.
+        imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
         imgui.text_unformatted(capital(state.toast.message))
 
 

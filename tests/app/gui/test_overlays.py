@@ -48,6 +48,21 @@ def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
     np.testing.assert_equal(len(state.log), 2)
 
 
+def test_good_news_lies_over_the_window_that_was_clicked_last(ui: Ui, state: AppState) -> None:
+    actions.announce(state, "saved clip.png")
+    state.help_open = True
+
+    def draw() -> None:
+        overlays.draw_toast(state)
+        overlays.draw_help(state, sections(state, outside()))
+
+    for _ in range(3):
+        ui.frame(draw)
+    ui.drag(draw, (450, 350), (450, 350))
+    named, height = imgui.internal.find_window_by_name, imgui.internal.find_window_display_index
+    assert height(named("##toast")) > height(named("Keys and mouse"))
+
+
 def test_the_log_keeps_the_newest_in_sight_and_gives_its_lines(ui: Ui, state: AppState) -> None:
     copied: list[str] = []
     bottoms: list[float] = []

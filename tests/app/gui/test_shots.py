@@ -27,7 +27,7 @@ from app.gui.state.panes import pane
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.views.free_view import FreeView
-from app.gui.work.exporting import export
+from app.gui.work.exporting import Exporting, export
 from app.gui.work.others import DifferenceRequest, heat_map
 from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.sizing import Sizing
@@ -422,8 +422,14 @@ def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:
     state.exports.shown = True
     for _ in range(2):
         ui.frame(lambda: draw_export(state, lambda what: None, lambda: None))
-    assert export_actions.export_request(state, "both panes") is not None
-    ui.frame(lambda: draw_export(state, lambda what: None, lambda: None))
+    request = export_actions.export_request(state, "both panes")
+    assert request is not None
+    heights = []
+    for state.exports.under_way in (None, Exporting(request, 1)):
+        for _ in range(3):
+            ui.frame(lambda: draw_export(state, lambda what: None, lambda: None))
+        heights.append(imgui.internal.find_window_by_name("Export").size.y)
+    assert heights[0] == heights[1]  # No button moves away from the pointer that started it.
     assert state.exports.shown
     assert SIZE == (48, 40)
 
