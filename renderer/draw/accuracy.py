@@ -20,6 +20,7 @@ from renderer.draw.offscreen import read_image
 from renderer.draw.sorting import DepthKeys
 from renderer.draw.splat_view import EXACT_CUT, Cut, Precision, SplatView
 from renderer.gaussians import DynamicGaussians
+from renderer.laps import lap_times
 from renderer.splats import Splats
 
 EXPORT: Final = "float target, float32 keys"
@@ -94,7 +95,7 @@ def opengl(
         work = partial(_drawn, view, target, camera.resized(*size), partial(view.upload, splats))
         works.append(work)
         pictures.append(np.asarray(cv2.resize(work(), (camera.width, camera.height))))
-    times = _times(works, repeats)
+    times = 1000 * lap_times(works, repeats)
     for name, picture, time in zip(SETTINGS, pictures, times, strict=True):
         yield _row("OpenGL", name, [255 * np.abs(picture - truth)], time)
 
@@ -129,9 +130,8 @@ def keyframes(
         name = f"{'every frame' if every == 1 else f'one frame in {every}'}, {pixels:g} px"
         ways.append(_Way("keyframes", name, view, works, kept.n_bytes / 1e6, seconds))
     truth = [work() for work in show]
-    every_work = [work for way in ways for work in way.works]
-    _times(every_work, 1)
-    for way, taken in zip(ways, _times(every_work, repeats).reshape(len(ways), -1), strict=True):
+    times_taken = 1000 * lap_times([work for way in ways for work in way.works], repeats)
+    for way, taken in zip(ways, times_taken.reshape(len(ways), -1), strict=True):
         errors = [255 * np.abs(work() - true) for work, true in zip(way.works, truth, strict=True)]
         yield _row(way.group, way.setting, errors, taken, way.megabytes, way.baking)
         way.view.release()
@@ -159,17 +159,6 @@ def _drawn(
     prepare()
     view.draw(camera, target)
     return read_image(target).astype(np.float64)
-
-
-def _times(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
-    """(works, repeats) milliseconds, in turns; each must have been done before."""
-    taken = np.empty((repeats, len(works)))
-    for row in taken:
-        for place, work in enumerate(works):
-            start = perf_counter()
-            work()
-            row[place] = 1000 * (perf_counter() - start)
-    return np.asarray(taken.T)
 
 
 def _row(
