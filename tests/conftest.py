@@ -16,6 +16,11 @@ settings.register_profile("compiling", deadline=None)
 settings.load_profile("compiling")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Windows first: X ends a process that has had a context without a window, and then opens one."""
+    items.sort(key=lambda item: item.get_closest_marker("display") is None)
+
+
 @pytest.fixture(scope="session")
 def gl_context() -> Iterator[moderngl.Context]:
     """The session's context. Without OpenGL its tests are skipped, but fail where CI is set."""

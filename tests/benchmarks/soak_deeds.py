@@ -25,6 +25,8 @@ Context = imgui.test_engine.TestContext
 STEPS = 50
 PATIENCE = 300.0
 """Seconds after which the window is said to hang."""
+RESTING = 2.0
+"""Seconds in which what waits for rest is done: measuring, giving memory back."""
 KEEP_FILES = 12
 K = imgui.Key
 CTRL, SHIFT = K.mod_ctrl, K.mod_shift
@@ -135,7 +137,8 @@ class Person:
         self.ctx.key_press(K._0)
         tidy(self.places)
         self.wait(lambda: not state.is_busy, "rest")
-        self.ctx.yield_(5)
+        end = time.monotonic() + RESTING
+        self.wait(lambda: time.monotonic() > end, "what is done at rest")
 
 
 def tidy(places: Places) -> None:

@@ -1,0 +1,43 @@
+"""What was open before gives its memory back: once, and never while pictures are being made."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.update.measure_work import REST
+from app.gui.update.memory_work import MemoryWork, OnScreen
+from app.gui.update.update import Channels
+from enhance import EnhanceParams
+from renderer.clip import Clip
+from tests.app.gui.conftest import make_clip
+from tests.app.gui.test_update import settle
+
+
+def test_once_for_everything_that_comes_to_rest(state: AppState, clip: Clip, tmp_path: Path) -> None:
+    settle(state, Channels())
+    work = MemoryWork()
+    work.ask(state)
+    assert work.tidying.asked is None
+    state.now = state.asked_at + REST
+    work.ask(state)
+    assert work.tidying.asked == OnScreen(state.opened_path, clip)
+    assert work.tidying.run_waiting()
+    state.now += 100
+    work.ask(state)
+    assert not work.tidying.run_waiting()
+    state.clip = make_clip(tmp_path / "another")
+    settle(state, Channels())
+    state.now = state.asked_at + REST
+    work.ask(state)
+    assert work.tidying.run_waiting()
+
+
+def test_not_while_a_picture_is_awaited(state: AppState) -> None:
+    settle(state, Channels())
+    actions.set_params(state, EnhanceParams(z=0.0))
+    state.now = state.asked_at + 100
+    work = MemoryWork()
+    work.ask(state)
+    assert work.tidying.asked is None
