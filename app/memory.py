@@ -1,7 +1,8 @@
-"""How much memory this process has needed."""
+"""How much memory this process has needed, and giving back what it no longer needs."""
 
 from __future__ import annotations
 
+import ctypes
 import re
 import sys
 from pathlib import Path
@@ -22,3 +23,10 @@ def peak_memory_mb() -> float:
         return 1024 * int(own[1]) / 1e6
     unit = 1 if sys.platform == "darwin" else 1024
     return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+
+
+def give_back() -> None:
+    """To the system: what was freed and is kept for later, on Linux by the C library's own rules for ever."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+    if trim is not None:
+        trim(ctypes.c_size_t(0))

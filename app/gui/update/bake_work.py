@@ -56,8 +56,8 @@ def _ask(channel: Bakes, shown: ShownModel | None, baked: Baked | None) -> None:
     """Part by part, so that pictures are made between them."""
     asked = channel.asked
     if shown is None or not can_bake(shown):
-        return
-    if asked is None or asked.shown is not shown:
+        channel.want(None)
+    elif asked is None or asked.shown is not shown:
         channel.ask(BakeRequest(shown))
     elif baked is not None and baked.request is asked and baked.keyframes is None:
         channel.ask(BakeRequest(shown, baked.baker))

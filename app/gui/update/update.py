@@ -26,6 +26,7 @@ from app.gui.update.bake_work import BakeWork
 from app.gui.update.compare_work import CompareWork
 from app.gui.update.job_events import follow_job
 from app.gui.update.measure_work import MeasureWork
+from app.gui.update.memory_work import MemoryWork
 from app.gui.update.queue_work import QueueWork
 from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
@@ -78,13 +79,21 @@ class Channels:
     batches: SteppedChannel[BatchRequest, Progressed] = field(default_factory=lambda: SteppedChannel(batch))
     strip: StripWork = field(default_factory=StripWork)
     queue: QueueWork = field(default_factory=QueueWork)
+    memory: MemoryWork = field(default_factory=MemoryWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
     @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
-        return (*self.measure.all, *self.strip.all, self.omissions, self.runs, *self.queue.all)
+        return (
+            *self.measure.all,
+            *self.strip.all,
+            self.omissions,
+            self.runs,
+            *self.queue.all,
+            *self.memory.all,
+        )
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
@@ -306,12 +315,12 @@ def _ask(state: AppState, channels: Channels) -> None:
     channels.measure.ask(state)
     channels.strip.ask(state)
     channels.queue.ask(state)
+    channels.memory.ask(state)
     channels.runs.want(state.runs_request)
     state.asks_for_runs = False
     channels.omissions.want(state.omissions_request)
     view = view_request(state)
-    if state.processor_draws:
-        channels.view.want(view)
+    channels.view.want(view if state.processor_draws else None)
     _ask_second(state, channels, view)
 
 
@@ -320,5 +329,6 @@ def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) 
     second = state.second
     channels.second_opening.want(second.opening)
     if first is None or second.shown is None or not state.processor_draws:
-        return
-    channels.second.want(replace(first, shown=second.shown))
+        channels.second.want(None)
+    else:
+        channels.second.want(replace(first, shown=second.shown))

@@ -53,8 +53,11 @@ class Channel(Generic[Request, Answer]):
         self._done.wait(seconds)
 
     def want(self, request: Request | None) -> None:
-        """Ask, unless there is nothing to ask for or it is what was asked last."""
-        if request is not None and self.asked != request:
+        """Ask, unless it is what was asked last. That is forgotten, with the clips and models in it, where
+        there is nothing to ask for."""
+        if request is None:
+            self.asked = None
+        elif self.asked != request:
             self.ask(request)
 
     def take(self) -> tuple[Request, Answer | Failure] | None:

@@ -6,9 +6,11 @@ from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.viewing import ShownModel, draw_view
@@ -17,7 +19,7 @@ from enhance.baselines import BASELINES
 from renderer.clip import ByteImage
 
 KEPT_BYTES = 64 << 20
-"""Of pictures that are kept, the last used ones."""
+"""Of pictures that are kept, the last used ones, and of the models that they show."""
 SCALES = (8, 16, 32, 64, 128, 255)
 """Grey levels that the top of the heat map can stand for."""
 SHARE_WITHIN = 0.995
@@ -42,9 +44,16 @@ class Other:
     made: Pictures | None = None
     """Of a setting: with what it measured."""
 
+    @property
+    def arrays(self) -> list[NDArray[Any]]:
+        """All that it keeps alive."""
+        by = self.request.by
+        model = by.model.arrays().values() if isinstance(by, ShownModel) else ()
+        return [self.image, *([self.made.photo] if self.made else ()), *model]
+
 
 class OtherMaker:
-    """Answers OtherRequests; remembers the last pictures, so that going back and forth costs nothing."""
+    """Answers OtherRequests; remembers the last pictures of a clip, so that going back and forth is free."""
 
     def __init__(self) -> None:
         self._pictures = PictureMaker()
@@ -52,12 +61,18 @@ class OtherMaker:
 
     def make(self, request: OtherRequest) -> Iterator[Other]:
         """Raises ClipError or ImageError."""
+        if any(kept.photo.clip is not request.photo.clip for kept in self._kept):
+            self._kept.clear()
         if request not in self._kept:
             self._kept[request] = self._made(request)
         self._kept.move_to_end(request)
-        while sum(other.image.nbytes for other in self._kept.values()) > KEPT_BYTES and len(self._kept) > 1:
+        while self._n_bytes() > KEPT_BYTES and len(self._kept) > 1:
             self._kept.popitem(last=False)
         yield self._kept[request]
+
+    def _n_bytes(self) -> int:
+        """Pictures share photos and models."""
+        return sum({id(one): one.nbytes for kept in self._kept.values() for one in kept.arrays}.values())
 
     def _made(self, request: OtherRequest) -> Other:
         by, photo = request.by, request.photo

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from weakref import ref
 
 from app.gui.work.background import Channel, Failure, Worker
 
@@ -60,6 +61,22 @@ def test_better_answers_give_way_to_a_newer_request() -> None:
     channel.run_waiting()
     assert channel.take() == ("old", "old fine")
     assert channel.asked == "new"
+
+
+def test_nothing_wanted_keeps_nothing_alive() -> None:
+    class Clip:
+        """Something large."""
+
+    channel: Channel[Clip, str] = Channel(lambda request: iter(["seen"]))
+    clip = Clip()
+    kept = ref(clip)
+    channel.want(clip)
+    channel.run_waiting()
+    assert channel.take() == (clip, "seen")
+    del clip
+    assert kept() is not None
+    channel.want(None)
+    assert kept() is None
 
 
 def test_an_exception_is_an_answer() -> None:

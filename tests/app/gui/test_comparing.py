@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
+from weakref import ref
 
 import numpy as np
 import pytest
@@ -21,7 +23,7 @@ from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
-from tests.app.gui.conftest import photo
+from tests.app.gui.conftest import make_clip, photo, start_live
 
 
 @pytest.fixture
@@ -174,6 +176,32 @@ def test_pictures_are_remembered_and_let_go(state: AppState, monkeypatch: pytest
     (renewed,) = maker.make(request)
     assert renewed is not first
     np.testing.assert_array_equal(renewed.image, first.image)
+
+
+def test_pictures_of_a_clip_that_was_left_are_let_go(state: AppState, tmp_path: Path) -> None:
+    maker = OtherMaker()
+    comparing.choose_source(state, "right", "clahe")
+    request = other_request(state, "right")
+    assert request is not None
+    first = ref(next(maker.make(request)))
+    list(maker.make(replace(request, photo=replace(request.photo, clip=make_clip(tmp_path / "next")))))
+    assert first() is None
+
+
+def test_models_count_among_what_is_kept(
+    state: AppState, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Previews of a run in training come one after the other, each a model of its own."""
+    start_live(state, model)
+    assert state.model is not None
+    comparing.choose_source(state, "right", "clahe")
+    request = other_request(state, "right")
+    assert request is not None
+    monkeypatch.setattr("app.gui.work.others.KEPT_BYTES", 2 * photo(0).nbytes)
+    maker = OtherMaker()
+    first = ref(next(maker.make(replace(request, by=state.model))))
+    list(maker.make(replace(request, by=replace(state.model, iteration=9))))
+    assert first() is None
 
 
 def test_storing_and_recalling_are_steps_of_undo(state: AppState) -> None:

@@ -1,0 +1,45 @@
+"""Memory that what was open before had needed, given back once something else is on screen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from app.gui.state.app_state import AppState
+from app.gui.update.measure_work import REST
+from app.gui.work.background import Channel
+from app.memory import give_back
+from renderer.clip import Clip
+
+
+@dataclass(frozen=True)
+class OnScreen:
+    """What has been opened."""
+
+    path: Path | None
+    clip: Clip | None
+
+
+def tidy(request: OnScreen) -> Iterator[None]:
+    """Answers with nothing: the system has the memory."""
+    give_back()
+    yield None
+
+
+@dataclass
+class MemoryWork:
+    """Served last, when nothing else is wanted."""
+
+    tidying: Channel[OnScreen, None] = field(default_factory=lambda: Channel(tidy))
+
+    @property
+    def all(self) -> Sequence[Channel[Any, Any]]:
+        return (self.tidying,)
+
+    def ask(self, state: AppState) -> None:
+        """Once for everything that is opened, when it has come to rest."""
+        rests = not state.playing and not state.pictures_wait and state.now - state.asked_at >= REST
+        if state.opening is None and rests:
+            self.tidying.want(OnScreen(state.opened_path, state.clip))
