@@ -20,6 +20,7 @@ from renderer.clip import ByteImage, Clip, Frame
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from tests.app.gui.exporting import Exporter
 from tests.app.gui.ui import Ui
 
 SIZE = (48, 40)
@@ -140,6 +141,12 @@ def model() -> DynamicGaussians:
 @pytest.fixture
 def make_job() -> Callable[[object], FakeJob]:
     return FakeJob
+
+
+@pytest.fixture
+def run(places: Places, runs: dict[str, Path]) -> Exporter:
+    """A run and its clip are open."""
+    return Exporter(places, runs["original"])
 
 
 @pytest.fixture

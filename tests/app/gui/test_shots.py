@@ -7,9 +7,7 @@ import errno
 import json
 import os
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -18,98 +16,31 @@ from imgui_bundle import imgui
 
 from app.clip_part import ClipPart
 from app.color_bar import LEAST_HEIGHT
-from app.gui.actions import actions, camera_actions, comparing, export_actions, second_actions
-from app.gui.actions.export_actions import OFFERS, What
+from app.gui.actions import actions, comparing, export_actions
+from app.gui.actions.export_actions import OFFERS
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES
 from app.gui.state.panes import pane
 from app.gui.state.settings import Places, Settings
-from app.gui.update.update import Channels, update
-from app.gui.views.free_view import FreeView
 from app.gui.work.exporting import Exporting, export
 from app.gui.work.others import DifferenceRequest, heat_map
-from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.sizing import Sizing
-from app.gui.work.view_pages import steady, view_pages
-from app.gui.work.viewing import draw_view
-from app.in_steps import in_one_go
 from app.picture_mask import PictureMask
 from app.pictures import read_image
-from app.provenance import read_provenance, write_png, write_sidecar
-from app.replay import replay
+from app.provenance import read_provenance, write_png
 from app.tuning import METRICS
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu
-from renderer.camera_path import CameraPath, Keyframe
 from tests.app.conftest import Call
 from tests.app.gui.conftest import SIZE
+from tests.app.gui.exporting import Exporter, same
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
-
-def sidecar(path: Path) -> dict[str, Any]:
-    """What a file says of itself beside it."""
-    facts: dict[str, Any] = json.loads(path.with_name(f"{path.name}.json").read_text())
-    return facts
-
-
-def shape_of(video: Path) -> tuple[int, int, int]:
-    """Of its frames."""
-    capture = cv2.VideoCapture(str(video))
-    _, frame = capture.read()
-    capture.release()
-    height, width, channels = frame.shape
-    return height, width, channels
-
-
 FOOT = 28
 """Pixels below a small picture, for the notice."""
-
-
-class Exporter:
-    """The window without its drawing."""
-
-    def __init__(self, places: Places, path: Path) -> None:
-        self.state, self.channels = AppState(places, Settings(acknowledged=True)), Channels()
-        actions.open_path(self.state, path)
-        self.turn(8)
-        # A view so small that it is drawn in no time.
-        self.state.view_size = (48, 36)
-
-    def turn(self, frames: int = 4) -> None:
-        for _ in range(frames):
-            update(self.state, self.channels, self.state.now + 0.01)
-            for channel in self.channels.all:
-                channel.run_waiting()
-
-    def begin(self, what: What) -> None:
-        request = export_actions.export_request(self.state, what)
-        assert request is not None
-        self.channels.exports.ask(request)
-
-    def made(self, what: What) -> Path:
-        """The file, once it is written."""
-        before = set(self.state.places.pictures.glob("*"))
-        self.begin(what)
-        for _ in range(100):
-            self.turn(1)
-            if self.state.exports.under_way is None:
-                break
-        assert self.state.banner is None
-        new = set(self.state.places.pictures.glob("*")) - before
-        return next(path for path in new if path.suffix in (".png", ".mp4", ".csv"))
-
-
-@pytest.fixture
-def run(places: Places, runs: dict[str, Path]) -> Exporter:
-    """A run and its clip are open."""
-    return Exporter(places, runs["original"])
-
-
-def same(path: Path, *sources: Path) -> bool:
-    return replay(path, sources, path.with_name(f"again{path.suffix}")).difference.is_none
 
 
 def test_a_pane_is_what_it_shows_at_the_size_asked_for(run: Exporter, clip_path: Path) -> None:
@@ -252,127 +183,6 @@ def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
     request = export_actions.save_request(state)
     assert request is not None
     assert [shot.by for shot in request.panes.shots] == [None]
-
-
-def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None:
-    state, run_path = run.state, run.state.reconstruction.run_path
-    assert run_path is not None
-    assert state.model is not None
-    assert "Cameras" in export_actions.why_not_export(state, "video along the path")
-    state.exports.view_size = (96, 70)
-    state.viewer.free = FreeView.of(state.model.camera_at(0.3)).looked(0.1, 0.02)
-    state.view_kind = "depth"
-    run.turn()
-    plain = run.made("3D view")
-    assert same(plain, run_path)
-    state.exports.supersampling = 4
-    assert same(fine := run.made("3D view"), run_path)
-    assert read_provenance(fine)["views"][0]["supersampling"] == 4
-    assert read_image(fine).shape == read_image(plain).shape
-    assert not np.array_equal(read_image(fine), read_image(plain))
-    state.exports.view_size, state.exports.supersampling = (3840, 2160), 4
-    assert "million" in export_actions.why_not_export(state, "3D view")
-    state.exports.view_size, state.exports.supersampling = (96, 70), 2
-    near, far = (state.model.camera_at(time) for time in (0.0, 0.5))
-    path = CameraPath((Keyframe(0.0, 0.0, near), Keyframe(0.4, 0.9, far)))
-    state.cameras.views = replace(state.cameras.views, path=path)
-    videos: tuple[What, ...] = ("video through time", "video along the path")
-    state.view_kind = "color"
-    for what, count in zip(videos, (10, 7), strict=True):
-        video = run.made(what)
-        capture = cv2.VideoCapture(str(video))
-        assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == count
-        assert capture.get(cv2.CAP_PROP_FRAME_WIDTH) == 96
-        capture.release()
-        assert same(video, run_path)
-
-
-def test_two_3d_views_stand_beside_each_other_and_come_again(run: Exporter, runs: dict[str, Path]) -> None:
-    second_actions.open_second(run.state, runs["enhanced"])
-    run.turn()
-    assert run.state.second.shown is not None
-    path = run.made("3D view")
-    assert [view["run"]["name"] for view in read_provenance(path)["views"]] == ["original", "enhanced"]
-    assert same(path, *runs.values())
-    video = run.made("video through time")
-    assert same(video, *runs.values())
-    assert shape_of(video) == read_image(path).shape  # In colour: the same page at every moment.
-    assert [view["run"]["name"] for view in sidecar(video)["views"]] == ["original", "enhanced"]
-    one, other = (read_image(path)[:, side] for side in (slice(0, 64), slice(72, 136)))
-    assert one.shape == other.shape
-    assert not np.array_equal(one, other)
-
-
-def test_a_video_shows_the_kind_of_view_that_the_window_shows(run: Exporter, runs: dict[str, Path]) -> None:
-    state, shapes = run.state, {}
-    second_actions.open_second(state, runs["enhanced"])
-    run.turn()
-    for kind in ("points", "normals", "motion", "depth"):
-        state.view_kind = kind
-        video = run.made("video through time")
-        assert [view["view"] for view in sidecar(video)["views"]] == [kind, kind]
-        assert same(video, *runs.values())
-        shapes[kind] = shape_of(video)
-    assert shapes["points"] == shapes["normals"]
-    assert shapes["depth"][1] > shapes["points"][1]  # With the scale beside each.
-    facts = sidecar(video)
-    facts["views"][1]["scale"]["high"] *= 2
-    write_sidecar(video, facts)
-    assert not same(video, *runs.values())
-
-
-def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
-    run: Exporter, runs: dict[str, Path]
-) -> None:
-    state = run.state
-    state.view_kind = "difference"
-    videos: tuple[What, ...] = ("video through time", "video along the path")
-    key = Keyframe(0.0, 0.0, state.model.camera_at(0.0)) if state.model is not None else None
-    assert key is not None
-    state.cameras.views = replace(state.cameras.views, path=CameraPath((key,)))
-    for what in videos:
-        assert "difference" in export_actions.why_not_export(state, what)
-    camera_actions.toggle_snap(state)
-    assert export_actions.why_not_export(state, videos[0]) == ""
-    assert "difference" in export_actions.why_not_export(state, videos[1])
-    request = export_actions.export_request(state, videos[0])
-    assert request is not None
-    pages = list(view_pages(request.moments, request.photos))
-    assert state.model is not None
-    assert state.clip is not None
-    for frame in (0, 7):
-        photo = Photo(PhotoRequest(state.clip, frame), state.clip.read_image(frame))
-        (view,) = draw_view(state.model.of_frame(frame).of_kind("difference", photo))
-        np.testing.assert_array_equal(pages[frame][:48, :64], view.image)
-    export_actions.cancelled(state)
-    second_actions.open_second(state, runs["enhanced"])
-    run.turn()
-    assert same(run.made("3D view"), *runs.values())
-    assert same(run.made(videos[0]), *runs.values())
-
-
-def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
-    """That holds what each has by itself, and stands beside every page."""
-    state = run.state
-    state.view_kind = "motion"
-    request = export_actions.export_request(state, "video through time")
-    assert request is not None
-    own = [next(draw_view(views[0])).scale for views in request.moments]
-    moments = in_one_go(steady(request.moments, None))
-    (scale,) = {views[0].scale for views in moments}
-    assert scale is not None
-    assert [views[0].of_kind("color").camera for views in moments] == [
-        views[0].camera for views in request.moments
-    ]
-    assert scale.high == max(one.high for one in (own[0], own[-1]) if one is not None)
-    assert own[0] is not None
-    assert own[0].high < scale.high  # Nothing has moved yet.
-    pages = list(view_pages(moments, None))
-    bars = [page[:, 64:] for page in pages]
-    assert bars[0].size
-    for bar in bars:
-        np.testing.assert_array_equal(bar, bars[0])
-    assert not np.array_equal(pages[0], pages[-1])
 
 
 def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run: Exporter) -> None:
