@@ -6,12 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Final
 
 import numpy as np
 
 from renderer.clip import Clip
-from renderer.train.config import Part, TrainConfig
+from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Started
 from renderer.train.frames import train_frame
 from renderer.train.initialize import scene_size, with_points
@@ -19,18 +18,6 @@ from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
 from renderer.train.needs import decide
 from renderer.train.trainer import split, train
-
-KEPT_BY: Final[dict[str, Part]] = {
-    "harmonics": "harmonics",
-    "deformation": "deformation",
-    "colour curves": "color_curves",
-    "control values": "controls",
-    "moments of far controls": "moments",
-    "depth loss": "depth",
-    "mask maths": "masks",
-    "tiles without tissue": "tiles",
-}
-"""The part that keeps in what an omission names."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from app.report.measures.training import schedule
 from app.report.section import Cell, Column, Section, Table
 from enhance.accuracy import omissions
 from renderer.clip import Clip, ClipError
-from renderer.left_out import KEPT_BY, Side, compared
+from renderer.left_out import Side, compared
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.events import Omission
@@ -120,11 +120,11 @@ def _of_reconstruction(scene: Scene, clock: Clock, missing: list[str]) -> Iterat
     config = replace(usual, iterations=STEPS, n_gaussians=count, hold_out=len(scene.clip) >= 8)
     frames = [scene.clip.read_frame(index) for index in split(scene.clip, config)[0]]
     for omission in decide(scene.clip, frames, config).omitted:
-        part = KEPT_BY.get(omission.what)
-        if part is None or clock.is_out:
-            missing.append(f"{scene.name}, {omission.what}: {'the time was used up' if part else 'no pair'}")
+        if omission.part is None or clock.is_out:
+            why = "the time was used up" if omission.part else "no pair"
+            missing.append(f"{scene.name}, {omission.what}: {why}")
             continue
-        sides = compared(scene.clip, config, replace(config, keep=(part,)), TIMED)
+        sides = compared(scene.clip, config, replace(config, keep=(omission.part,)), TIMED)
         yield _row(scene, omission, sides)
 
 
