@@ -42,7 +42,9 @@ def images_in(folder: Path) -> list[Path]:
         return images_in(inside)
     found = pictures or [path for path in files if is_image(path)]
     if not found:
-        raise UserError(f"expected a folder with pictures, found none in {folder}")
+        folders = ", ".join(sorted(entry.name for entry in folder.iterdir() if entry.is_dir()))
+        hint = f", which holds the folders {folders}: name one of these" if folders else ""
+        raise UserError(f"expected a folder with pictures, found none in {folder}{hint}")
     return sorted(found, key=natural_key)
 
 

@@ -184,6 +184,14 @@ def test_a_clip_folder_is_its_images(clip_path: Path, tmp_path: Path, vesselspla
     assert [picture["picture"] for picture in json.loads(call.out)["pictures"]] == images
 
 
+def test_a_folder_of_folders_says_which_it_holds(tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "case" / "input").mkdir(parents=True)
+    call = vesselsplat("enhance", tmp_path / "case", tmp_path / "out")
+    assert call.code == 2
+    assert "which holds the folders input: name one of these" in call.error
+    assert not (tmp_path / "out").exists()
+
+
 def test_two_pictures_of_one_output_name_are_refused(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     cv2.imwrite(str(folder / "0.jpg"), tissue(9))
     call = vesselsplat("enhance", folder, tmp_path / "out")

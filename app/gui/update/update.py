@@ -149,18 +149,20 @@ def _take_opened(state: AppState, channels: Channels) -> None:
             session_actions.taken_up(state, request.path)
 
 
-def _ask_for_pictures(state: AppState, channels: Channels) -> None:
-    """Before answers are taken, for a setting that has moved, and at the end, for a frame that plays."""
+def _ask_for_pictures(state: AppState, channels: Channels) -> bool:
+    """Before answers are taken, for a setting that has moved, and at the end, for a frame that plays. Whether
+    these had not been asked for before."""
     pictures = state.picture_request
-    if pictures is not None and channels.pictures.asked != pictures:
-        state.asked_at = state.now
-        channels.pictures.ask(pictures)
+    if pictures is None or channels.pictures.asked == pictures:
+        return False
+    state.asked_at = state.now
+    channels.pictures.ask(pictures)
+    return True
 
 
 def take_pictures(state: AppState, channels: Channels) -> None:
     """Those of a setting that has just moved too, where they come soon: before a frame and within it."""
-    _ask_for_pictures(state, channels)
-    if _may_come_at_once(state):
+    if _ask_for_pictures(state, channels) and _may_come_at_once(state):
         channels.pictures.wait(PROMPT)
     taken = channels.pictures.take()
     if taken is not None and taken[0].clip is state.clip:

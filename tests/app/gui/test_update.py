@@ -9,7 +9,7 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.update.update import PATIENCE, SLOW_VIEW, Channels, update, view_request
+from app.gui.update.update import PATIENCE, PROMPT, SLOW_VIEW, Channels, take_pictures, update, view_request
 from app.gui.work.background import Channel, Worker
 from app.gui.work.enhancing import PictureRequest, Pictures
 from app.gui.work.opening import Opened
@@ -87,6 +87,20 @@ def test_a_slow_picture_holds_no_frame(state: AppState, channels: Channels) -> N
     channels.pictures.wait = lambda seconds: pytest.fail("the frame waits")  # type: ignore[method-assign]
     update(state, channels, 0.1)
     assert state.pictures_are_stale
+
+
+def test_a_picture_that_is_late_is_waited_for_once(state: AppState, channels: Channels) -> None:
+    """It was quick before, and something holds it up now."""
+    settle(state, channels)
+    assert state.pictures is not None
+    state.pictures = replace(state.pictures, milliseconds=1.0)
+    waits: list[float] = []
+    channels.pictures.wait = waits.append  # type: ignore[method-assign]
+    actions.set_params(state, EnhanceParams(z=0.0))
+    for frame in range(3):
+        update(state, channels, 0.1 * frame)
+        take_pictures(state, channels)
+    assert waits == [PROMPT]
 
 
 def test_clip_statistics_are_the_same_for_every_frame(state: AppState, channels: Channels) -> None:
