@@ -13,7 +13,12 @@ from app.gui.work.enhancing import Pictures
 from app.gui.work.measuring import Measured, Measurer
 
 REST = 0.25
-"""Seconds without a new picture before it is measured."""
+"""Seconds without a new picture before what can wait is done: measuring, small pictures, tidying."""
+
+
+def at_rest(state: AppState) -> bool:
+    """Whether no new picture has been asked for lately."""
+    return not state.playing and state.now - state.asked_at >= REST
 
 
 @dataclass
@@ -41,6 +46,5 @@ class MeasureWork:
         pictures = state.pictures
         if pictures is None or pictures.enhanced is None or self.measures.asked is pictures:
             return
-        rests = not state.playing and not state.pictures_are_stale and state.now - state.asked_at >= REST
-        if rests:
+        if at_rest(state) and not state.pictures_are_stale:
             self.measures.ask(pictures)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from app.gui.state.app_state import AppState
-from app.gui.update.measure_work import REST
+from app.gui.update.measure_work import at_rest
 from app.gui.work.background import Channel
 from app.memory import give_back
 from renderer.clip import Clip
@@ -40,6 +40,5 @@ class MemoryWork:
 
     def ask(self, state: AppState) -> None:
         """Once for everything that is opened, when it has come to rest."""
-        rests = not state.playing and not state.pictures_wait and state.now - state.asked_at >= REST
-        if state.opening is None and rests:
+        if at_rest(state) and not state.pictures_wait and state.opening is None:
             self.tidying.want(OnScreen(state.opened_path, state.clip))

@@ -8,7 +8,7 @@ from typing import Any
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.update.measure_work import REST
+from app.gui.update.measure_work import at_rest
 from app.gui.work.background import Channel, Failure
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest, left_out, make_strip
 
@@ -41,8 +41,7 @@ class StripWork:
         """Ask for what is not there, once the pictures are."""
         if state.clip is None or state.pictures is None:
             return
-        rests = not state.playing and state.now - state.asked_at >= REST
-        if rests and state.strip_count > 0:
+        if at_rest(state) and state.strip_count > 0:
             self.strip.want(StripRequest(state.clip, state.strip_count))
         if state.overlay:
             self.left_out.want(LeftOutRequest(state.clip, state.shown_index, state.clip_settings.mask))

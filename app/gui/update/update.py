@@ -328,9 +328,5 @@ def _ask(state: AppState, channels: Channels) -> None:
 
 def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) -> None:
     """The second 3D view is of the first one's moment, camera and size."""
-    second = state.second
-    channels.second_opening.want(second.opening)
-    if first is None or second.shown is None or not state.processor_draws:
-        channels.second.want(None)
-    else:
-        channels.second.want(replace(first, shown=second.shown))
+    channels.second_opening.want(state.second.opening)
+    channels.second.want(state.beside(first) if first is not None and state.processor_draws else None)

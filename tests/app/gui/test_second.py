@@ -10,7 +10,7 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
-from app.gui.update.update import SLOW_VIEW, Channels, update, view_request
+from app.gui.update.update import SLOW_VIEW, Channels, _ask_second, update, view_request
 from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.viewing import View
 from assets import phantom_path
@@ -115,6 +115,20 @@ def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: Ap
         depth = seen.beside(first.of_kind("depth"))
         assert depth is not None
         assert depth.kind == "depth"
+
+
+def test_the_processor_draws_the_second_view_as_the_window_asks_for_it(seen: AppState) -> None:
+    """Also where the second one has other frames, whose difference to the first one's photo says nothing."""
+    first, channels = seen.plain_view_request, Channels()
+    assert first is not None
+    assert seen.model is not None
+    assert seen.clip is not None
+    photo = Photo(PhotoRequest(seen.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
+    for shown in (replace(seen.model), replace(seen.model, first=2)):
+        seen.second.shown = shown
+        for wanted in (first, first.of_kind("difference", photo)):
+            _ask_second(seen, channels, wanted)
+            assert channels.second.asked == seen.beside(wanted) is not None
 
 
 def test_a_new_session_has_no_second_view(seen: AppState, model: DynamicGaussians, tmp_path: Path) -> None:
