@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,20 +18,37 @@ from enhance.image import AnyImage, full_scale
 from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
 from enhance.reference import enhance_reference
+from enhance.result import Omission
 
 Group = Literal["subsample", "sampling", "scales", "both", "arithmetic", "left out", "kept in"]
 EXACT: Final = EnhanceParams(omit_below=0.0)
 SUBSETS: Final = ((4,), (16,), (64,), (4, 16), (4, 64), (16, 64), (4, 16, 64))
-OMISSIONS: Final[tuple[tuple[str, dict[str, Any], dict[str, Any]], ...]] = (
-    ("P = 0", {"p": 0.0}, {"p": 1e-30}),
-    ("P = 1/2, 0, 0", {"p": (0.5, 0.0, 0.0)}, {"p": (0.5, 1e-30, 1e-30)}),
-    ("P = 0.001", {"p": 0.001}, {}),
-    ("P = 0.002", {"p": 0.002}, {}),
-    ("P = 1/2, 1/2, 0.003", {"p": (0.5, 0.5, 0.003)}, {}),
-    ("P = 1/2", {"p": 0.5}, {}),
-    ("z = 1", {"z": 1.0}, {"z": 1 - 1e-7}),
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Settings that let something be left out, and what keeps it in though it changes nothing."""
+
+    name: str
+    lean: EnhanceParams
+    whole: EnhanceParams
+
+    @classmethod
+    def of(cls, name: str, change: dict[str, Any], kept: dict[str, Any]) -> Self:
+        """`change` from the defaults, and what `kept` changes in that."""
+        lean = replace(EnhanceParams(), **change)
+        return cls(name, lean, replace(lean, omit_below=0.0, **kept))
+
+
+PAIRS: Final = (
+    Pair.of("P = 0", {"p": 0.0}, {"p": 1e-30}),
+    Pair.of("P = 1/2, 0, 0", {"p": (0.5, 0.0, 0.0)}, {"p": (0.5, 1e-30, 1e-30)}),
+    Pair.of("P = 0.001", {"p": 0.001}, {}),
+    Pair.of("P = 0.002", {"p": 0.002}, {}),
+    Pair.of("P = 1/2, 1/2, 0.003", {"p": (0.5, 0.5, 0.003)}, {}),
+    Pair.of("P = 1/2", {"p": 0.5}, {}),
+    Pair.of("z = 1", {"z": 1.0}, {"z": 1 - 1e-7}),
 )
-"""What is set so that something may be left out, and what keeps it in though it changes nothing."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +68,8 @@ class Row:
     """Median of a whole image with its statistics; None where the setting is not built into the product."""
     spread: float | None = None
     """Half of the distance between the quartiles of these milliseconds."""
+    omitted: tuple[Omission, ...] = ()
+    """What the product does without on this image, with this setting."""
 
 
 def named(params: EnhanceParams) -> tuple[Group, str]:
@@ -72,12 +91,13 @@ def accuracy(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
     rounded to whole pixels of it; variances of block means; V decimated. "left out" compares what
     `omit_below` leaves out with "kept in", the row after it.
     """
-    cases = [*_against_three_scales(image), *_arithmetic(image)]
-    timed = iter(_laps([case.work for case in cases if case.work is not None], repeats))
-    for case in cases:
-        laps = None if case.work is None else next(timed)
-        yield _summary(case.group, case.setting, case.error, None, laps)
-    yield from omissions(image, repeats)
+    yield from _timed([*_against_three_scales(image), *_arithmetic(image), *_omissions(image)], repeats)
+
+
+def omissions(image: NDArray[np.uint8], repeats: int) -> list[tuple[Pair, Row, Row]]:
+    """Of each of PAIRS what is left out, and the same with it kept in."""
+    rows = list(_timed(_omissions(image), repeats))
+    return list(zip(PAIRS, rows[::2], rows[1::2], strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +109,8 @@ class _Case:
     error: NDArray[np.float64]
     work: Callable[[], object] | None
     """None where the setting is not built into the product."""
+    omitted: tuple[Omission, ...] | None = None
+    """None where nothing may be left out."""
 
 
 def _against_three_scales(image: NDArray[np.uint8]) -> Iterator[_Case]:
@@ -128,20 +150,15 @@ def _arithmetic(image: NDArray[np.uint8]) -> Iterator[_Case]:
         yield _case("arithmetic", name, same, EXACT, truth)
 
 
-def omissions(image: NDArray[np.uint8], repeats: int = 7) -> Iterator[Row]:
-    """Pairs of "left out" and "kept in". Errors are on float32, where rounding does not hide them; times on
-    bytes, in turn."""
+def _omissions(image: NDArray[np.uint8]) -> Iterator[_Case]:
+    """Errors are on float32, where rounding does not hide them; times on bytes."""
     pixels = image / np.float32(255)
-    for name, change, kept in OMISSIONS:
-        params = replace(EnhanceParams(), **change)
-        full = replace(params, omit_below=0.0, **kept)
-        lean, whole = enhance(pixels, params), enhance(pixels, full)
+    for pair in PAIRS:
+        lean, whole = enhance(pixels, pair.lean), enhance(pixels, pair.whole)
         error = 255 * np.abs(lean.image.astype(np.float64) - whole.image)
-        bound = sum(omission.error for omission in lean.omitted)
-        works = [partial(_frame, Enhancer(), image, one) for one in (params, full)]
-        lean_laps, whole_laps = _laps(works, repeats)
-        yield _summary("left out", name, error, bound, lean_laps)
-        yield _summary("kept in", name, np.zeros_like(error), None, whole_laps)
+        work, kept = (partial(_frame, Enhancer(), image, params) for params in (pair.lean, pair.whole))
+        yield _Case("left out", pair.name, error, work, lean.omitted)
+        yield _Case("kept in", pair.name, np.zeros_like(error), kept)
 
 
 def _case(
@@ -163,6 +180,13 @@ def _frame(enhancer: Enhancer, image: AnyImage, params: EnhanceParams) -> AnyIma
     """The next of a stream of such images."""
     enhancer.show(image)
     return enhancer.enhance(params).image
+
+
+def _timed(cases: Iterable[_Case], repeats: int) -> Iterator[Row]:
+    known = list(cases)
+    timed = iter(_laps([case.work for case in known if case.work is not None], repeats))
+    for case in known:
+        yield _summary(case, None if case.work is None else next(timed))
 
 
 def _laps(works: Sequence[Callable[[], object]], repeats: int) -> list[NDArray[np.float64]]:
@@ -229,21 +253,16 @@ def _reference(image: NDArray[np.uint8], params: EnhanceParams) -> NDArray[np.fl
     return 255 * enhance_reference(image, params)[0]
 
 
-def _summary(
-    group: Group,
-    setting: str,
-    error: NDArray[np.float64],
-    bound: float | None,
-    laps: NDArray[np.float64] | None,
-) -> Row:
+def _summary(case: _Case, laps: NDArray[np.float64] | None) -> Row:
     quartiles = None if laps is None else np.percentile(laps, (25, 50, 75))
     return Row(
-        group=group,
-        setting=setting,
-        mean=float(error.mean()),
-        p999=float(np.quantile(error, 0.999)),
-        most=float(error.max()),
-        bound=bound,
+        group=case.group,
+        setting=case.setting,
+        mean=float(case.error.mean()),
+        p999=float(np.quantile(case.error, 0.999)),
+        most=float(case.error.max()),
+        bound=None if case.omitted is None else sum(omission.error for omission in case.omitted),
         milliseconds=None if quartiles is None else float(quartiles[1]),
         spread=None if quartiles is None else float(quartiles[2] - quartiles[0]) / 2,
+        omitted=case.omitted or (),
     )

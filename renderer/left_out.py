@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -12,7 +12,7 @@ import numpy as np
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Started
-from renderer.train.frames import train_frame
+from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.initialize import scene_size, with_points
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
@@ -22,10 +22,10 @@ from renderer.train.trainer import split, train
 
 @dataclass(frozen=True)
 class Side:
-    """One of two runs."""
+    """One of the runs that are compared."""
 
     milliseconds: float
-    """A step: median of steps at full size that both models take in turns."""
+    """A step: median of steps at full size that the models of all runs take in turns."""
     spread: float
     """Half of the distance between the quartiles."""
     seconds: float
@@ -37,34 +37,52 @@ class Side:
     omitted: tuple[Omission, ...]
 
 
-def compared(
-    clip: Clip, without: TrainConfig, kept: TrainConfig, timed_steps: int = 120
-) -> tuple[Side, Side]:
-    """Without and with; both configurations hold frames out (`hold_out`)."""
-    configs = without, kept
-    times = step_times(clip, configs, timed_steps)
-    first, second = (_measured(clip, config, *each) for config, each in zip(configs, times, strict=True))
-    return first, second
+def compared(clip: Clip, configs: Sequence[TrainConfig], timed_steps: int = 120) -> Iterator[Side]:
+    """One for each configuration, trained when it is asked for; all hold frames out (`hold_out`)."""
+    times = step_times([(clip, configs)], timed_steps)
+    for config, each in zip(configs, times, strict=True):
+        yield _measured(clip, config, *each)
 
 
-def step_times(clip: Clip, configs: Sequence[TrainConfig], steps: int) -> list[tuple[float, float]]:
-    """Median and spread of a step of each configuration in ms, taken in turns; those before every frame was
-    seen once, or the first half, do not count."""
-    models, frames = [], [clip.read_frame(index) for index in split(clip, configs[0])[0]]
+def step_times(runs: Sequence[tuple[Clip, Sequence[TrainConfig]]], steps: int) -> list[tuple[float, float]]:
+    """Median and spread of a step in ms, of every configuration of every clip, all taken in turns; those
+    before every frame was seen once, or the first half, do not count."""
+    walkers = [walker for clip, configs in runs for walker in _walkers(clip, configs)]
+    laps = np.zeros((len(walkers), steps))
+    for step, place in np.ndindex(steps, len(walkers)):
+        began = perf_counter()
+        walkers[place].step(step)
+        laps[place, step] = 1000 * (perf_counter() - began)
+    times = []
+    for walker, taken in zip(walkers, laps, strict=True):
+        low, middle, high = np.percentile(taken[min(len(walker.views), steps // 2) :], (25, 50, 75)).tolist()
+        times.append((middle, (high - low) / 2))
+    return times
+
+
+@dataclass(frozen=True, eq=False)
+class _Walker:
+    """A model that takes steps of the second half of its schedule, at full size."""
+
+    model: TrainModel
+    views: Sequence[TrainFrame]
+    iterations: int
+
+    def step(self, number: int) -> None:
+        """The next of its views."""
+        at = min(self.iterations // 2 + number, self.iterations - 1)
+        self.model.step(self.views[number % len(self.views)], at)
+
+
+def _walkers(clip: Clip, configs: Sequence[TrainConfig]) -> Iterator[_Walker]:
+    frames = [clip.read_frame(index) for index in split(clip, configs[0])[0]]
     seeds = with_points(frames, clip.points)
-    size = scene_size(seeds)
+    size, views = scene_size(seeds), [train_frame(frame) for frame in frames]
     for config in configs:
         recipe = recipe_for(config, decide(clip, frames, config))
         raw = recipe.initialize(seeds)
-        models.append(TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size))
-    views, first = [train_frame(frame) for frame in frames], configs[0].iterations // 2
-    laps = np.zeros((steps, len(models)))
-    for step, place in np.ndindex(laps.shape):
-        began = perf_counter()
-        models[place].step(views[step % len(views)], min(first + step, configs[0].iterations - 1))
-        laps[step, place] = 1000 * (perf_counter() - began)
-    low, middle, high = np.percentile(laps[min(len(views), steps // 2) :], (25, 50, 75), axis=0)
-    return [(float(m), float(top - bottom) / 2) for bottom, m, top in zip(low, middle, high, strict=True)]
+        model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size)
+        yield _Walker(model, views, config.iterations)
 
 
 def _measured(clip: Clip, config: TrainConfig, milliseconds: float, spread: float) -> Side:

@@ -73,6 +73,11 @@ class Bench:
         return Runs(self.clip_path, self.clip, self.work / "runs", self.say)
 
 
+def scene_name(path: Path) -> str:
+    """Of a further scene: a folder alone may be called "images"."""
+    return "/".join(path.resolve().parts[-2:])
+
+
 Measure = Callable[[Bench, Clock], Section]
 
 

@@ -78,6 +78,11 @@ def mean(group: Sequence[Run], measure: str) -> float:
     return float(np.mean(values)) if values else math.nan
 
 
+def seconds(group: Sequence[Run]) -> float:
+    """The median: other load slows single runs."""
+    return float(np.median([run.outcome.seconds for run in group]))
+
+
 def half_range(group: Sequence[Run], measure: str) -> float:
     """Half the distance of the extremes."""
     values = [run.value(measure) for run in group]
@@ -95,7 +100,7 @@ def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
                 Point(
                     series=group[0].config.method,
                     setting=_label(group[0], usual),
-                    seconds=mean(group, "seconds"),
+                    seconds=seconds(group),
                     spread=half_range(group, "seconds"),
                     error=mean(group, measure),
                     is_default=replace(group[0].config, seed=default.seed) == default,
@@ -115,8 +120,8 @@ def _label(run: Run, usual: Sequence[str]) -> str:
 
 
 def table(runs: Sequence[Run], title: str, note: str = "") -> Table:
-    """Means over the seeds of each setting."""
-    measures = ("psnr", "psnr_masked", "ssim", "depth_rmse", "motion_rmse", "seconds")
+    """Means over the seeds of each setting, and the median of their seconds."""
+    measures = ("psnr", "psnr_masked", "ssim", "depth_rmse", "motion_rmse")
     return Table(
         title=title,
         columns=COLUMNS,
@@ -124,6 +129,7 @@ def table(runs: Sequence[Run], title: str, note: str = "") -> Table:
             (
                 *(group[0].setting, group[0].input, len(group)),
                 *(mean(group, measure) for measure in measures),
+                seconds(group),
                 half_range(group, "seconds") if len(group) > 1 else None,
                 mean(group, "megabytes"),
                 round(mean(group, "n_gaussians")),

@@ -25,11 +25,11 @@ class Part:
 
 PARTS: Final = (
     Part("enhancement", 1),
-    Part("training", 14),
-    Part("drawing", 3),
+    Part("training", 30),
+    Part("drawing", 2),
     Part("stability", 2),
     Part("left_out", 6),
-    Part("paper", 4),
+    Part("paper", 3),
     Part("reading", 1),
     Part("growth", 3),
 )

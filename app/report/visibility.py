@@ -62,11 +62,15 @@ def methods() -> Mapping[str, Method]:
     }
 
 
-def row(method: Method, samples: Sequence[Sample]) -> NDArray[np.float64]:
-    """The measures by COLUMNS: means, of the time the median; the first call warms up."""
-    method(samples[0].image, samples[0].tissue)
-    rows = np.array([_measures(method, one) for one in samples])
-    return np.append(np.nanmean(rows[:, :-1], axis=0), np.median(rows[:, -1]))
+def measured(methods: Mapping[str, Method], samples: Sequence[Sample]) -> dict[str, NDArray[np.float64]]:
+    """The measures of each method by COLUMNS: means, of the time the median; they take turns, after a first
+    call of each that warms up."""
+    for method in methods.values():
+        method(samples[0].image, samples[0].tissue)
+    turns = [[_measures(method, one) for method in methods.values()] for one in samples]
+    rows = np.array(turns).swapaxes(0, 1)
+    means, times = np.nanmean(rows[..., :-1], axis=1), np.median(rows[..., -1:], axis=1)
+    return dict(zip(methods, np.hstack([means, times]), strict=True))
 
 
 def pattern(ratio: Mapping[str, float]) -> tuple[str, bool, int]:

@@ -75,7 +75,8 @@ def measured(pair: Pair, seed: int, iterations: int) -> tuple[Side, Side]:
         path = Path(folder) / "phantom"
         write_phantom(path, PhantomParams(camera=pair.camera, tissue=pair.tissue, seed=seed))
         without = replace(CONFIG, iterations=iterations)
-        return compared(open_clip(path), without, replace(without, keep=pair.parts))
+        first, second = compared(open_clip(path), [without, replace(without, keep=pair.parts)])
+        return first, second
 
 
 def mean(sides: Sequence[Side]) -> Side:

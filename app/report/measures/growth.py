@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -12,6 +11,7 @@ import numpy as np
 
 from app.report.bench import Bench, Clock
 from app.report.growth_fit import Curve, Growth
+from app.report.held import held_megabytes
 from app.report.laps import Laps, laps
 from app.report.section import Cell, Column, Section, Table
 from enhance import Enhancer, enhance
@@ -107,20 +107,10 @@ def _enhancement(bench: Bench) -> list[Series]:
             enhancer.show(image)
             enhancer.enhance()
 
-        megabytes.append(_held(next_frame))
+        megabytes.append(held_megabytes(next_frame))
         works.append(next_frame)
     times = laps(works, REPEATS)
     return [_series("enhancement", "pixels", [w * h for w, h in SIZES], times, megabytes)]
-
-
-def _held(work: Callable[[], object]) -> float:
-    """MB of arrays that the work allocates at its peak."""
-    tracemalloc.start()
-    try:
-        work()
-        return tracemalloc.get_traced_memory()[1] / 1e6
-    finally:
-        tracemalloc.stop()
 
 
 def _drawing(bench: Bench) -> list[Series]:
@@ -151,7 +141,7 @@ def _on_the_cpu(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequenc
                 drawn.append(Rasterizer(camera.width, camera.height))
             drawn[0].forward(splats, camera)
 
-        megabytes.append(_held(draw))
+        megabytes.append(held_megabytes(draw))
         works.append(draw)
     return _series("CPU rasteriser", unit, work, laps(works, REPEATS), megabytes)
 
@@ -199,7 +189,7 @@ def _clip(bench: Bench, params: PhantomParams) -> Clip:
 
 
 def _steps(unit: str, work: Sequence[float], runs: Sequence[tuple[Clip, TrainConfig]]) -> Series:
-    taken = [step_times(clip, [config], STEPS)[0] for clip, config in runs]
+    taken = step_times([(clip, [config]) for clip, config in runs], STEPS)
     times = [Laps(median / 1e3, spread / 1e3) for median, spread in taken]
     return _series("a training step", unit, work, times, [_model_mb(*run) for run in runs])
 

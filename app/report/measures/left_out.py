@@ -7,13 +7,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal
 
-from app.report.bench import Bench, Clock
+import numpy as np
+from numpy.typing import NDArray
+
+from app.report.bench import Bench, Clock, scene_name
+from app.report.held import held_megabytes
 from app.report.measures.training import schedule
 from app.report.section import Cell, Column, Section, Table
+from enhance import EnhanceParams, Enhancer, EnhanceResult
 from enhance.accuracy import omissions
 from renderer.clip import Clip, ClipError
 from renderer.left_out import Side, compared
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.events import Omission
 from renderer.train.needs import decide
@@ -22,6 +28,9 @@ from renderer.train.trainer import require_depth, split
 SMALL: Final = PhantomParams(n_frames=18, width=240, height=192)
 STEPS: Final = 300
 TIMED: Final = 40
+LAPS: Final = 21
+MOST_FRAMES: Final = 64
+"""Of a further scene: of a longer one every n-th."""
 MOST_GAUSSIANS: Final = 30_000
 KINDS: Final = tuple((camera, tissue) for camera in ("fixed", "moving") for tissue in ("moving", "static"))
 RECONSTRUCTION: Final = (
@@ -33,9 +42,11 @@ RECONSTRUCTION: Final = (
     Column(name="error added, dB", form="+.2f"),
 )
 ENHANCEMENT: Final = (
-    *(Column(name="scene"), Column(name="setting")),
+    *(Column(name="scene"), Column(name="setting"), Column(name="left out"), Column(name="why")),
     *(Column(name="ms", form=".2f"), Column(name="kept in, ms", form=".2f")),
-    *(Column(name="time saved", form=".0%"), Column(name="error, largest"), Column(name="bound")),
+    *(Column(name="time saved", form=".0%"), Column(name="MB", form=".2f")),
+    *(Column(name="kept in, MB", form=".2f"), Column(name="memory saved", form=".0%")),
+    *(Column(name="error, largest"), Column(name="bound")),
 )
 
 
@@ -74,16 +85,17 @@ def measure(bench: Bench, clock: Clock) -> Section:
                 title="Reconstruction",
                 columns=RECONSTRUCTION,
                 rows=tuple(reconstruction),
-                note=f"{STEPS} steps each; the time of a step is the median of some that both models take in "
-                "turns; PSNR is of training frames held out of the fit. MB: the model's numbers with their "
-                "two moments.",
+                note=f"{STEPS} steps each; the time of a step is the median of some that the models of "
+                "a scene take in turns; PSNR is of training frames held out of the fit. MB: the model's "
+                "numbers with their two moments. Guessed depth is from brightness, without a scale.",
             ),
             Table(
                 title="Enhancement",
                 columns=ENHANCEMENT,
                 rows=tuple(enhancement),
-                note="What these settings let be left out of the first photo. Error and bound in grey "
-                "levels, unrounded.",
+                note="What these settings let be left out of the first photo. MB: arrays held after a first "
+                "picture; no fewer, since a slider may ask for what is left out at any moment. Error and "
+                "bound in grey levels, unrounded.",
             ),
         ),
         not_measured=tuple(missing),
@@ -107,29 +119,41 @@ def _kind(camera: Literal["fixed", "moving"], tissue: Literal["moving", "static"
 
 
 def _opened(path: Path, missing: list[str]) -> Scene | None:
+    """Its depth guessed where it has none, so that reconstruction can be measured on it too."""
     try:
-        return Scene(path.stem, open_clip(path))
+        clip = open_clip(path)
+        step, guessed = -(-len(clip) // MOST_FRAMES), not clip.has_depth and clip.points is None
+        options = ClipOptions(
+            frame_step=step if step > 1 else None, depth="brightness" if guessed else "auto"
+        )
+        said = (f", one frame in {step}" if step > 1 else "") + (", depth guessed" if guessed else "")
+        return Scene(scene_name(path) + said, open_clip(path, options))
     except ClipError as error:
-        missing.append(f"{path.name}: {str(error).split(':')[0]}")
+        missing.append(f"{scene_name(path)}: {str(error).split(':')[0]}")
         return None
 
 
 def _of_reconstruction(scene: Scene, clock: Clock, missing: list[str]) -> Iterator[tuple[Cell, ...]]:
+    """One run without all that the scene does not need, and one for each part that is kept in."""
     usual = schedule(scene.clip)
     count = min(usual.n_gaussians, MOST_GAUSSIANS)
     config = replace(usual, iterations=STEPS, n_gaussians=count, hold_out=len(scene.clip) >= 8)
     frames = [scene.clip.read_frame(index) for index in split(scene.clip, config)[0]]
-    for omission in decide(scene.clip, frames, config).omitted:
-        if omission.part is None or clock.is_out:
-            why = "the time was used up" if omission.part else "no pair"
-            missing.append(f"{scene.name}, {omission.what}: {why}")
+    omitted = decide(scene.clip, frames, config).omitted
+    del frames
+    missing += [f"{scene.name}, {omission.what}: no pair" for omission in omitted if omission.part is None]
+    kept = {omission: replace(config, keep=(omission.part,)) for omission in omitted if omission.part}
+    sides = compared(scene.clip, [config, *kept.values()], TIMED)
+    without: Side | None = None
+    for omission in kept:
+        if clock.is_out:
+            missing.append(f"{scene.name}, {omission.what}: the time was used up")
             continue
-        sides = compared(scene.clip, config, replace(config, keep=(omission.part,)), TIMED)
-        yield _row(scene, omission, sides)
+        without = without or next(sides)
+        yield _row(scene, omission, without, next(sides))
 
 
-def _row(scene: Scene, omission: Omission, sides: tuple[Side, Side]) -> tuple[Cell, ...]:
-    out, kept = sides
+def _row(scene: Scene, omission: Omission, out: Side, kept: Side) -> tuple[Cell, ...]:
     return (
         *(scene.name, omission.what, omission.why, omission.saves),
         *(out.milliseconds, kept.milliseconds, 1 - out.milliseconds / kept.milliseconds),
@@ -139,9 +163,25 @@ def _row(scene: Scene, omission: Omission, sides: tuple[Side, Side]) -> tuple[Ce
 
 
 def _of_enhancement(scene: Scene) -> Iterator[tuple[Cell, ...]]:
-    rows = list(omissions(scene.clip.read_image(0)))
-    for out, kept in zip(rows[::2], rows[1::2], strict=True):
+    image = scene.clip.read_image(0)
+    for pair, out, kept in omissions(image, LAPS):
         assert out.milliseconds is not None
         assert kept.milliseconds is not None
-        saved = 1 - out.milliseconds / kept.milliseconds
-        yield scene.name, out.setting, out.milliseconds, kept.milliseconds, saved, out.most, out.bound
+        lean, whole = (_enhancer_mb(image, params) for params in (pair.lean, pair.whole))
+        yield (
+            *(scene.name, pair.name, ", ".join(each.what for each in out.omitted) or "nothing"),
+            ", ".join(dict.fromkeys(each.why for each in out.omitted)),
+            *(out.milliseconds, kept.milliseconds, 1 - out.milliseconds / kept.milliseconds),
+            *(lean, whole, 1 - lean / whole, out.most, out.bound),
+        )
+
+
+def _enhancer_mb(image: NDArray[np.uint8], params: EnhanceParams) -> float:
+    """Of a first picture."""
+    enhancer = Enhancer()
+
+    def first() -> EnhanceResult:
+        enhancer.show(image)
+        return enhancer.enhance(params)
+
+    return held_megabytes(first)

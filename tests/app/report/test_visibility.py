@@ -2,14 +2,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.report.visibility import COLUMNS, methods, pattern, row, sample
+from app.report.visibility import COLUMNS, measured, methods, pattern, sample
 from enhance.baselines import TAO_STAND_INS
 from tests.enhance.pictures import vessels
 
 
 def test_every_method_has_every_measure_and_the_original_changes_nothing() -> None:
     samples = [sample(vessels(72, 96, seed)) for seed in (1, 2)]
-    rows = {name: row(method, samples) for name, method in methods().items()}
+    rows = measured(methods(), samples)
     assert all(len(values) == len(COLUMNS) and np.isfinite(values[:3]).all() for values in rows.values())
     original = dict(zip(COLUMNS, rows["original"], strict=True))
     assert (original["noise"], original["black%"]) == (1, 0)
