@@ -23,7 +23,7 @@ from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.events import Omission
 from renderer.train.needs import decide
-from renderer.train.trainer import require_depth, split
+from renderer.train.trainer import TrainingError, require_depth, split
 
 SMALL: Final = PhantomParams(n_frames=18, width=240, height=192)
 STEPS: Final = 300
@@ -72,7 +72,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
         try:
             require_depth(scene.clip)
             reconstruction += _of_reconstruction(scene, clock, missing)
-        except ClipError as error:
+        except (ClipError, TrainingError) as error:
             missing.append(f"{scene.name}, reconstruction: {str(error).split(':')[0]}")
     return Section(
         title="Left out: what a scene does not need",

@@ -23,6 +23,7 @@ from renderer.clip import ClipError
 from renderer.phantom import Phantom, PhantomParams
 from renderer.sources import open_clip
 from renderer.train.config import Method
+from renderer.train.trainer import TrainingError
 
 METHODS: Final[dict[Method, str]] = {
     "endogaussian": "EndoGaussian",
@@ -88,7 +89,11 @@ def _renders(bench: Bench, clock: Clock, missing: list[str]) -> Iterator[dict[st
             if clock.is_out:
                 missing.append(f"{name}, {photos} photos: the time was used up")
                 continue
-            trained = bench.runs.trained(schedule(bench.clip, method), photos)
+            try:
+                trained = bench.runs.trained(schedule(bench.clip, method), photos)
+            except TrainingError as error:
+                missing.append(f"{name}, {photos} photos: {error}")
+                continue
             evaluation = open_evaluation(trained.folder.path)
             frames = list(evaluation.frames())
             found = evaluation.report(frames)

@@ -13,6 +13,7 @@ from app.run_folder import Input
 from renderer.accuracy import outcome
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
+from renderer.train.trainer import TrainingError
 
 STEPS: Final[dict[Method, tuple[int, ...]]] = {
     "vesselsplat": (1000, 125, 250, 500),
@@ -37,17 +38,8 @@ def schedule(clip: Clip, method: Method = "vesselsplat") -> TrainConfig:
 def measure(bench: Bench, clock: Clock) -> Section:
     """See the file."""
     default = schedule(bench.clip)
-    runs: dict[Input, list[Run]] = {name: [] for name in INPUTS}
-    missing = []
-    seeds = SEEDS if bench.truth is not None else 1
-    for config, photos in _wanted(bench.clip, default, seeds):
-        if clock.is_out:
-            again = f", seed {config.seed}" if config.seed != default.seed else ""
-            missing.append(f"{setting_of(config)}{again}, {photos} photos: the time was used up")
-            continue
-        trained = bench.runs.trained(config, photos)
-        found = outcome(trained.finished, trained.photos, config, bench.truth)
-        runs[photos].append(Run(config=config, input=photos, outcome=found))
+    missing: list[str] = []
+    runs = _finished(bench, clock, missing)
     return Section(
         title="Reconstruction: error against run time",
         sentences=(
@@ -71,6 +63,25 @@ def measure(bench: Bench, clock: Clock) -> Section:
         ),
         not_measured=tuple(missing),
     )
+
+
+def _finished(bench: Bench, clock: Clock, missing: list[str]) -> dict[Input, list[Run]]:
+    default = schedule(bench.clip)
+    runs: dict[Input, list[Run]] = {name: [] for name in INPUTS}
+    for config, photos in _wanted(bench.clip, default, SEEDS if bench.truth is not None else 1):
+        again = f", seed {config.seed}" if config.seed != default.seed else ""
+        name = f"{setting_of(config)}{again}, {photos} photos"
+        if clock.is_out:
+            missing.append(f"{name}: the time was used up")
+            continue
+        try:
+            trained = bench.runs.trained(config, photos)
+        except TrainingError as error:
+            missing.append(f"{name}: {error}")
+            continue
+        found = outcome(trained.finished, trained.photos, config, bench.truth)
+        runs[photos].append(Run(config=config, input=photos, outcome=found))
+    return runs
 
 
 def _wanted(clip: Clip, default: TrainConfig, seeds: int) -> Iterator[tuple[TrainConfig, Input]]:

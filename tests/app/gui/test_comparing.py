@@ -24,19 +24,12 @@ from enhance.vessel import VesselParams, enhance_vessels
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from tests.app.gui.conftest import make_clip, photo, start_live
+from tests.app.gui.settling import settle
 
 
 @pytest.fixture
 def channels() -> Channels:
     return Channels()
-
-
-def settle(state: AppState, channels: Channels, now: float = 0.0) -> None:
-    for _ in range(6):
-        update(state, channels, now)
-        for channel in channels.all:
-            while channel.run_waiting():
-                pass
 
 
 def image(state: AppState, side: str = "right") -> np.ndarray:

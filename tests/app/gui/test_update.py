@@ -21,6 +21,7 @@ from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Finished, Omission, Progress, Started, Warned
 from tests.app.gui.conftest import FakeJob, make_clip, photo
+from tests.app.gui.settling import settle
 
 MakeFake = Callable[[object], FakeJob]
 STARTED = Started(0, 100, 30, (Omission("motion", "nothing moves", "half the time"),))
@@ -29,15 +30,6 @@ STARTED = Started(0, 100, 30, (Omission("motion", "nothing moves", "half the tim
 @pytest.fixture
 def channels() -> Channels:
     return Channels()
-
-
-def settle(state: AppState, channels: Channels, now: float = 0.0) -> None:
-    """Frames with all background work done in between, until nothing changes."""
-    for _ in range(6):
-        update(state, channels, now)
-        for channel in channels.all:
-            while channel.run_waiting():
-                pass
 
 
 def test_the_pair_on_screen_is_of_one_request(state: AppState, channels: Channels) -> None:
