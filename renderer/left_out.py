@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
@@ -10,9 +9,11 @@ from time import perf_counter
 import numpy as np
 
 from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Omission, Started
+from renderer.train.events import Evaluated, Finished, Omission, Started, TrainEvent
 from renderer.train.frames import TrainFrame, train_frame
+from renderer.train.held_out import evaluated
 from renderer.train.initialize import scene_size, with_points
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
@@ -33,7 +34,7 @@ class Side:
     megabytes: float
     """Of the model's numbers with their two moments."""
     psnr: float
-    """dB, of training frames that are held out of the fit; NaN where there are too few frames."""
+    """dB, of training frames that are held out of the fit; of those fitted where none can be held out."""
     omitted: tuple[Omission, ...]
 
 
@@ -91,7 +92,15 @@ def _measured(clip: Clip, config: TrainConfig, milliseconds: float, spread: floa
     assert isinstance(started, Started)
     assert isinstance(finished, Finished)
     numbers = sum(value.nbytes for value in finished.model.arrays().values())
-    measured = [event.psnr for event in events if isinstance(event, Evaluated)]
-    psnr = measured[-1] if measured else math.nan
     omitted = (*started.omitted, *finished.omitted)
+    psnr = _psnr(clip, config, events, finished.model)
     return Side(milliseconds, spread, finished.seconds, 3 * numbers / 1e6, psnr, omitted)
+
+
+def _psnr(clip: Clip, config: TrainConfig, events: Sequence[TrainEvent], model: DynamicGaussians) -> float:
+    measured = [event.psnr for event in events if isinstance(event, Evaluated)]
+    if measured:
+        return measured[-1]
+    frames = [clip.read_frame(index) for index in clip.train_indices]
+    size = scene_size(with_points(frames, clip.points))
+    return evaluated(model, frames, config.iterations, size, config.render_mode).psnr

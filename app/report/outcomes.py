@@ -42,6 +42,8 @@ class Run:
     config: TrainConfig
     input: Input
     outcome: Outcome
+    times: tuple[float, ...] = ()
+    """Seconds of further runs, which came to the same."""
 
     @property
     def setting(self) -> str:
@@ -78,15 +80,10 @@ def mean(group: Sequence[Run], measure: str) -> float:
     return float(np.mean(values)) if values else math.nan
 
 
-def seconds(group: Sequence[Run]) -> float:
-    """The median: other load slows single runs."""
-    return float(np.median([run.outcome.seconds for run in group]))
-
-
-def half_range(group: Sequence[Run], measure: str) -> float:
-    """Half the distance of the extremes."""
-    values = [run.value(measure) for run in group]
-    return (max(values) - min(values)) / 2
+def seconds(group: Sequence[Run]) -> tuple[float, float]:
+    """Median of all times, since other load slows single runs; half the distance of the extremes."""
+    times = [time for run in group for time in (run.outcome.seconds, *run.times)]
+    return float(np.median(times)), (max(times) - min(times)) / 2
 
 
 def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
@@ -100,8 +97,8 @@ def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
                 Point(
                     series=group[0].config.method,
                     setting=_label(group[0], usual),
-                    seconds=seconds(group),
-                    spread=half_range(group, "seconds"),
+                    seconds=seconds(group)[0],
+                    spread=seconds(group)[1],
                     error=mean(group, measure),
                     is_default=replace(group[0].config, seed=default.seed) == default,
                 )
@@ -129,8 +126,8 @@ def table(runs: Sequence[Run], title: str, note: str = "") -> Table:
             (
                 *(group[0].setting, group[0].input, len(group)),
                 *(mean(group, measure) for measure in measures),
-                seconds(group),
-                half_range(group, "seconds") if len(group) > 1 else None,
+                seconds(group)[0],
+                seconds(group)[1] or None,
                 mean(group, "megabytes"),
                 round(mean(group, "n_gaussians")),
             )

@@ -25,7 +25,7 @@ class Part:
 
 PARTS: Final = (
     Part("enhancement", 1),
-    Part("training", 45),
+    Part("training", 60),
     Part("drawing", 2),
     Part("stability", 2),
     Part("left_out", 6),

@@ -60,6 +60,14 @@ class Runs:
             self._known[key] = Trained(folder, finished, input_clip(self.clip, folder.record()))
         return self._known[key]
 
+    def seconds_again(self, config: TrainConfig, photos: Input) -> float:
+        """Of the training steps of a run that was trained before."""
+        self.say(f"timing {setting_of(config)}, {photos} photos")
+        for event in train(self.trained(config, photos).photos, config):
+            if isinstance(event, Finished):
+                return event.seconds
+        raise AssertionError("training ends with Finished")
+
     def _warm(self, config: TrainConfig) -> None:
         """Compile what a method needs, so that no run's time contains it."""
         if config.method not in self._warmed:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from time import perf_counter
+from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.mean import mean_of_finite
 from enhance import enhance
 from enhance.baselines import BASELINES, TAO_STAND_INS
 from enhance.metrics import (
@@ -23,10 +24,12 @@ from enhance.metrics import (
 )
 from enhance.vessel import enhance_vessels
 from enhance.vesselness import vessel_mask
+from renderer.laps import lap_times
 
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]
 Method = Callable[[ByteImage, BoolImage], ByteImage]
+LAPS: Final = 5
 COLUMNS: Final = (
     *("DV", "BV", "DV/BV", "whole", "DVloc", "BVloc", "ratio"),
     *("Weber", "CNR", "sat%", "noise", "black%", "ms"),
@@ -63,14 +66,15 @@ def methods() -> Mapping[str, Method]:
 
 
 def measured(methods: Mapping[str, Method], samples: Sequence[Sample]) -> dict[str, NDArray[np.float64]]:
-    """The measures of each method by COLUMNS: means, of the time the median; they take turns, after a first
-    call of each that warms up."""
-    for method in methods.values():
-        method(samples[0].image, samples[0].tissue)
-    turns = [[_measures(method, one) for method in methods.values()] for one in samples]
-    rows = np.array(turns).swapaxes(0, 1)
-    means, times = np.nanmean(rows[..., :-1], axis=1), np.median(rows[..., -1:], axis=1)
-    return dict(zip(methods, np.hstack([means, times]), strict=True))
+    """The measures of each method by COLUMNS, means over the pictures where they are defined, else NaN; the
+    time is the median of LAPS of every picture, in which the methods take turns."""
+    works = [[partial(method, one.image, one.tissue) for method in methods.values()] for one in samples]
+    times = 1e3 * np.median(np.hstack([lap_times(own, LAPS) for own in works]), axis=1)
+    rows = [[_measures(work(), one) for work in own] for own, one in zip(works, samples, strict=True)]
+    return {
+        label: np.array([*map(mean_of_finite, zip(*own, strict=True)), time], dtype=np.float64)
+        for label, own, time in zip(methods, zip(*rows, strict=True), times, strict=True)
+    }
 
 
 def pattern(ratio: Mapping[str, float]) -> tuple[str, bool, int]:
@@ -82,10 +86,7 @@ def pattern(ratio: Mapping[str, float]) -> tuple[str, bool, int]:
     return " > ".join(f"{label} {ratio[label]:.2f}" for label in ranks), shown, below
 
 
-def _measures(method: Method, one: Sample) -> tuple[float, ...]:
-    began = perf_counter()
-    image = method(one.image, one.tissue)
-    milliseconds = 1e3 * (perf_counter() - began)
+def _measures(image: ByteImage, one: Sample) -> tuple[float, ...]:
     otsu, local = dvbv_otsu(image, tissue_mask=one.tissue), dvbv_local(image, one.image)
     return (
         *(otsu.dv, otsu.bv, otsu.ratio, dvbv_otsu(image).ratio, local.dv, local.bv, local.ratio),
@@ -94,5 +95,4 @@ def _measures(method: Method, one: Sample) -> tuple[float, ...]:
         100 * saturated_share(image),
         noise_gain(image, one.image, tissue_mask=one.tissue),
         100 * blackened_share(image, one.image, one.vessels),
-        milliseconds,
     )

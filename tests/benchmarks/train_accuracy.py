@@ -23,7 +23,7 @@ from typing import get_args
 from app.atomic import write_bytes
 from app.provenance import provenance, source, strict_json
 from app.report.bench import PHANTOM as PARAMS
-from app.report.outcomes import Run, diagrams, grouped, half_range, mean, setting_of
+from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import write_diagrams
 from app.report.work_precision import pareto_front
 from app.run_folder import RunFolder
@@ -113,7 +113,8 @@ def show(runs: Sequence[Run]) -> None:
 
 
 def spread(group: Sequence[Run], column: str, form: str) -> str:
-    half = f" ±{half_range(group, column):{form}}" if len(group) > 1 else ""
+    values = [run.value(column) for run in group]
+    half = f" ±{(max(values) - min(values)) / 2:{form}}" if len(group) > 1 else ""
     return f"{mean(group, column):{form}}{half}"
 
 

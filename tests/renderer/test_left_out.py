@@ -33,3 +33,11 @@ def test_pairs_of_one_seed_repeat(tmp_path: Path) -> None:
     config = replace(CONFIG, iterations=10)
     first, second = compared(clip, [config, config], timed_steps=4)
     assert (first.psnr, first.megabytes) == (second.psnr, second.megabytes)
+
+
+def test_a_single_picture_is_its_own_measure(tmp_path: Path) -> None:
+    write_phantom(tmp_path / "clip", PhantomParams(n_frames=1, width=96, height=72))
+    config = replace(CONFIG, hold_out=False)
+    schedules = [replace(config, iterations=count) for count in (1, 60)]
+    early, late = compared(open_clip(tmp_path / "clip"), schedules, timed_steps=4)
+    assert 5 < early.psnr < late.psnr < 60

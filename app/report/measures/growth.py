@@ -32,7 +32,7 @@ COUNTS: Final = (2_500, 10_000, 40_000, 160_000)
 TRAINED: Final = (1_000, 4_000, 16_000)
 LENGTHS: Final = (8, 16, 32, 64)
 STEPS: Final = 24
-REPEATS: Final = 7
+REPEATS: Final = 15
 COLUMNS: Final = (
     *(Column(name="what"), Column(name="grows with"), Column(name="exponent of time", form=".2f")),
     *(Column(name="exponent of memory", form=".2f"), Column(name="work, least"), Column(name="most")),

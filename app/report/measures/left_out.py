@@ -78,7 +78,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
         title="Left out: what a scene does not need",
         sentences=(
             "Each row is a pair of runs of one seed that differ in one thing. A negative error added says "
-            "that the run that keeps it in is worse on frames that neither run has seen.",
+            "that the run that keeps it in is worse.",
         ),
         tables=(
             Table(
@@ -86,8 +86,9 @@ def measure(bench: Bench, clock: Clock) -> Section:
                 columns=RECONSTRUCTION,
                 rows=tuple(reconstruction),
                 note=f"{STEPS} steps each; the time of a step is the median of some that the models of "
-                "a scene take in turns; PSNR is of training frames held out of the fit. MB: the model's "
-                "numbers with their two moments. Guessed depth is from brightness, without a scale.",
+                "a scene take in turns; PSNR is of training frames held out of the fit, of a single picture "
+                "itself. MB: the model's numbers with their two moments. Guessed depth is from brightness, "
+                "without a scale.",
             ),
             Table(
                 title="Enhancement",

@@ -38,12 +38,11 @@ def measure(bench: Bench, clock: Clock) -> Section:
     truth = Phantom(PARAMS)
     frames = [truth.view(index).frame for index in range(PARAMS.n_frames)]
     written = dict(_written(bench.work / "reading", [frame.image for frame in frames]))
-    clips = {name: open_clip(path) for name, path in written.items()}
-    if bench.given is not None:
-        clips[bench.clip.name] = bench.clip
+    paths = written if bench.given is None else {**written, bench.clip.name: bench.given}
+    clips = {name: open_clip(path) for name, path in paths.items()}
     rows: list[tuple[Cell, ...]] = []
     points = []
-    for (name, clip), (whole, photo) in zip(clips.items(), _times([*clips.values()]), strict=True):
+    for (name, clip), (whole, photo) in zip(clips.items(), _times([*paths.values()]), strict=True):
         if name not in written:
             rows.append(_row(name, clip, whole, photo, None, None))
             continue
@@ -89,11 +88,13 @@ def _written(folder: Path, images: list[np.ndarray]) -> Iterator[tuple[str, Path
     yield "video, H.264 or MPEG-4", folder / "video.mp4"
 
 
-def _times(clips: Sequence[Clip]) -> list[tuple[Laps, Laps]]:
-    """Of a frame of each, and of its photo alone, all in turns."""
+def _times(paths: Sequence[Path]) -> list[tuple[Laps, Laps]]:
+    """Of a frame of each, and of its photo alone, all in turns; each from a clip of its own, which reads on
+    from where it is."""
     works: list[Callable[[], object]] = []
-    for clip in clips:
-        for read in (clip.read_frame, clip.read_image):
+    for path in paths:
+        frames, photos = open_clip(path), open_clip(path)
+        for clip, read in ((frames, frames.read_frame), (photos, photos.read_image)):
             works.append(partial(_read_next, read, cycle(range(min(len(clip), PARAMS.n_frames)))))
     taken = iter(laps(works, LAPS))
     return list(zip(taken, taken, strict=True))

@@ -37,6 +37,17 @@ def test_seeds_become_one_point_with_a_spread_and_the_default_is_marked() -> Non
     assert abs(by_measure["1 - SSIM"].points[0].error - 0.1) < 1e-12
 
 
+def test_further_times_of_a_run_steady_its_seconds_and_nothing_else() -> None:
+    runs = [replace(run(10.0), times=(30.0, 11.0)), run(3.0, iterations=250)]
+    point, single = diagrams(runs, DEFAULT)[0].points
+    assert (point.seconds, point.spread, point.error) == (11.0, 10.0, OUTCOME.psnr)
+    assert (single.seconds, single.spread) == (3.0, 0.0)
+    made = table(runs, "t")
+    names = [column.name for column in made.columns]
+    assert [made.rows[0][names.index(name)] for name in ("runs", "s", "± s")] == [1, 11.0, 10.0]
+    assert [made.rows[1][names.index(name)] for name in ("s", "± s")] == [3.0, None]
+
+
 def test_the_table_has_a_row_for_each_setting() -> None:
     made = table([run(), run(seed=1), run(iterations=250)], "t")
     assert len(made.rows) == 2
