@@ -23,6 +23,13 @@ MEASURES: Final = {
     "depth_rmse": ("depth RMSE", False),
     "motion_rmse": ("motion RMSE, mm", False),
 }
+SAID: Final = {
+    "iterations": "{} steps",
+    "n_gaussians": "{} Gaussians",
+    "n_controls": "{} control values",
+    "half_resolution_share": "{} of the steps at half size",
+}
+"""Labels of points, by the setting that is changed; others are called by their names."""
 COLUMNS: Final = (
     *(Column(name="setting"), Column(name="photos"), Column(name="runs")),
     Column(name="PSNR, dB", form=".2f", best="high"),
@@ -112,8 +119,10 @@ def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
 
 
 def _label(run: Run, usual: Sequence[str]) -> str:
-    changed = [part for part in run.setting.split(", ")[1:] if part not in usual]
-    return ", ".join(changed) or f"{run.config.iterations} steps"
+    changed = [part.split(" ") for part in run.setting.split(", ")[1:] if part not in usual]
+    named = [SAID[name].format(" ".join(value)) for name, *value in changed if name in SAID]
+    others = [" ".join(part) for part in changed if part[0] not in SAID]
+    return ", ".join([*named, *others]) or SAID["iterations"].format(run.config.iterations)
 
 
 def table(runs: Sequence[Run], title: str, note: str = "") -> Table:

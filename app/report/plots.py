@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -26,8 +26,10 @@ MARKS: Final = "osD^vPX<"
 COLUMNS: Final = 3
 ALONE: Final = 6.6
 """Inches: the width of a diagram that has the row for itself."""
-MOST_LABELS: Final = 7
-"""Of points on a front: more would lie on each other."""
+TICKS: Final = {6: (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 300: (1.0, 2.0, 5.0)}
+"""Numbers of a decade, by the ratio of the ends of an axis that is shorter."""
+CLEAR: Final = 0.3, 0.05
+"""Of width and height of a diagram: labels of points that are nearer in both would lie on each other."""
 
 
 def write_diagrams(path: Path, diagrams: Sequence[Diagram], title: str) -> None:
@@ -109,8 +111,8 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
         axes.errorbar(*place(own), xerr=spreads, fmt="none", ecolor=color, elinewidth=0.8, zorder=2)
     default = [point for point in finite if point.is_default]
     axes.scatter(*place(default), s=130, facecolors="none", edgecolors="black", label="default", zorder=3)
-    for point in front[:: math.ceil(len(front) / MOST_LABELS)]:
-        at = unit * point.seconds, max(point.error, floor)
+    axes.margins(x=0.14)
+    for point, at in _clear(axes, front, list(zip(*place(front), strict=True))):
         axes.annotate(point.setting, at, (4, 4), textcoords="offset points", fontsize=6)
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
@@ -119,8 +121,21 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
         axes.axhline(floor, color="#999999", linewidth=0.6, linestyle=":")
         axes.annotate("no error", (1, floor), (-2, 3), ("axes fraction", "data"), "offset points",
                       ha="right", fontsize=6, color="#666666")  # fmt: skip
-    axes.margins(x=0.14)
     axes.grid(alpha=0.3, which="both", linewidth=0.5)
+
+
+def _clear(
+    axes: Axes, points: Sequence[Point], places: Sequence[tuple[float, float]]
+) -> Iterator[tuple[Point, tuple[float, float]]]:
+    """Points whose labels do not lie on each other, the default before all others."""
+    axes.autoscale_view()
+    scale = axes.transData + axes.transAxes.inverted()
+    taken: list[tuple[float, float]] = []
+    for point, place in sorted(zip(points, places, strict=True), key=lambda each: not each[0].is_default):
+        x, y = (float(value) for value in scale.transform(place))
+        if all(abs(x - u) > CLEAR[0] or abs(y - v) > CLEAR[1] for u, v in taken):
+            taken.append((x, y))
+            yield point, place
 
 
 def _floor(diagram: Diagram, points: Sequence[Point]) -> float:
@@ -132,9 +147,10 @@ def _floor(diagram: Diagram, points: Sequence[Point]) -> float:
 
 
 def _label(axis: Axis) -> None:
-    """Numbers between decades too, where there are few decades."""
+    """More numbers the fewer decades there are."""
     low, high = axis.get_view_interval()
-    few = low > 0 and high / low < 300
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    span = high / low if low > 0 else math.inf
+    subs = next((subs for most, subs in TICKS.items() if span < most), (1.0,))
+    axis.set_major_locator(LogLocator(subs=subs))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -30,7 +30,7 @@ def test_seeds_become_one_point_with_a_spread_and_the_default_is_marked() -> Non
     assert "motion RMSE, mm" not in by_measure
     points = by_measure["PSNR, dB"].points
     assert [(point.series, point.setting) for point in points] == [
-        ("vesselsplat", "1000 steps"), ("vesselsplat", "iterations 250"), ("static", "1000 steps"),
+        ("vesselsplat", "1000 steps"), ("vesselsplat", "250 steps"), ("static", "1000 steps"),
     ]  # fmt: skip
     assert (points[0].seconds, points[0].spread) == (12.0, 2.0)
     assert [point.is_default for point in points] == [True, False, False]
