@@ -12,6 +12,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from app.provenance import NOTICE
+from app.report.cells import is_number, said
 from app.report.plots import diagrams_figure, growth_figure, svg
 from app.report.section import Cell, Column, Section, Table
 from app.report.work_precision import pareto_front
@@ -89,23 +90,19 @@ def _table(table: Table) -> str:
 
 
 def _best(column: Column, cells: list[Cell]) -> float | None:
-    numbers = [float(cell) for cell in cells if _is_number(cell)]  # type: ignore[arg-type]
+    numbers = [float(cell) for cell in cells if is_number(cell)]
     if not column.best or len(numbers) < 2:
         return None
     return max(numbers) if column.best == "high" else min(numbers)
 
 
-def _is_number(cell: Cell) -> bool:
-    return isinstance(cell, int | float) and not isinstance(cell, bool) and math.isfinite(cell)
-
-
 def _cell(cell: Cell, column: Column, best: float | None) -> str:
+    text = escape(said(cell, column))
     if isinstance(cell, bool):
-        return '<td class="pass">pass</td>' if cell else '<td class="fail">FAIL</td>'
+        return f'<td class="{text.lower()}">{text}</td>'
     if isinstance(cell, str):
-        return f"<td>{escape(cell)}</td>"
+        return f"<td>{text}</td>"
     if cell is None or math.isnan(cell):
-        return '<td class="number">–</td>'
+        return f'<td class="number">{text}</td>'
     kind = "number best" if best is not None and cell == best else "number"
-    text = f"{cell:d}" if isinstance(cell, int) else format(cell, column.form)
     return f'<td class="{kind}" data-value="{cell}">{text}</td>'

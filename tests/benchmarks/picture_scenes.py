@@ -295,6 +295,11 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     yield "report empty"
     person.open(REPORT)
     yield "report"
+    part = "Enhancement: error against run time"
+    for item in (part, f"Every knob##{part}0"):
+        person.ctx.item_open(f"//Report/{item}")
+    person.ctx.scroll_to_bottom("//Report")
+    yield "report table"
     dockings.toggle("Report")
     person.press(CTRL | SHIFT | K.b)
     yield "files and folders"

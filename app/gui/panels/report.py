@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
+from imgui_bundle import ImVec2, imgui, implot
 
 from app.gui.actions import actions
 from app.gui.look import theme
 from app.gui.look.widgets import centered, em, explain
+from app.gui.panels.report_tables import draw_part
 from app.gui.state.app_state import AppState
 from app.gui.work.reported import Chart, Reported, Scale, current, plain
 
@@ -16,7 +17,7 @@ NEAR = 0.75
 
 
 def draw_report(state: AppState) -> None:
-    """A diagram, which one, and what the report says in words."""
+    """A diagram, which one, and what the report says in words and tables."""
     if state.report is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered("Open the report.json that the command vesselsplat report wrote: Ctrl+I, or drop it here.")
@@ -26,11 +27,8 @@ def draw_report(state: AppState) -> None:
     if report.charts:
         chart = report.charts[_chosen(state, report)]
         _draw_chart(state, chart)
-    for title, sentences in report.sentences:
-        if imgui.collapsing_header(title):
-            with imgui_ctx.push_text_wrap_pos(0):
-                for sentence in sentences:
-                    imgui.text_wrapped(sentence)
+    for part in report.parts:
+        draw_part(part)
 
 
 def _chosen(state: AppState, report: Reported) -> int:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.gui.work.reported_tables import ReportPart, part_of
 from app.report.saved import SavedReport, read_report
 from app.report.work_precision import Diagram, Point, pareto_front
 from enhance import EnhanceParams
@@ -70,13 +71,12 @@ class Chart:
 
 @dataclass(frozen=True, eq=False)
 class Reported:
-    """All of them, and what else is worth a line."""
+    """All of them, and what the parts say in words and tables."""
 
     name: str
     about: str
     charts: tuple[Chart, ...]
-    sentences: tuple[tuple[str, tuple[str, ...]], ...]
-    """Of each part, by its title."""
+    parts: tuple[ReportPart, ...]
 
 
 def read(path: Path) -> Reported:
@@ -84,8 +84,8 @@ def read(path: Path) -> Reported:
     report = read_report(path)
     machine: dict[str, Any] = report.machine
     about = f"{report.clip}, {report.utc[:10]}, {machine.get('processor')}, {machine.get('cores')} cores"
-    told = tuple((one.title, one.sentences) for one in report.sections.values())
-    return Reported(path.parent.name, about, tuple(_charts(report)), told)
+    parts = tuple(map(part_of, report.sections.values()))
+    return Reported(path.parent.name, about, tuple(_charts(report)), parts)
 
 
 def current(chart: Chart, params: object) -> Point | None:

@@ -54,7 +54,7 @@ def test_charts_are_ready_to_draw(path: Path) -> None:
     assert first.up.least < LEAST
     assert second.up.ticks == ()
     assert min(line.errors.min() for line in first.series) == LEAST
-    assert read(path).sentences[0] == ("E", ("words",))
+    assert (read(path).parts[0].title, read(path).parts[0].sentences) == ("E", ("words",))
 
 
 @pytest.mark.parametrize("decade", range(-6, 6))
