@@ -77,7 +77,7 @@ def _draw_growth(axes: Axes, growth: Growth) -> None:
     for place, curve in enumerate(growth.curves):
         exponent, factor = fitted(curve.work, curve.cost)
         color, mark = COLORS[place % len(COLORS)], MARKS[place % len(MARKS)]
-        label = f"{curve.name}: exponent {exponent:.2f}"
+        label = f"{curve.name}: exponent {exponent:z.2f}"
         axes.plot(curve.work, curve.cost, mark, color=color, label=label, markersize=5)
         ends = np.array([min(curve.work), max(curve.work)])
         axes.plot(ends, factor * ends**exponent, color=color, linewidth=1)

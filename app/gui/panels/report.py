@@ -32,7 +32,7 @@ def draw_report(state: AppState) -> None:
 
 
 def _chosen(state: AppState, report: Reported) -> int:
-    names = [f"{chart.title}: {chart.measure}" for chart in report.charts]
+    names = [chart.name for chart in report.charts]
     imgui.set_next_item_width(-1)
     changed, place = imgui.combo("##diagram", min(state.report_place, len(names) - 1), names)
     explain("Which diagram. Each point is a setting; those on the line are beaten by no other.")
@@ -46,16 +46,20 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
     size = ImVec2(-1, max(em(12), imgui.get_content_region_avail().y * 0.62))
     if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, FLAGS):
         return
-    implot.setup_axes("ms", chart.measure)
+    implot.setup_axes(chart.against, chart.measure)
     _setup(implot.ImAxis_.x1, chart.across, logarithmic=True)
     _setup(implot.ImAxis_.y1, chart.up, logarithmic=chart.logarithmic)
-    # Nothing lies beyond the front: no setting is both faster and better.
-    where = implot.Location_.south_west if chart.logarithmic else implot.Location_.north_west
-    implot.setup_legend(where)
-    front = chart.front
-    implot.plot_stairs(front.name, front.milliseconds, front.errors, implot.Spec(line_weight=em(0.1)))
+    if (front := chart.front) is None:
+        implot.setup_legend(implot.Location_.south, implot.LegendFlags_.outside)
+    else:
+        # Nothing lies beyond the front: no setting is both faster and better.
+        where = implot.Location_.south_west if chart.logarithmic else implot.Location_.north_west
+        implot.setup_legend(where)
+        implot.plot_stairs(front.name, front.across, front.up, implot.Spec(line_weight=em(0.1)))
+    for fit in chart.fits:
+        implot.plot_line(fit.name, fit.across, fit.up, implot.Spec(line_weight=em(0.08)))
     for line in chart.series:
-        implot.plot_scatter(line.name, line.milliseconds, line.errors, implot.Spec(marker_size=em(0.25)))
+        implot.plot_scatter(line.name, line.across, line.up, implot.Spec(marker_size=em(0.25)))
     if now is not None:
         _draw_dot(chart, now)
     _explain_nearest(chart)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.gui.work.reported_tables import ReportPart, part_of
+from app.report.growth_fit import Growth, fitted
 from app.report.saved import SavedReport, read_report
 from app.report.work_precision import Diagram, Point, pareto_front
 from enhance import EnhanceParams
@@ -28,11 +29,11 @@ def plain(value: float, digits: int = 3) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Points of one kind."""
+    """Points of one kind: what the axes say, across and up."""
 
     name: str
-    milliseconds: NDArray[np.float64]
-    errors: NDArray[np.float64]
+    across: NDArray[np.float64]
+    up: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,18 +52,27 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """One work-precision diagram."""
+    """One work-precision diagram, or how a cost grows."""
 
     part: str
     title: str
+    against: str
+    """What the axis across is of."""
     measure: str
     logarithmic: bool
-    points: tuple[Point, ...]
+    """The axis up."""
     series: tuple[Line, ...]
-    front: Line
     across: Scale
-    """Of the times."""
     up: Scale
+    points: tuple[Point, ...] = ()
+    front: Line | None = None
+    fits: tuple[Line, ...] = ()
+    """Power laws, each called as its series."""
+
+    @property
+    def name(self) -> str:
+        """To choose it by."""
+        return f"{self.title}: {self.measure}" if self.points else self.title
 
     def place(self, point: Point) -> tuple[float, float]:
         """On the axes."""
@@ -102,6 +112,7 @@ def _charts(report: SavedReport) -> Iterator[Chart]:
             for diagram in plate.diagrams:
                 if diagram.points:
                     yield _chart(part, plate.title, diagram)
+        yield from (_grown(part, growth) for growth in section.growths if growth.curves)
 
 
 def _chart(part: str, title: str, diagram: Diagram) -> Chart:
@@ -117,13 +128,35 @@ def _chart(part: str, title: str, diagram: Diagram) -> Chart:
     return Chart(
         part=part,
         title=title,
+        against="ms",
         measure=diagram.measure,
         logarithmic=logarithmic,
         points=diagram.points,
         series=tuple(line(name, [one for one in diagram.points if one.series == name]) for name in names),
         front=line("Pareto front", list(pareto_front(diagram))),
-        across=_scale(whole.milliseconds, logarithmic=True),
-        up=_scale(whole.errors, logarithmic=logarithmic),
+        across=_scale(whole.across, logarithmic=True),
+        up=_scale(whole.up, logarithmic=logarithmic),
+    )
+
+
+def _grown(part: str, growth: Growth) -> Chart:
+    series, fits = [], []
+    for curve in growth.curves:
+        name = f"{curve.name}: exponent {curve.exponent:z.2f}"
+        series.append(Line(name, np.array(curve.work, np.float64), np.array(curve.cost, np.float64)))
+        exponent, factor = fitted(curve.work, curve.cost)
+        ends = np.array([min(curve.work), max(curve.work)], np.float64)
+        fits.append(Line(name, ends, factor * ends**exponent))
+    return Chart(
+        part=part,
+        title=growth.title,
+        against=growth.work,
+        measure=growth.cost,
+        logarithmic=True,
+        series=tuple(series),
+        fits=tuple(fits),
+        across=_scale(np.concatenate([line.across for line in series]), logarithmic=True),
+        up=_scale(np.concatenate([line.up for line in series]), logarithmic=True),
     )
 
 

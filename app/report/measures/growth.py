@@ -34,8 +34,8 @@ LENGTHS: Final = (8, 16, 32, 64)
 STEPS: Final = 24
 REPEATS: Final = 15
 COLUMNS: Final = (
-    *(Column(name="what"), Column(name="grows with"), Column(name="exponent of time", form=".2f")),
-    *(Column(name="exponent of memory", form=".2f"), Column(name="work, least"), Column(name="most")),
+    *(Column(name="what"), Column(name="grows with"), Column(name="exponent of time", form="z.2f")),
+    *(Column(name="exponent of memory", form="z.2f"), Column(name="work, least"), Column(name="most")),
     *(Column(name="ms, least", form=".3g"), Column(name="most", form=".3g")),
     *(Column(name="MB, least", form=".3g"), Column(name="most", form=".3g")),
 )

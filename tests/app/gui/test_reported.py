@@ -15,6 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.reported import LEAST, Scale, current, read
 from app.provenance import provenance, strict_json
+from app.report.growth_fit import Curve, Growth
 from app.report.section import Plate, Section
 from app.report.work_precision import Diagram, Point
 from enhance import EnhanceParams
@@ -26,6 +27,13 @@ POINTS = (
     Point(series="subsample", setting="s = 1", seconds=0.006, error=0.0),
     Point(series="scales", setting="4 + 16", seconds=0.003, error=0.2),
 )
+GROWTH = Growth(
+    title="ms against pixels", work="pixels", cost="ms",
+    curves=(
+        Curve.through("square", (1e3, 1e4, 1e5), (2e-2, 2.0, 2e2)),
+        Curve.through("flat", (1e3, 1e5), (5.0, 5.0)),
+    ),
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -37,6 +45,7 @@ def path(tmp_path: Path) -> Path:
             title="E", sentences=("words",), plates=(Plate(title="P", diagrams=diagrams),)
         ),
         "training": Section(title="T", plates=(Plate(title="Q", diagrams=psnr),)),
+        "growth": Section(title="G", growths=(GROWTH,)),
     }
     facts = provenance(machine={"cores": 2, "processor": "p"}, clip={"name": "c"}, parts=sections)
     file = tmp_path / "report.json"
@@ -45,16 +54,27 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_charts_are_ready_to_draw(path: Path) -> None:
-    first, second = read(path).charts
+    first, second, _ = read(path).charts
     assert first.logarithmic
     assert not second.logarithmic
-    assert np.all(np.diff(first.front.milliseconds) > 0)
+    assert first.front is not None
+    assert np.all(np.diff(first.front.across) > 0)
     assert first.across.least < 2 < 6 < first.across.most
     assert first.across.ticks == (2.0, 5.0)
     assert first.up.least < LEAST
     assert second.up.ticks == ()
-    assert min(line.errors.min() for line in first.series) == LEAST
+    assert min(line.up.min() for line in first.series) == LEAST
     assert (read(path).parts[0].title, read(path).parts[0].sentences) == ("E", ("words",))
+
+
+def test_growth_is_drawn_through_its_power_law(path: Path) -> None:
+    chart = read(path).charts[2]
+    assert (chart.name, chart.against, chart.measure) == ("ms against pixels", "pixels", "ms")
+    assert [line.name for line in chart.series] == ["square: exponent 2.00", "flat: exponent 0.00"]
+    assert [fit.name for fit in chart.fits] == [line.name for line in chart.series]
+    assert chart.fits[0].up == pytest.approx([2e-2, 2e2])
+    assert chart.fits[1].up == pytest.approx([5.0, 5.0])
+    assert chart.across.least < 1e3 < 1e5 < chart.across.most
 
 
 @pytest.mark.parametrize("decade", range(-6, 6))
@@ -66,7 +86,7 @@ def test_ticks_are_numbers_without_a_power_of_ten_that_say_where_they_are(decade
 
 
 def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
-    first, second = read(path).charts
+    first, second, grown = read(path).charts
     default = EnhanceParams()
     assert current(first, default) == POINTS[0]
     assert current(first, replace(default, subsample=1)) == POINTS[1]
@@ -74,6 +94,7 @@ def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
     assert current(first, replace(default, radii=(5, 16))) is None
     assert current(first, VesselParams()) is None
     assert current(second, default) is None
+    assert current(grown, default) is None
 
 
 def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -> None:
@@ -83,7 +104,7 @@ def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -
     assert state.clip is clip
     assert state.report_asked
     ui = Ui()
-    for place in (0, 1):
+    for place in (0, 1, 2):
         actions.choose_chart(state, place)
         for _ in range(2):
             ui.frame(lambda: draw_report(state))
