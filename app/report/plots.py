@@ -15,6 +15,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from app.report.axis import of_a_decade
 from app.report.growth_fit import Growth, fitted
 from app.report.work_precision import Diagram, Point, pareto_front
 
@@ -26,8 +27,6 @@ MARKS: Final = "osD^vPX<"
 COLUMNS: Final = 3
 ALONE: Final = 6.6
 """Inches: the width of a diagram that has the row for itself."""
-TICKS: Final = {6: (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 300: (1.0, 2.0, 5.0)}
-"""Numbers of a decade, by the ratio of the ends of an axis that is shorter."""
 CLEAR: Final = 0.3, 0.05
 """Of width and height of a diagram: labels of points that are nearer in both would lie on each other."""
 
@@ -147,10 +146,6 @@ def _floor(diagram: Diagram, points: Sequence[Point]) -> float:
 
 
 def _label(axis: Axis) -> None:
-    """More numbers the fewer decades there are."""
-    low, high = axis.get_view_interval()
-    span = high / low if low > 0 else math.inf
-    subs = next((subs for most, subs in TICKS.items() if span < most), (1.0,))
-    axis.set_major_locator(LogLocator(subs=subs))
+    axis.set_major_locator(LogLocator(subs=of_a_decade(*axis.get_view_interval())))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.gui.work.reported_tables import ReportPart, part_of
+from app.report.axis import of_a_decade
 from app.report.growth_fit import Growth, fitted
 from app.report.saved import SavedReport, read_report
 from app.report.work_precision import Diagram, Point, pareto_front
@@ -161,7 +162,7 @@ def _grown(part: str, growth: Growth) -> Chart:
 
 
 def _scale(values: NDArray[np.float64], *, logarithmic: bool) -> Scale:
-    """With a margin; few decades are numbered between their ends."""
+    """With a margin."""
     least, most = float(values.min()), float(values.max())
     if not logarithmic:
         margin = 0.08 * (most - least) or 1.0
@@ -169,6 +170,5 @@ def _scale(values: NDArray[np.float64], *, logarithmic: bool) -> Scale:
     margin = max((most / least) ** 0.08, 1.15)
     least, most = least / margin, most * margin
     decades = range(int(np.floor(np.log10(least))), int(np.ceil(np.log10(most))) + 1)
-    between = (1.0, 2.0, 5.0) if most / least < 300 else (1.0,)
-    ticks = (digit * 10.0**decade for decade in decades for digit in between)
+    ticks = (digit * 10.0**decade for decade in decades for digit in of_a_decade(least, most))
     return Scale(least, most, tuple(tick for tick in ticks if least <= tick <= most))

@@ -60,7 +60,7 @@ def test_charts_are_ready_to_draw(path: Path) -> None:
     assert first.front is not None
     assert np.all(np.diff(first.front.across) > 0)
     assert first.across.least < 2 < 6 < first.across.most
-    assert first.across.ticks == (2.0, 5.0)
+    assert first.across.ticks == (2.0, 3.0, 4.0, 5.0)
     assert first.up.least < LEAST
     assert second.up.ticks == ()
     assert min(line.up.min() for line in first.series) == LEAST
