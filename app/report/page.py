@@ -77,7 +77,9 @@ def _figure(figure: Figure, title: str) -> str:
 
 def _table(table: Table) -> str:
     best = [_best(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)]
-    head = "".join(f"<th>{escape(column.name)}</th>" for column in table.columns)
+    head = "".join(
+        _head(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)
+    )
     body = "\n".join(
         "<tr>" + "".join(_cell(*each) for each in zip(row, table.columns, best, strict=True)) + "</tr>"
         for row in table.rows
@@ -87,6 +89,11 @@ def _table(table: Table) -> str:
         f"<h3>{escape(table.title)}</h3><div class='wide'><table><thead><tr>{head}</tr></thead>\n"
         f"<tbody>\n{body}\n</tbody></table></div>{note}"
     )
+
+
+def _head(column: Column, cells: list[Cell]) -> str:
+    kind = ' class="number"' if any(map(is_number, cells)) else ""
+    return f"<th{kind}>{escape(column.name)}</th>"
 
 
 def _best(column: Column, cells: list[Cell]) -> float | None:

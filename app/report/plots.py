@@ -32,7 +32,7 @@ CLEAR: Final = 0.3, 0.05
 
 
 def write_diagrams(path: Path, diagrams: Sequence[Diagram], title: str) -> None:
-    """Side by side in one picture, whose type follows from the suffix; those without a point are left out."""
+    """In one picture, whose type follows from the suffix; those without a point are left out."""
     diagrams_figure(diagrams, title).savefig(path, dpi=150)
 
 
@@ -47,16 +47,18 @@ def svg(figure: Figure) -> bytes:
 def diagrams_figure(diagrams: Sequence[Diagram], title: str = "") -> Figure:
     """See write_diagrams."""
     drawn = [diagram for diagram in diagrams if pareto_front(diagram)]
-    width = ALONE if len(drawn) == 1 else PANEL[0] * len(drawn)
-    figure = Figure(figsize=(width, PANEL[1] + 0.9), layout="constrained")
+    columns = COLUMNS if len(drawn) % COLUMNS == 0 else min(len(drawn), COLUMNS - 1)
+    rows = -(-len(drawn) // columns)
+    width = ALONE if len(drawn) == 1 else PANEL[0] * columns
+    figure = Figure(figsize=(width, PANEL[1] * rows + 0.9), layout="constrained")
     if title:
         figure.suptitle(title, x=0.01, ha="left", fontsize=10)
     series = list(dict.fromkeys(point.series for diagram in drawn for point in diagram.points))
     for index, diagram in enumerate(drawn):
-        _draw(figure.add_subplot(1, len(drawn), 1 + index), diagram, series)
+        _draw(figure.add_subplot(rows, columns, 1 + index), diagram, series)
     handles, labels = figure.axes[0].get_legend_handles_labels()
-    columns = max(2, min(len(labels), round(width / 1.5)))
-    figure.legend(handles, labels, loc="outside lower left", ncols=columns, frameon=False, fontsize=8)
+    across = max(2, min(len(labels), round(width / 1.5)))
+    figure.legend(handles, labels, loc="outside lower left", ncols=across, frameon=False, fontsize=8)
     return figure
 
 
