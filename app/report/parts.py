@@ -25,10 +25,10 @@ class Part:
 
 PARTS: Final = (
     Part("enhancement", 1),
-    Part("training", 60),
+    Part("training", 100),
     Part("drawing", 2),
     Part("stability", 2),
-    Part("left_out", 6),
+    Part("left_out", 18),
     Part("paper", 3),
     Part("reading", 1),
     Part("growth", 3),
