@@ -93,6 +93,8 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
     front = pareto_front(diagram)
     unit, name = (1e3, "ms") if max(point.seconds for point in finite) < 1 else (1.0, "s")
     floor = _floor(diagram, finite)
+    # Limits follow from all points at once: those of a single one are no range.
+    axes.set_autoscale_on(False)
     axes.set_xscale("log")
     if not diagram.more_is_better:
         axes.set_yscale("log")
@@ -112,6 +114,7 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
         axes.errorbar(*place(own), xerr=spreads, fmt="none", ecolor=color, elinewidth=0.8, zorder=2)
     default = [point for point in finite if point.is_default]
     axes.scatter(*place(default), s=130, facecolors="none", edgecolors="black", label="default", zorder=3)
+    axes.set_autoscale_on(True)
     axes.margins(x=0.14)
     for point, at in _clear(axes, front, list(zip(*place(front), strict=True))):
         axes.annotate(point.setting, at, (4, 4), textcoords="offset points", fontsize=6)
