@@ -88,6 +88,7 @@ def scrub(person: Person) -> None:
     for end in (0.05, 0.95):
         person.drag("//**/strip", (0.5, 0.5), (end, 0.5))
         person.wait(lambda: person.settled() and not state.is_busy, "the frame")
+        person.wait(lambda: state.view is not None and state.view.request == state.view_request, "its view")
         assert state.pictures is not None
         assert state.view is not None
         seen.append((state.pictures.photo, state.view.image, state.frame_index))
