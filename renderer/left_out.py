@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from time import perf_counter
+from functools import partial
+from itertools import count
 
 import numpy as np
 
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
+from renderer.laps import lap_times
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Started, TrainEvent
 from renderer.train.frames import TrainFrame, train_frame
@@ -49,16 +51,18 @@ def step_times(runs: Sequence[tuple[Clip, Sequence[TrainConfig]]], steps: int) -
     """Median and spread of a step in ms, of every configuration of every clip, all taken in turns; those
     before every frame was seen once, or the first half, do not count."""
     walkers = [walker for clip, configs in runs for walker in _walkers(clip, configs)]
-    laps = np.zeros((len(walkers), steps))
-    for step, place in np.ndindex(steps, len(walkers)):
-        began = perf_counter()
-        walkers[place].step(step)
-        laps[place, step] = 1000 * (perf_counter() - began)
+    works = [partial(_step_on, walker, count()) for walker in walkers]
     times = []
-    for walker, taken in zip(walkers, laps, strict=True):
-        low, middle, high = np.percentile(taken[min(len(walker.views), steps // 2) :], (25, 50, 75)).tolist()
+    # The first step of each is the lap that does not count.
+    for walker, taken in zip(walkers, 1000 * lap_times(works, steps - 1), strict=True):
+        counted = taken[min(len(walker.views), steps // 2) - 1 :]
+        low, middle, high = np.percentile(counted, (25, 50, 75)).tolist()
         times.append((middle, (high - low) / 2))
     return times
+
+
+def _step_on(walker: _Walker, numbers: Iterator[int]) -> None:
+    walker.step(next(numbers))
 
 
 @dataclass(frozen=True, eq=False)

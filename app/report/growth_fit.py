@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +25,17 @@ class Curve:
     def through(cls, name: str, work: Sequence[float], cost: Sequence[float]) -> Self:
         """With its exponent fitted."""
         return cls(name=name, work=tuple(work), cost=tuple(cost), exponent=fitted(work, cost)[0])
+
+    @property
+    def label(self) -> str:
+        """Name and exponent, as legends have them."""
+        return f"{self.name}: exponent {self.exponent:z.2f}"
+
+    def law(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Least and most work, and what the fitted power law gives for them."""
+        exponent, factor = fitted(self.work, self.cost)
+        ends = np.array([min(self.work), max(self.work)], np.float64)
+        return ends, factor * ends**exponent
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,14 +9,13 @@ from pathlib import Path
 from typing import Final
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from app.report.axis import of_a_decade
-from app.report.growth_fit import Growth, fitted
+from app.report.growth_fit import Growth
 from app.report.work_precision import Diagram, Point, pareto_front
 
 PANEL: Final = (4.6, 3.9)
@@ -76,12 +75,9 @@ def _draw_growth(axes: Axes, growth: Growth) -> None:
     axes.set(xscale="log", yscale="log", xlabel=growth.work, ylabel=growth.cost)
     axes.set_title(growth.title, fontsize=10, loc="left")
     for place, curve in enumerate(growth.curves):
-        exponent, factor = fitted(curve.work, curve.cost)
         color, mark = COLORS[place % len(COLORS)], MARKS[place % len(MARKS)]
-        label = f"{curve.name}: exponent {exponent:z.2f}"
-        axes.plot(curve.work, curve.cost, mark, color=color, label=label, markersize=5)
-        ends = np.array([min(curve.work), max(curve.work)])
-        axes.plot(ends, factor * ends**exponent, color=color, linewidth=1)
+        axes.plot(curve.work, curve.cost, mark, color=color, label=curve.label, markersize=5)
+        axes.plot(*curve.law(), color=color, linewidth=1)
     for axis in (axes.xaxis, axes.yaxis):
         _label(axis)
     axes.grid(alpha=0.3, linewidth=0.5)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from app.gui.work.reported_tables import ReportPart, part_of
 from app.report.axis import of_a_decade
-from app.report.growth_fit import Growth, fitted
+from app.report.growth_fit import Growth
 from app.report.saved import SavedReport, read_report
 from app.report.work_precision import Diagram, Point, pareto_front
 from enhance import EnhanceParams
@@ -141,13 +141,10 @@ def _chart(part: str, title: str, diagram: Diagram) -> Chart:
 
 
 def _grown(part: str, growth: Growth) -> Chart:
-    series, fits = [], []
-    for curve in growth.curves:
-        name = f"{curve.name}: exponent {curve.exponent:z.2f}"
-        series.append(Line(name, np.array(curve.work, np.float64), np.array(curve.cost, np.float64)))
-        exponent, factor = fitted(curve.work, curve.cost)
-        ends = np.array([min(curve.work), max(curve.work)], np.float64)
-        fits.append(Line(name, ends, factor * ends**exponent))
+    series = [
+        Line(curve.label, np.array(curve.work, np.float64), np.array(curve.cost, np.float64))
+        for curve in growth.curves
+    ]
     return Chart(
         part=part,
         title=growth.title,
@@ -155,7 +152,7 @@ def _grown(part: str, growth: Growth) -> Chart:
         measure=growth.cost,
         logarithmic=True,
         series=tuple(series),
-        fits=tuple(fits),
+        fits=tuple(Line(curve.label, *curve.law()) for curve in growth.curves),
         across=_scale(np.concatenate([line.across for line in series]), logarithmic=True),
         up=_scale(np.concatenate([line.up for line in series]), logarithmic=True),
     )

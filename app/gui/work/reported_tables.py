@@ -21,13 +21,12 @@ class ShownTable:
     """Row and column of verdicts that are bad."""
     note: str
     rising: tuple[tuple[int, ...], ...]
-    """Of each column: rows that say something, the least first."""
+    """Rows by each column, the least first; those that say nothing come last, here and below."""
+    falling: tuple[tuple[int, ...], ...]
 
     def order(self, column: int, *, falls: bool) -> tuple[int, ...]:
-        """Rows by a column; those that say nothing come last both ways."""
-        known = self.rising[column]
-        silent = tuple(row for row in range(len(self.rows)) if row not in set(known))
-        return (*(known[::-1] if falls else known), *silent)
+        """Rows by a column."""
+        return (self.falling if falls else self.rising)[column]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +64,18 @@ def shown(table: Table) -> ShownTable:
             if cell is False
         ),
         note=table.note,
-        rising=tuple(map(_rising, columns)),
+        rising=tuple(_order(cells, falls=False) for cells in columns),
+        falling=tuple(_order(cells, falls=True) for cells in columns),
     )
 
 
-def _rising(cells: tuple[Cell, ...]) -> tuple[int, ...]:
-    """Numbers before words."""
-    known = [(not is_number(cell), row) for row, cell in enumerate(cells) if _speaks(cell)]
-    return tuple(row for _, row in sorted(known, key=lambda each: (each[0], _key(cells[each[1]]))))
+def _order(cells: tuple[Cell, ...], *, falls: bool) -> tuple[int, ...]:
+    """Rising, numbers come before words."""
+    rows = range(len(cells))
+    known = [row for row in rows if _speaks(cells[row])]
+    known.sort(key=lambda row: (not is_number(cells[row]), _key(cells[row])))
+    silent = [row for row in rows if not _speaks(cells[row])]
+    return (*(known[::-1] if falls else known), *silent)
 
 
 def _speaks(cell: Cell) -> bool:
