@@ -133,7 +133,7 @@ def enhance_batch(
     for place, item in enumerate(items):
         try:
             yield Step(place, len(items), item.name)
-            series = open_series(item.source)
+            series = open_series(item.source, setting.clip_options)
             step = partial(Step, place, len(items), item.name, total=len(series))
             written = yield from retold(enhance_into(item.output, series, setting, watch), step)
         except (OSError, UserError, ClipError, ImageError) as error:

@@ -20,6 +20,7 @@ from enhance import ImageError, Statistics
 from enhance.image import BoolImage
 from enhance.surround import inside
 from renderer.clip import ClipError
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 VIDEO = ".mp4"
 STEADY_FRAMES = 16
@@ -49,6 +50,8 @@ class Setting:
     """Which of them count in the statistics; "tissue" leaves out the black surround."""
     pooled: int | None = None
     """Evenly spread pictures whose statistics stand for a series; None: all of them."""
+    clip_options: ClipOptions = DEFAULTS
+    """How videos are read."""
 
     @property
     def facts(self) -> Facts:
@@ -90,6 +93,7 @@ class _Picture:
             "source": self.source,
             "picture": self.name,
             "frame": self.frame,
+            "deinterlacing": self.job.setting.clip_options.deinterlacing,
             **self.job.setting.facts,
             "statistics": self.result.statistics,
             "omitted": self.result.omitted,
@@ -207,8 +211,7 @@ def _write_video(
             facts.append({"output": output.name} | picture.facts)
             yield picture.result.image
 
-    like = series.sources[0] if series.is_video else None
-    written = yield from write_frames(output, frames(), series.frames_per_second, like=like)
+    written = yield from write_frames(output, frames(), series.timing)
     notices.extend(written.notices)
     record = {"kind": "enhanced video", "frames_per_second": series.frames_per_second, "pictures": facts}
     write_sidecar(output, provenance(**record, encoding=written.encoding, notices=notices))

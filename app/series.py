@@ -10,6 +10,8 @@ from pathlib import Path
 from app.errors import UserError
 from app.pictures import ArrayImage, images_in, is_image, read_image
 from app.provenance import LAYOUTS, source
+from app.video import Timing
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 
 
@@ -28,6 +30,8 @@ class Series:
 
     is_video: bool = False
     """Whether all pictures are frames of one video file."""
+    frame_times: tuple[float, ...] | None = None
+    """Seconds from the first picture, where they do not come evenly."""
 
     def __len__(self) -> int:
         return len(self.names)
@@ -35,6 +39,12 @@ class Series:
     def frame(self, index: int) -> int | None:
         """The number of a picture in its source; None where each has a source of its own."""
         return index if self.is_video or (len(self) > 1 and self.sources[0] == self.sources[-1]) else None
+
+    @property
+    def timing(self) -> Timing:
+        """How a video made of these pictures is shown."""
+        like = self.sources[0] if self.is_video else None
+        return Timing(self.frames_per_second, self.frame_times, like)
 
     def origins(self) -> Iterator[dict[str, str]]:
         """Name and digest of each picture's file; that of a video is taken once."""
@@ -49,17 +59,23 @@ class Series:
 
 FRAMES_PER_SECOND = 25.0
 """Of folders, which do not say."""
+ROUNDING = 0.002
+"""Seconds by which containers round times."""
 
 
-def open_series(path: Path) -> Series:
-    """Raises UserError or ClipError: nothing there, nothing readable, or two pictures of one name."""
+def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
+    """What `options` say of a video counts.
+
+    Raises:
+        UserError, ClipError: nothing there, nothing readable, or two pictures of one name.
+    """
     if not path.exists():
         raise UserError(f"expected a picture, a folder of pictures or a video, got no such file: {path}")
     if any(is_layout(path) for is_layout in LAYOUTS if path.is_dir()):
         return _of_clip(path)
     if path.is_dir():
         return _of_files(tuple(images_in(path)))
-    return _of_files((path,)) if is_image(path) else _of_video(path)
+    return _of_files((path,)) if is_image(path) else _of_video(path, options)
 
 
 def _of_files(paths: tuple[Path, ...]) -> Series:
@@ -80,8 +96,23 @@ def _of_clip(path: Path) -> Series:
     return Series(names, (path,) * len(clip), clip.read_image, speed, clip.notices)
 
 
-def _of_video(path: Path) -> Series:
-    clip = open_clip(path)
+def _of_video(path: Path, options: ClipOptions) -> Series:
+    clip = open_clip(path, options)
     names = tuple(f"frame-{index:06d}" for index in range(len(clip)))
     speed = clip.frames_per_second or FRAMES_PER_SECOND
-    return Series(names, (path,) * len(clip), clip.read_image, speed, clip.notices, is_video=True)
+    return Series(
+        names,
+        (path,) * len(clip),
+        clip.read_image,
+        speed,
+        clip.notices,
+        is_video=True,
+        frame_times=_uneven(clip.frame_times, speed),
+    )
+
+
+def _uneven(times: tuple[float, ...] | None, speed: float) -> tuple[float, ...] | None:
+    """The times, where `speed` alone does not tell them."""
+    if times is None or all(abs(time - at / speed) < ROUNDING for at, time in enumerate(times)):
+        return None
+    return times

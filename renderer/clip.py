@@ -87,6 +87,10 @@ class Clip:
     unit: str
     """"mm", or "scene units" where the scale is unknown."""
     frames_per_second: float | None = None
+    frame_times: tuple[float, ...] | None = None
+    """Seconds from the first frame at which each is shown, of a video."""
+    pixel_aspect: float = 1.0
+    """Width of a pixel by its height, as a video says."""
     notices: tuple[str, ...] = ()
     """One sentence for each oddity met while opening: stray files, inverted masks, burned-in rows."""
     split: Split = "field"
@@ -134,14 +138,16 @@ class Clip:
             index = range(len(kept))[index]
             return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
 
-        speed = self.frames_per_second
+        speed, times = self.frames_per_second, self.frame_times
+        taken = slice(kept.start, kept.stop, kept.step)
         return replace(
             self,
-            cameras=self.cameras[kept.start : kept.stop : kept.step],
+            cameras=self.cameras[taken],
             read_frame=read_frame,
             read_image=lambda index: self.read_image(kept[index]),
-            labels=self.labels[kept.start : kept.stop : kept.step],
+            labels=self.labels[taken],
             frames_per_second=speed and speed / kept.step,
+            frame_times=times and tuple(time - times[kept.start] for time in times[taken]),
         )
 
     def within(self, kept: BoolImage) -> Clip:

@@ -15,6 +15,7 @@ from renderer.readers.hamlyn import is_hamlyn, open_hamlyn
 from renderer.readers.pictures import is_picture
 from renderer.readers.stereomis import is_stereomis, open_stereomis
 from renderer.readers.structure_from_motion import is_structure_from_motion, open_structure_from_motion
+from renderer.readers.video import open_video
 
 
 def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
@@ -29,15 +30,16 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     if not path.exists():
         raise ClipError(f"expected a clip, got no such file or folder: {path}")
     try:
-        clip = _open_folder(path, options) if path.is_dir() else _open_file(path, options.field_of_view)
+        clip = (_open_folder if path.is_dir() else _open_file)(path, options)
         return with_depth(replace(_thinned(clip, options.frame_step), split=options.split), options)
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
 
 
-def _open_file(path: Path, field_of_view: float) -> Clip:
-    opens = frames.open_image if is_picture(path) else frames.open_video
-    return opens(path, field_of_view)
+def _open_file(path: Path, options: ClipOptions) -> Clip:
+    if is_picture(path):
+        return frames.open_image(path, options.field_of_view)
+    return open_video(path, options)
 
 
 def _open_folder(path: Path, options: ClipOptions) -> Clip:

@@ -21,6 +21,7 @@ from app.provenance import provenance, strict_json
 from app.series import Series, open_series
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.readers.clip_options import ClipOptions
 
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below")
 VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
@@ -66,16 +67,18 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         default="all",
         help="measure every pixel as the paper does, or leave out the black surround (default all)",
     )
+    add_fields(parser, ClipOptions, ("deinterlacing",))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def run(flags: argparse.Namespace) -> None:
-    setting = Setting(flags.method, _params(flags), flags.statistics, flags.pixels)
+    reading = parameters(ClipOptions, flags)
+    setting = Setting(flags.method, _params(flags), flags.statistics, flags.pixels, clip_options=reading)
     if len(flags.inputs) > 1 or flags.recursive:
         _run_batch(flags, setting)
         return
     (given,) = flags.inputs
-    series = open_series(given)
+    series = open_series(given, reading)
     _check_output(given, flags.output, series)
     started = time.perf_counter()
     written = _whole(flags.output, series, setting)

@@ -17,7 +17,7 @@ from app.pictures import ArrayImage
 from app.progress import progress
 from app.provenance import comment, repeatable, write_sidecar
 from app.scene import Scene
-from app.video import write_video
+from app.video import Timing, write_video
 from renderer.camera_files import NamedCamera, splatting_json
 from renderer.near_plane import near_plane
 from renderer.splat_files.inria_ply import ply_bytes
@@ -70,7 +70,7 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
                 yield with_bar(view.at(moment))
                 report(done, moment.name)
 
-    written = write_video(flags.video, pictures(), flags.frames_per_second)
+    written = write_video(flags.video, pictures(), Timing(flags.frames_per_second))
     seen = [moment.facts | {"near": near_plane(scene.model, moment.camera)} for moment in wanted]
     facts = scene.facts | by | {"background": (0.0, 0.0, 0.0), "view": view.kind, "scale": view.scale}
     facts |= {"frames_per_second": flags.frames_per_second, "moments": seen, "video": written}

@@ -10,13 +10,13 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
 from app.pictures import read_image
 from renderer.ply_elements import read_ply
+from renderer.readers.video import open_video
 
 Array = NDArray[Any]
 
@@ -95,12 +95,5 @@ def _text(words: list[str]) -> Array:
 
 
 def _frames(path: Path) -> Iterator[Array]:
-    capture = cv2.VideoCapture(str(path))
-    try:
-        while True:
-            more, frame = capture.read()
-            if not more:
-                return
-            yield np.asarray(frame)
-    finally:
-        capture.release()
+    video = open_video(path)
+    yield from (video.read_image(number) for number in range(len(video)))

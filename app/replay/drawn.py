@@ -25,7 +25,7 @@ from app.scene import Scene, open_scene
 from app.scene_view import SceneView
 from app.supersampling import supersampled
 from app.training import input_clip
-from app.video import write_video
+from app.video import Timing, write_video
 from app.views import Scale, ViewKind
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
@@ -172,7 +172,8 @@ def remake_video(facts: Facts, sources: Sources, target: Path) -> str:
     if not video.moments:
         raise UserError(f"expected at least one frame, got none: {sources.file}")
     view, name = view_of(facts, sources, trained=True)
-    write_video(target, (picture(view, moment) for moment in video.moments), video.frames_per_second)
+    frames = (picture(view, moment) for moment in video.moments)
+    write_video(target, frames, Timing(video.frames_per_second))
     write_sidecar(target, again(facts))
     return name
 

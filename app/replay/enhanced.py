@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Literal
@@ -21,6 +22,7 @@ from app.series import Series, open_series
 from app.video import write_video
 from enhance import Statistics
 from enhance.surround import inside
+from renderer.readers.clip_options import ClipOptions, Deinterlacing
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -34,6 +36,11 @@ class EnhancedFacts:
     params: RecordedLook | None
     pixels: Literal["all", "tissue"]
     statistics: Statistics | None
+    deinterlacing: Deinterlacing = "frame"
+
+    def opened(self, sources: Sources) -> Series:
+        """Raises UserError or ClipError: the source is not to be found, or cannot be read."""
+        return open_series(sources.find(self.source), ClipOptions(deinterlacing=self.deinterlacing))
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -51,7 +58,7 @@ VIDEO = TypeAdapter(VideoFacts)
 def remake_enhanced(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     picture = PICTURE.validate_python(facts)
-    series = open_series(sources.find(picture.source))
+    series = picture.opened(sources)
     write_image(target, _enhanced(picture, series, LookEnhancer()), again(facts))
 
 
@@ -64,15 +71,14 @@ def remake_enhanced_video(facts: Facts, sources: Sources, target: Path) -> None:
 
     @lru_cache(maxsize=1)
     def opened(source: Named) -> Series:
-        return open_series(sources.find(source))
+        return next(one for one in video.pictures if one.source == source).opened(sources)
 
     def frames() -> Iterator[ArrayImage]:
         for picture in video.pictures:
             yield _enhanced(picture, opened(picture.source), enhancer)
 
-    first = opened(video.pictures[0].source)
-    like = first.sources[0] if first.is_video else None
-    write_video(target, frames(), video.frames_per_second, like=like)
+    timing = opened(video.pictures[0].source).timing
+    write_video(target, frames(), replace(timing, frames_per_second=video.frames_per_second))
     write_sidecar(target, again(facts))
 
 

@@ -26,7 +26,7 @@ from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
 from app.scene_view import SceneView
-from app.video import write_video
+from app.video import Timing, write_video
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -123,7 +123,7 @@ def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
         raise UserError(f"expected at least one 3D view and one frame, got none: {sources.file}")
     views = [(one, *view_of(one, sources, trained=False)) for one in said.views]
     pages = (view_page([_panel(view, one | moment) for one, view, _ in views]) for moment in said.moments)
-    write_video(target, pages, said.frames_per_second)
+    write_video(target, pages, Timing(said.frames_per_second))
     write_sidecar(target, again(facts))
     return views[0][2]
 
@@ -131,7 +131,7 @@ def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     span, panes = SPAN.validate_python(facts), panes_of(facts, sources)
-    write_video(target, panes.pages(span.frames(panes)), span.frames_per_second)
+    write_video(target, panes.pages(span.frames(panes)), Timing(span.frames_per_second))
     write_sidecar(target, again(facts))
 
 

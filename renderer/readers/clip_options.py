@@ -12,6 +12,8 @@ DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "
 
 Split = Literal["field", "even-odd"]
 
+Deinterlacing = Literal["frame", "field", "off"]
+
 
 @dataclass(
     frozen=True,
@@ -43,6 +45,8 @@ class ClipOptions:
     of it."""
     frame_step: Annotated[int, Interval(ge=1, le=1000)] | None = None
     """Keep every n-th frame; auto: all, and for SCARED what the field takes for the dataset."""
+    deinterlacing: Deinterlacing = "frame"
+    """Of interlaced video: one picture a frame, one a field (twice as many), or off, as stored."""
     split: Split = "field"
     """Frames held out of training: every eighth from the second on, as the field does, or the odd ones, as
     it does for Hamlyn."""

@@ -1,13 +1,12 @@
-"""Clips without depth: a folder of pictures, one picture, a video file."""
+"""Clips without depth: a folder of pictures, or one picture."""
 
 from __future__ import annotations
 
 import re
-import threading
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from renderer.camera import Camera
@@ -16,9 +15,6 @@ from renderer.readers.pictures import common_size, is_picture, natural_key, read
 
 FIELD_OF_VIEW = 60.0
 """Horizontal, in degrees: taken for endoscopes whose calibration is unknown."""
-
-_STEP_LIMIT = 32  # Frames that are cheaper to decode in passing than to seek over.
-_TAIL = 16  # A video is cut off somewhere in its last packets: as many are decoded to know where.
 
 
 def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
@@ -36,7 +32,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         hint = f"; it holds the folders {folders}: open one of these" if folders else ""
         raise ClipError(f"expected pictures in the folder, got none{hint}: {path}")
     strays = sorted(entry.name for entry in visible if entry.is_file() and entry not in paths)
-    return _without_depth(
+    return without_depth(
         path,
         "images",
         labels=tuple(entry.name for entry in paths),
@@ -50,7 +46,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
 def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """One picture as a clip of one frame. Raises ClipError when it is none."""
     image = read_rgb(path)
-    return _without_depth(
+    return without_depth(
         path,
         "image",
         labels=(path.name,),
@@ -60,29 +56,7 @@ def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     )
 
 
-def open_video(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
-    """A video file; any frame can be asked for, in any order and from any thread.
-
-    The number of frames is what decodes, not what the header announces. Raises ClipError when
-    the file is no video.
-    """
-    video = _Video(path)
-    image = video.read(0)
-    announced, count = video.announced, len(video)
-    short = f"the file is cut off: it announces {announced} frames, {count} are whole"
-    return _without_depth(
-        path,
-        "video",
-        labels=tuple(str(index) for index in range(count)),
-        size=(image.shape[1], image.shape[0]),
-        read=video.read,
-        field_of_view=field_of_view,
-        frames_per_second=video.frames_per_second,
-        notices=(short,) if announced > count else (),
-    )
-
-
-def _without_depth(
+def without_depth(
     path: Path,
     format: str,
     *,
@@ -91,9 +65,16 @@ def _without_depth(
     read: Callable[[int], ByteImage],
     field_of_view: float,
     frames_per_second: float | None = None,
+    frame_times: tuple[float, ...] | None = None,
+    pixel_aspect: float = 1.0,
     notices: tuple[str, ...] = (),
 ) -> Clip:
+    """A clip of photos alone, all taken by one camera of that horizontal field of view in degrees.
+
+    `read` gives (H, W, 3) RGB by number; pixels are `pixel_aspect` times as wide as high.
+    """
     camera = Camera.from_fov(field_of_view, *size)
+    camera = replace(camera, fy=camera.fx * pixel_aspect)
 
     def read_frame(index: int) -> Frame:
         index = range(len(labels))[index]
@@ -111,108 +92,7 @@ def _without_depth(
         has_depth=False,
         unit="scene units",
         frames_per_second=frames_per_second,
+        frame_times=frame_times,
+        pixel_aspect=pixel_aspect,
         notices=notices,
     )
-
-
-class _Video:
-    """Frames by number from one decoder, used under a lock.
-
-    Packet time stamps, sorted, tell which frame is which: a frame is returned only when its own
-    stamp is the wanted one, so seeking that lands elsewhere is noticed and mended.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._lock = threading.Lock()
-        self._capture = _open_capture(path)
-        self.announced = int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT))
-        rate = self._capture.get(cv2.CAP_PROP_FPS)
-        self.frames_per_second = rate if 0 < rate < 1000 else None
-        self._stamps = _packet_stamps(path)
-        self._at = -1
-        self._keep_decodable()
-
-    def __len__(self) -> int:
-        return len(self._stamps)
-
-    def read(self, index: int) -> ByteImage:
-        """(H, W, 3) RGB. Raises ClipError when the frame is damaged."""
-        index = range(len(self))[index]
-        with self._lock:
-            for approach in (self._step, self._seek, self._restart):
-                if approach(index) and self._grab_until(index):
-                    ok, picture = self._capture.retrieve()
-                    if ok:
-                        return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), dtype=np.uint8)
-        raise ClipError(f"frame {index} of {len(self)} cannot be decoded: {self._path}")
-
-    def _step(self, index: int) -> bool:
-        return 0 < index - self._at <= _STEP_LIMIT
-
-    def _seek(self, index: int) -> bool:
-        return self._capture.set(cv2.CAP_PROP_POS_FRAMES, index)
-
-    def _restart(self, index: int) -> bool:
-        self._capture = _open_capture(self._path)
-        return True
-
-    def _grab_until(self, index: int) -> bool:
-        wanted = self._stamps[index]
-        self._at = index
-        while self._capture.grab():
-            stamp = int(self._capture.get(cv2.CAP_PROP_PTS))
-            if stamp >= wanted:
-                return stamp == wanted
-        return False
-
-    def _keep_decodable(self) -> None:
-        """Drops stamps that no decoded frame bears: before the first frame, and among the last."""
-        if not self._capture.grab():
-            raise ClipError(f"expected a video, got a file without a frame that decodes: {self._path}")
-        first = int(self._capture.get(cv2.CAP_PROP_PTS))
-        if first not in self._stamps:
-            self._stamps = _decoded_stamps(_open_capture(self._path))
-        self._stamps = [stamp for stamp in self._stamps if stamp >= first]
-        start = max(0, len(self) - _TAIL)
-        reached = self._seek(start) and self._grab_until(start)
-        if not reached:
-            self._restart(start)
-            reached = self._grab_until(start)
-        if reached:
-            tail = [self._stamps[start], *_decoded_stamps(self._capture)]
-            self._stamps = self._stamps[:start] + tail
-        else:
-            self._stamps = _decoded_stamps(_open_capture(self._path))
-        if 1 < len(self) < self.announced:
-            self._stamps.pop()  # Of a file that is cut off, the last packet decodes to a damaged picture.
-        self._restart(0)
-        self._at = -1
-
-
-def _open_capture(path: Path) -> cv2.VideoCapture:
-    try:
-        str(path).encode()
-    except UnicodeEncodeError as error:
-        # The decoder would end the process.
-        shown = str(path).encode(errors="backslashreplace").decode()
-        raise ClipError(f"expected a path in UTF-8, rename or move it: {shown}") from error
-    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
-    if not capture.isOpened():
-        raise ClipError(f"expected a picture or a video, got a file that is neither, or damaged: {path}")
-    return capture
-
-
-def _packet_stamps(path: Path) -> list[int]:
-    """Presentation time stamps of all video packets in order; nothing is decoded."""
-    capture = _open_capture(path)
-    if not capture.set(cv2.CAP_PROP_FORMAT, -1):
-        return []
-    return _decoded_stamps(capture)
-
-
-def _decoded_stamps(capture: cv2.VideoCapture) -> list[int]:
-    stamps = set[int]()
-    while capture.grab():
-        stamps.add(int(capture.get(cv2.CAP_PROP_PTS)))
-    return sorted(stamps)

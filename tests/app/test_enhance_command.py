@@ -274,11 +274,13 @@ def test_a_video_that_breaks_off_leaves_what_was_whole(
 
     names = tuple(str(index) for index in range(8))
     series = Series(names, (given,) * 8, read, 12.0, is_video=True)
-    monkeypatch.setattr("app.commands.enhance.open_series", lambda path: series)
+    monkeypatch.setattr("app.commands.enhance.open_series", lambda path, options: series)
     monkeypatch.setattr("app.video.find_spec", lambda name: None)
     assert main(["enhance", str(given), str(out), "--statistics", statistics]) == 0
     captured = capfd.readouterr()
-    assert captured.err == f"stopped after 3 of 8 frames: frame 3 of 8 cannot be decoded: {given}\n"
+    stopped, sound = captured.err.splitlines()
+    assert stopped == f"stopped after 3 of 8 frames: frame 3 of 8 cannot be decoded: {given}"
+    assert sound.startswith("sound is not kept")
     assert "3 enhanced" in captured.out
     clip = open_clip(out)
     assert (len(clip), clip.size, clip.frames_per_second) == (3, (60, 40), 12.0)

@@ -18,7 +18,7 @@ from app.errors import UserError
 from app.pictures import read_image, write_image
 from app.shared_model import Slot, SlotReader, SlotWriter
 from app.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
-from app.video import write_video
+from app.video import Timing, write_video
 from tests.app.fake_steps import model_of
 
 
@@ -148,7 +148,7 @@ def test_pictures_keep_type_channels_and_values(
 def test_a_video_of_mixed_sizes_is_refused_and_not_written(tmp_path: Path) -> None:
     frames = [np.zeros((16, 32, 3), dtype=np.uint8), np.zeros((16, 16, 3), dtype=np.uint8)]
     with pytest.raises(UserError, match="32x16"):
-        write_video(tmp_path / "out.mp4", iter(frames), 25.0)
+        write_video(tmp_path / "out.mp4", iter(frames), Timing(25.0))
     assert list(tmp_path.iterdir()) == []
 
 

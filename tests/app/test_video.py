@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
+import json
+from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
 
 from app.color_tag import tag_colors
 from app.errors import UserError
-from app.video import write_video
+from app.series import open_series
+from app.video import Timing, write_video
+from renderer.sources import open_clip
+from tests.app.conftest import Call
+from tests.renderer.readers.numbered import INTERLACED, encoded, woven
 
 RED = (200, 60, 50)
+Cli = Callable[..., Call]
+
+
+@pytest.fixture(params=["PyAV", "OpenCV alone"])
+def encoder(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    if request.param == "OpenCV alone":
+        monkeypatch.setattr("app.video.find_spec", lambda name: None)
+    return str(request.param)
 
 
 def frames(count: int, height: int = 48, width: int = 64) -> list[np.ndarray]:
@@ -37,10 +52,10 @@ def read(path: Path) -> tuple[list[np.ndarray], float]:
 
 
 @pytest.mark.parametrize("rate", [10.0, 25.0, 29.97, 59.94])
-def test_frames_rate_and_colours_come_back(tmp_path: Path, rate: float) -> None:
+def test_frames_rate_and_colours_come_back(tmp_path: Path, encoder: str, rate: float) -> None:
     path = tmp_path / "out.mp4"
     given = frames(7)
-    assert write_video(path, iter(given), rate).notices == ()
+    assert write_video(path, iter(given), Timing(rate)).notices == ()
     pictures, read_rate = read(path)
     assert read_rate == pytest.approx(rate, rel=1e-4)
     assert len(pictures) == 7
@@ -49,17 +64,17 @@ def test_frames_rate_and_colours_come_back(tmp_path: Path, rate: float) -> None:
         assert np.abs(after[40, 50].astype(int) - RED).max() <= 6
 
 
-def test_grey_and_alpha_are_written_as_colours(tmp_path: Path) -> None:
+def test_grey_and_alpha_are_written_as_colours(tmp_path: Path, encoder: str) -> None:
     grey = [np.full((16, 32), level, np.uint8) for level in (50, 200)]
-    write_video(tmp_path / "grey.mp4", iter(grey), 5.0)
+    write_video(tmp_path / "grey.mp4", iter(grey), Timing(5.0))
     assert np.abs(read(tmp_path / "grey.mp4")[0][1].astype(int) - 200).max() <= 4
     alpha = [np.dstack((picture, np.full((48, 64), 7, np.uint8))) for picture in frames(2)]
-    write_video(tmp_path / "alpha.mp4", iter(alpha), 5.0)
+    write_video(tmp_path / "alpha.mp4", iter(alpha), Timing(5.0))
     assert np.abs(read(tmp_path / "alpha.mp4")[0][0][40, 50].astype(int) - RED).max() <= 6
 
 
-def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path) -> None:
-    written = write_video(tmp_path / "odd.mp4", iter(frames(2, 47, 63)), 5.0)
+def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path, encoder: str) -> None:
+    written = write_video(tmp_path / "odd.mp4", iter(frames(2, 47, 63)), Timing(5.0))
     assert written.notices == ("the codec holds even sizes: 63x47 was cut to 62x46",)
     assert read(tmp_path / "odd.mp4")[0][0].shape == (46, 62, 3)
 
@@ -74,24 +89,23 @@ def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path) -> None:
     ],
 )
 def test_what_no_video_holds_is_refused_and_nothing_written(
-    tmp_path: Path, frame: np.ndarray, says: str
+    tmp_path: Path, encoder: str, frame: np.ndarray, says: str
 ) -> None:
     with pytest.raises(UserError, match=says):
-        write_video(tmp_path / "out.mp4", iter([frame]), 25.0)
+        write_video(tmp_path / "out.mp4", iter([frame]), Timing(25.0))
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.skipif(find_spec("av") is not None, reason="tags are those of the input with PyAV")
-def test_the_tag_says_what_opencv_wrote(tmp_path: Path) -> None:
+def test_the_tag_says_what_opencv_wrote(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.video.find_spec", lambda name: None)
     path = tmp_path / "out.mp4"
-    assert "BT.601" in write_video(path, iter(frames(3)), 25.0).encoding
+    assert "BT.601" in write_video(path, iter(frames(3)), Timing(25.0)).encoding
     content = path.read_bytes()
     at = content.index(b"colrnclx")
     assert content[at + 8 : at + 15] == bytes([0, 1, 0, 1, 0, 6, 0])
     assert content.index(b"moov") < content.index(b"stsd") < at < content.index(b"stts")
 
 
-@pytest.mark.skipif(find_spec("av") is not None, reason="the tag is OpenCV's reader's guide here")
 def test_a_reader_follows_the_tag(tmp_path: Path) -> None:
     """The same bytes tagged BT.709 decode to other reds: the tag is not decoration."""
     path = tmp_path / "out.mp4"
@@ -113,13 +127,10 @@ def test_other_files_are_not_tagged(tmp_path: Path) -> None:
         assert path.read_bytes() == content
 
 
-@pytest.mark.skipif(find_spec("av") is None, reason="needs PyAV")
 @pytest.mark.parametrize("tags", [(1, 1, 1), (6, 6, 6), (2, 2, 2)])
 def test_tags_of_the_input_are_kept_and_colours_do_not_move(
     tmp_path: Path, tags: tuple[int, int, int]
 ) -> None:
-    import av
-
     given = tmp_path / "in.mp4"
     with av.open(str(given), "w") as container:
         stream = container.add_stream("libx264", rate=25)
@@ -131,9 +142,105 @@ def test_tags_of_the_input_are_kept_and_colours_do_not_move(
             container.mux(stream.encode(frame))
         container.mux(stream.encode())
     decoded = read(given)[0]
-    write_video(tmp_path / "out.mp4", iter(decoded), 25.0, like=given)
+    write_video(tmp_path / "out.mp4", iter(decoded), Timing(25.0, like=given))
     with av.open(str(tmp_path / "out.mp4")) as container:
         codec = container.streams.video[0].codec_context
         assert (codec.color_primaries, codec.color_trc, codec.colorspace) == tags
     again = read(tmp_path / "out.mp4")[0]
     assert np.abs(again[1][40, 50].astype(int) - decoded[1][40, 50]).max() <= 3
+
+
+def test_a_video_plays_in_a_browser(tmp_path: Path) -> None:
+    """H.264 of 8 bits and halved colours, with its index first."""
+    path = tmp_path / "out.mp4"
+    assert write_video(path, iter(frames(5)), Timing(25.0)).encoding.startswith("H.264")
+    content = path.read_bytes()
+    assert content.index(b"moov") < content.index(b"mdat")
+    with av.open(str(path)) as container:
+        codec = container.streams.video[0].codec_context
+        assert (codec.name, codec.pix_fmt, codec.color_range) == ("h264", "yuv420p", 1)
+
+
+@pytest.mark.parametrize("matrix", [1, 6])
+def test_unchanged_frames_come_back_within_half_a_level(tmp_path: Path, matrix: int) -> None:
+    """Read, written and read again, on average, in each colour."""
+    rough = np.random.default_rng(4).uniform(30, 220, (3, 17, 17, 3)).astype(np.float32)
+    pictures = [np.clip(cv2.resize(one, (256, 192)), 0, 255).astype(np.uint8) for one in rough]
+    series = open_series(encoded(tmp_path / "in.mp4", pictures, options={"crf": "8"}, matrix=matrix))
+    given = [series.read(index) for index in range(3)]
+    write_video(tmp_path / "out.mp4", iter(given), series.timing)
+    again = open_series(tmp_path / "out.mp4")
+    for index in range(3):
+        apart = again.read(index).astype(int) - given[index]
+        assert np.abs(apart.mean(axis=(0, 1))).max() < 0.5
+
+
+SOUNDS = {"in.mp4": "aac", "in.mkv": "libopus", "in.avi": "libmp3lame", "in.mov": "pcm_s16le"}
+
+
+@pytest.mark.parametrize("name", SOUNDS)
+def test_sound_is_kept(tmp_path: Path, name: str) -> None:
+    """A beep in, the same beep out, as long as the pictures; that it was encoded again is said."""
+    given = encoded(tmp_path / name, frames(15), sound=SOUNDS[name])
+    series = open_series(given)
+    written = write_video(tmp_path / "out.mp4", (series.read(index) for index in range(15)), series.timing)
+    copied = SOUNDS[name] != "pcm_s16le"
+    assert written.notices == (() if copied else ("the sound was encoded again, from pcm_s16le to AAC",))
+    with av.open(str(tmp_path / "out.mp4")) as container:
+        blocks = [frame.to_ndarray()[0] for frame in container.decode(audio=0)]
+        rate = container.streams.audio[0].rate
+    heard = np.concatenate(blocks).astype(float)
+    assert len(heard) / rate == pytest.approx(0.6, abs=0.06)
+    spectrum = np.abs(np.fft.rfft(heard[: rate // 2]))
+    assert np.argmax(spectrum) * rate / (rate // 2) == pytest.approx(440, abs=4)
+
+
+def test_sound_that_is_lost_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    series = open_series(encoded(tmp_path / "in.mp4", frames(3), sound="aac"))
+    monkeypatch.setattr("app.video.find_spec", lambda name: None)
+    written = write_video(tmp_path / "out.mp4", (series.read(index) for index in range(3)), series.timing)
+    assert written.notices[0].startswith("sound is not kept")
+
+
+def test_sound_starts_with_the_picture(tmp_path: Path) -> None:
+    """A stream whose pictures begin late: sound before them is left out, the rest is not moved."""
+    given = tmp_path / "in.ts"
+    encoded(tmp_path / "all.ts", frames(15), times=[0.3 + index / 25 for index in range(15)], sound="aac")
+    (tmp_path / "all.ts").rename(given)
+    series = open_series(given)
+    write_video(tmp_path / "out.mp4", (series.read(index) for index in range(15)), series.timing)
+    with av.open(str(tmp_path / "out.mp4")) as container:
+        ends = {one.type: one.duration * one.time_base for one in container.streams}
+        starts = {one.type: (one.start_time or 0) * one.time_base for one in container.streams}
+    assert starts["audio"] - starts["video"] == pytest.approx(0, abs=0.03)
+    assert ends["audio"] == pytest.approx(0.3, abs=0.06)
+
+
+def test_uneven_times_and_pixel_shape_are_kept(tmp_path: Path) -> None:
+    times = [0, 0.04, 0.2, 0.24, 0.6, 1.0, 1.04]
+    given = encoded(tmp_path / "in.mp4", frames(7), times=times, aspect=Fraction(16, 15))
+    series = open_series(given)
+    write_video(tmp_path / "out.mp4", (series.read(index) for index in range(7)), series.timing)
+    clip = open_clip(tmp_path / "out.mp4")
+    assert clip.frame_times == pytest.approx(times, abs=1e-3)
+    assert clip.pixel_aspect == pytest.approx(16 / 15)
+
+
+def test_a_name_with_a_colon_is_a_file(tmp_path: Path, encoder: str) -> None:
+    path = tmp_path / "2026-11-22T19:04:33.mp4"
+    write_video(path, iter(frames(3)), Timing(25.0))
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
+    assert len(open_clip(path)) == 3
+
+
+def test_interlaced_video_is_enhanced_and_made_again(tmp_path: Path, vesselsplat: Cli) -> None:
+    """One picture a field when asked, and replayed the same."""
+    given = encoded(
+        tmp_path / "in.mp4", [woven(moment) for moment in range(6)], options=INTERLACED, interlaced=True
+    )
+    out = tmp_path / "out.mp4"
+    call = vesselsplat("enhance", given, out, "--deinterlacing", "field")
+    assert (call.code, "one picture a field" in call.error) == (0, True)
+    assert (len(open_clip(out)), open_clip(out).frames_per_second) == (12, 50.0)
+    assert json.loads((tmp_path / "out.mp4.json").read_text())["pictures"][0]["deinterlacing"] == "field"
+    assert "identical" in vesselsplat("replay", out).out

@@ -54,7 +54,7 @@ def enhanced(pictures: Generator[ArrayImage, None, None], look: Look) -> Generat
 
 
 def encode(series: Series, look: Look, path: Path) -> None:
-    write_video(path, ahead(enhanced(frames(series), look)), series.frames_per_second)
+    write_video(path, ahead(enhanced(frames(series), look)), series.timing)
 
 
 def exhaust(items: Iterable[ArrayImage]) -> None:

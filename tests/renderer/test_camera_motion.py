@@ -13,7 +13,8 @@ import pytest
 from renderer.camera_motion import camera_notice
 from renderer.clip import Clip, Frame
 from renderer.phantom import Phantom, PhantomParams
-from renderer.readers.frames import open_images, open_video
+from renderer.readers.frames import open_images
+from renderer.readers.video import open_video
 from renderer.sources import open_clip
 
 DATA = Path(__file__).resolve().parents[2] / "../shared/data"

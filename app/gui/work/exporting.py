@@ -18,7 +18,7 @@ from app.in_steps import retold
 from app.moments import FRAMES_PER_SECOND
 from app.provenance import provenance, source, write_png, write_sidecar
 from app.stamp import stamp
-from app.video import write_frames
+from app.video import Timing, write_frames
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
@@ -133,7 +133,7 @@ def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
         request = replace(request, panes=request.panes.steady(OtherMaker()))
         frames = request.panes.pages(request.frames)
         facts = {"kind": "panes video"} | _facts(request) | _span_facts(request)
-    written = yield from retold(write_frames(path, frames, request.frames_per_second), Step)
+    written = yield from retold(write_frames(path, frames, Timing(request.frames_per_second)), Step)
     facts |= {"frames_per_second": request.frames_per_second, "video": written}
     write_sidecar(path, provenance(**facts))
 

@@ -15,7 +15,7 @@ from app.report.bench import Bench, Clock
 from app.report.laps import Laps, laps
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.report.work_precision import Diagram, Point
-from app.video import write_video
+from app.video import Timing, write_video
 from renderer.clip import Clip
 from renderer.metrics import depth_rmse
 from renderer.phantom import Phantom, PhantomParams, write_phantom
@@ -84,7 +84,7 @@ def _written(folder: Path, images: list[np.ndarray]) -> Iterator[tuple[str, Path
             settings = [cv2.IMWRITE_JPEG_QUALITY, quality]
             cv2.imwrite(str(path / f"{index:03d}.jpg"), image[..., ::-1], settings)
         yield f"JPEG of quality {quality}", path
-    write_video(folder / "video.mp4", iter(images), 25.0)
+    write_video(folder / "video.mp4", iter(images), Timing(25.0))
     yield "video, H.264 or MPEG-4", folder / "video.mp4"
 
 

@@ -1,0 +1,113 @@
+"""H.264 in .mp4 by PyAV: frames at their own times, with the colour tags and the sound of their source."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import av
+from av.video.reformatter import Interpolation
+
+from app.pictures import ArrayImage
+from app.sound import Sound, sound_of
+from app.video import Timing
+from renderer.readers.video_index import open_container, video_stream
+
+if TYPE_CHECKING:
+    from av.video.stream import VideoStream
+
+UNSPECIFIED, BT709, BT470BG, BT601, BT2020 = 2, 1, 5, 6, 9
+"""Codes of ITU-T H.273."""
+MATRICES = {BT709: "ITU709", 4: "FCC", BT470BG: "ITU601", BT601: "ITU601", 7: "SMPTE240M", BT2020: "BT2020"}
+"""Of these codes, as swscale calls them."""
+HD = 720
+"""Rows from which on players take BT.709 where nothing is said."""
+TICKS = 90_000
+"""Units of a second for frames that do not come evenly, as in broadcasting."""
+QUALITY = {"crf": "16", "preset": "veryfast"}
+# Without these, swscale rounds down: whole pictures become darker by a grey level.
+EXACT = (
+    Interpolation.BICUBIC
+    | Interpolation.ACCURATE_RND
+    | Interpolation.FULL_CHR_H_INT
+    | Interpolation.FULL_CHR_H_INP
+)
+
+
+@dataclass(frozen=True)
+class _Tags:
+    """What the source says of its colours and pixels."""
+
+    primaries: int = BT709
+    transfer: int = BT709
+    matrix: int = BT709
+    pixel_aspect: Fraction | None = None
+
+
+class H264Writer:
+    """One frame after another, then the rest of the sound."""
+
+    def __init__(self, path: Path, size: tuple[int, int], timing: Timing) -> None:
+        self.notices: tuple[str, ...] = ()
+        tags = _Tags() if timing.like is None else _tags(timing.like)
+        # As a plain file: a name with a colon is no address. With the index first, browsers start at once.
+        self._container = av.open(
+            f"file:{path.absolute()}", "w", container_options={"movflags": "+faststart"}
+        )
+        self._rate = Fraction(timing.frames_per_second).limit_denominator(1001)
+        self._unit = 1 / self._rate if timing.frame_times is None else Fraction(1, TICKS)
+        self._stream = self._video_stream(size, tags)
+        self._matrix = MATRICES.get(tags.matrix) or ("ITU709" if size[1] >= HD else "ITU601")
+        self._sound: Sound | None = sound_of(timing.like, self._container) if timing.like else None
+        self._count, self._end = 0, 0.0
+        self.encoding = f"H.264, colour tags {tags.primaries}/{tags.transfer}/{tags.matrix}"
+
+    def _video_stream(self, size: tuple[int, int], tags: _Tags) -> VideoStream:
+        stream = self._container.add_stream("libx264", rate=self._rate, options=QUALITY)
+        stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
+        codec = stream.codec_context
+        codec.time_base = self._unit
+        codec.color_primaries, codec.color_trc, codec.colorspace = tags.primaries, tags.transfer, tags.matrix
+        codec.color_range = 1
+        if tags.pixel_aspect is not None:
+            codec.sample_aspect_ratio = tags.pixel_aspect
+        return stream
+
+    def write(self, frame: ArrayImage, seconds: float | None) -> None:
+        even = float(self._count / self._rate)
+        picture = av.VideoFrame.from_ndarray(frame, "rgb24").reformat(
+            format="yuv420p", dst_colorspace=self._matrix, dst_color_range=1, interpolation=EXACT
+        )
+        picture.pts = self._count if seconds is None else round(seconds * TICKS)
+        picture.time_base = self._unit
+        self._count += 1
+        start = even if seconds is None else seconds
+        self._end = start + float(1 / self._rate)
+        self._container.mux(self._stream.encode(picture))
+        if self._sound is not None:
+            self._sound.write_until(start)
+
+    def finish(self) -> None:
+        self._container.mux(self._stream.encode())
+        if self._sound is not None:
+            self._sound.write_until(self._end)
+            self.notices = self._sound.finish()
+
+    def close(self) -> None:
+        if self._sound is not None:
+            self._sound.close()
+        self._container.close()
+
+
+def _tags(path: Path) -> _Tags:
+    """Of a video; a matrix that this writer has no use for gives way to BT.709."""
+    with open_container(path) as container:
+        stream = video_stream(container, path)
+        codec = stream.codec_context
+        matrix = int(codec.colorspace)
+        known = matrix if matrix in MATRICES or matrix == UNSPECIFIED else BT709
+        aspect = stream.sample_aspect_ratio
+        shape = aspect if aspect and aspect != 1 else None
+        return _Tags(int(codec.color_primaries), int(codec.color_trc), known, shape)

@@ -1,0 +1,114 @@
+"""The sound of a video that is written anew: copied as it is, or encoded again where .mp4 cannot hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import av
+
+from renderer.readers.video_index import open_container, start_of
+
+if TYPE_CHECKING:
+    from av.audio.stream import AudioStream
+    from av.container import InputContainer, OutputContainer
+    from av.packet import Packet
+
+COPIED = frozenset({"aac", "ac3", "alac", "eac3", "flac", "mp3", "opus"})
+"""Codecs that .mp4 holds and players know."""
+
+LAYOUTS = {1: "mono", 2: "stereo"}
+"""By the number of channels."""
+
+
+def sound_of(path: Path, output: OutputContainer) -> Sound | None:
+    """The first sound track of a video, with a track for it in `output`; None where there is none."""
+    source = open_container(path)
+    if not source.streams.audio:
+        source.close()
+        return None
+    return Sound(path, source, output)
+
+
+class Sound:
+    """Feeds the output in step with its frames, so that players find both close to each other."""
+
+    def __init__(self, path: Path, source: InputContainer, output: OutputContainer) -> None:
+        self._source, self._output = source, output
+        self._track = source.streams.audio[0]
+        # Times count from the first frame: sound before it has no picture.
+        self._extra = len(source.streams.audio) - 1
+        self._start = start_of(path)
+        self._is_copied = self._track.codec_context.codec.canonical_name in COPIED
+        self._written = self._add_track()
+        packets = self._copied() if self._is_copied else self._encoded()
+        self._packets: Iterator[tuple[float, Packet[AudioStream]]] = packets
+        self._waiting: tuple[float, Packet[AudioStream]] | None = None
+        self._failure = ""
+
+    def write_until(self, seconds: float) -> None:
+        """All that begins before this time of the output."""
+        while True:
+            ready = self._waiting or self._next()
+            if ready is None:
+                return
+            if ready[0] >= seconds:
+                self._waiting = ready
+                return
+            self._waiting = None
+            self._output.mux(ready[1])
+
+    def finish(self) -> tuple[str, ...]:
+        """One sentence for each loss."""
+        codec = self._track.codec_context.name
+        said = []
+        if self._failure:
+            said.append(f"the sound ({codec}) is kept up to where it cannot be decoded: {self._failure}")
+        elif not self._is_copied:
+            said.append(f"the sound was encoded again, from {codec} to AAC")
+        if self._extra:
+            said.append(f"of {self._extra + 1} sound tracks the first is kept")
+        return tuple(said)
+
+    def close(self) -> None:
+        self._source.close()
+
+    def _add_track(self) -> AudioStream:
+        if self._is_copied:
+            return self._output.add_stream_from_template(self._track)
+        channels = self._track.codec_context.channels
+        # Some files tell the number of channels alone, which the encoder does not take.
+        layout = LAYOUTS.get(channels, self._track.layout.name)
+        return self._output.add_stream("aac", rate=self._track.rate, layout=layout)
+
+    def _next(self) -> tuple[float, Packet[AudioStream]] | None:
+        try:
+            return next(self._packets, None)
+        except av.error.FFmpegError as error:
+            self._failure = error.strerror or type(error).__name__
+            return None
+
+    def _copied(self) -> Iterator[tuple[float, Packet[AudioStream]]]:
+        for packet in self._source.demux(self._track):
+            if packet.pts is None or not packet.size:
+                continue
+            base = packet.time_base
+            packet.pts -= round(self._start / base)
+            packet.dts = packet.pts
+            if packet.pts >= 0:
+                packet.stream = self._written
+                yield float(packet.pts * base), packet
+
+    def _encoded(self) -> Iterator[tuple[float, Packet[AudioStream]]]:
+        for frame in chain(self._source.decode(self._track), (None,)):
+            if frame is not None and frame.pts is not None:
+                # In samples, since the units of some files are too coarse for the encoder's blocks.
+                seconds = frame.pts * (frame.time_base or 0) - self._start
+                frame.pts, frame.time_base = round(seconds * frame.rate), Fraction(1, frame.rate)
+                if frame.pts < 0:
+                    continue
+            for packet in self._written.encode(frame):
+                yield float((packet.pts or 0) * packet.time_base), packet

@@ -1,0 +1,196 @@
+"""Frames of a video file by number, decoded by FFmpeg through PyAV."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from renderer.clip import ByteImage, ClipError
+from renderer.readers.clip_options import Deinterlacing
+from renderer.readers.deinterlacing import deinterlaced
+from renderer.readers.video_index import decoded, index_of, nominal_rate, open_container, video_stream
+
+if TYPE_CHECKING:
+    from av import VideoFrame
+
+STEP_LIMIT = 32
+"""Frames that are cheaper to decode in passing than to seek over."""
+RECENT = 4
+"""Decoded frames that are kept, since deinterlacing looks at the neighbours."""
+HD = 720
+"""Rows from which on players take the matrix of BT.709 where the file names none."""
+UNSPECIFIED = 2
+"""Of a colour matrix, in ITU-T H.273."""
+HDR = {16: "PQ", 18: "HLG"}
+"""Transfer characteristics of ITU-T H.273 that call for tone mapping."""
+INTERLACED = {
+    "frame": "interlaced video: deinterlaced, one picture a frame",
+    "field": "interlaced video: deinterlaced, one picture a field",
+    "off": "interlaced video: not deinterlaced, as asked; edges in motion look like combs",
+}
+SMOOTH = 8
+"""Units of time in a frame from which on a difference of one unit is rounding."""
+
+
+class PyAvVideo:
+    """Frames by number, in any order and from any thread, from one decoder that is used under a lock.
+
+    Time stamps, sorted, tell which frame is which: a frame is returned only when its own stamp is the wanted
+    one, so seeking that lands elsewhere is noticed and mended.
+
+    Raises:
+        ClipError: the file is no video, or none of its frames decodes.
+    """
+
+    def __init__(self, path: Path, deinterlacing: Deinterlacing = "frame") -> None:
+        self._path, self._deinterlacing = path, deinterlacing
+        self._lock = threading.Lock()
+        self._index = index_of(path)
+        self._place = {stamp: number for number, stamp in enumerate(self._index.stamps)}
+        by_field = deinterlacing == "field" and self._index.is_interlaced
+        self._per_frame = 2 if by_field else 1
+        self._recent: dict[int, VideoFrame] = {}
+        self._restart(0)
+        first = self._frame(0)
+        self._is_hd = first.height >= HD
+        aspect = float(self._stream.sample_aspect_ratio or 1)
+        self.pixel_aspect = aspect if round(first.rotation / 90) % 2 == 0 else 1 / aspect
+        self.notices = tuple(self._oddities(first))
+
+    def __len__(self) -> int:
+        return len(self._index.stamps) * self._per_frame
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether frames come evenly."""
+        steps = [later - one for one, later in pairwise(self._index.stamps)]
+        return not steps or max(steps) - min(steps) <= (median(steps) >= SMOOTH)
+
+    @property
+    def frames_per_second(self) -> float:
+        """The file's own rate where its frames come evenly, else their number by the time they take."""
+        nominal, stamps = nominal_rate(self._stream), self._index.stamps
+        if len(stamps) > 1:
+            mean = (stamps[-1] - stamps[0]) * self._index.time_base / (len(stamps) - 1)
+            rounding = self._index.time_base / (len(stamps) - 1)
+            if not self.is_steady or abs(mean - 1 / nominal) > rounding:
+                nominal = 1 / mean
+        return float(nominal * self._per_frame)
+
+    @property
+    def frame_times(self) -> tuple[float, ...]:
+        """Seconds from the first frame, rising."""
+        times = self._index.times
+        if self._per_frame == 1:
+            return times
+        lasting = [later - one for one, later in pairwise(times)] or [float(1 / nominal_rate(self._stream))]
+        lasting.append(lasting[-1])
+        return tuple(
+            time + half * last / 2 for time, last in zip(times, lasting, strict=True) for half in (0, 1)
+        )
+
+    def read(self, index: int) -> ByteImage:
+        """(H, W, 3) RGB, upright. Raises ClipError when the frame is damaged."""
+        number, field = divmod(range(len(self))[index], self._per_frame)
+        with self._lock:
+            before = self._neighbour(number - 1)
+            frame = self._frame(number)
+            if frame.interlaced_frame and self._deinterlacing != "off":
+                after = self._neighbour(number + 1)
+                frame = deinterlaced(before, frame, after, field=field if self._per_frame == 2 else None)
+            return self._rgb(frame)
+
+    def _neighbour(self, number: int) -> VideoFrame | None:
+        """Of an interlaced frame; None where there is none, or none is needed."""
+        needed = self._index.is_interlaced and self._deinterlacing != "off"
+        if not needed or not 0 <= number < len(self._index.stamps):
+            return None
+        try:
+            return self._frame(number)
+        except ClipError:
+            return None
+
+    def _rgb(self, frame: VideoFrame) -> ByteImage:
+        from av.video.reformatter import Interpolation as Flags
+
+        # Without these, swscale rounds down: whole pictures become darker by a grey level. It is quickest
+        # with a plane a colour.
+        exact = Flags.BILINEAR | Flags.ACCURATE_RND | Flags.FULL_CHR_H_INT
+        matrix = "ITU709" if frame.colorspace == UNSPECIFIED and self._is_hd else None
+        planar = frame.reformat(format="gbrp", src_colorspace=matrix, interpolation=exact)
+        green, blue, red = (
+            np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)[:, : plane.width]
+            for plane in planar.planes
+        )
+        upright = np.rot90(cv2.merge((red, green, blue)), round(frame.rotation / 90) % 4)
+        return np.ascontiguousarray(upright)
+
+    def _frame(self, number: int) -> VideoFrame:
+        if number in self._recent:
+            return self._recent[number]
+        for approach in (self._step, self._seek, self._restart):
+            if approach(number) and (frame := self._decode_until(number)) is not None:
+                return frame
+        count = len(self._index.stamps)
+        raise ClipError(f"frame {number} of {count} cannot be decoded: {self._path}")
+
+    def _step(self, number: int) -> bool:
+        return 0 < number - self._at <= STEP_LIMIT
+
+    def _seek(self, number: int) -> bool:
+        import av
+
+        if self._index.is_counted:
+            return False
+        try:
+            self._container.seek(self._index.stamps[number], stream=self._stream)
+        except (av.error.FFmpegError, OSError):
+            return False
+        self._frames = decoded(self._container, self._stream)
+        self._recent = {}
+        return True
+
+    def _restart(self, number: int) -> bool:
+        self._container = open_container(self._path)
+        self._stream = video_stream(self._container, self._path)
+        self._frames = decoded(self._container, self._stream)
+        self._recent = {}
+        self._at = -1
+        return True
+
+    def _decode_until(self, number: int) -> VideoFrame | None:
+        """The wanted frame; None where it is not among those that come."""
+        for frame in self._frames:
+            at = self._at + 1 if self._index.is_counted else self._place.get(frame.pts or 0)
+            if at is None:
+                continue
+            self._at = at
+            self._recent[at] = frame
+            if len(self._recent) > RECENT:
+                del self._recent[next(iter(self._recent))]
+            if at >= number:
+                return frame if at == number else None
+        return None
+
+    def _oddities(self, first: VideoFrame) -> Iterator[str]:
+        """One sentence for each property that a person might not expect."""
+        count = len(self._index.stamps)
+        if self._index.is_cut:
+            yield f"the file is cut off or damaged at its end: {count} frames are whole"
+        if not self.is_steady:
+            rate = f"{self.frames_per_second:.3g}"
+            yield f"the frame rate varies, {rate} frames per second on average; frame times are kept"
+        if self._index.is_interlaced:
+            yield INTERLACED[self._deinterlacing]
+        if self.pixel_aspect != 1:
+            ratio = f"{self.pixel_aspect:.3g}"
+            yield f"pixels are {ratio} times as wide as high; pictures keep them, videos say so"
+        if transfer := HDR.get(first.color_trc):
+            yield f"the video is HDR ({transfer}); it is read without tone mapping and looks flat"

@@ -1,0 +1,213 @@
+"""Which frames a video file holds and when each is shown, from its packets and a few decoded frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from renderer.clip import ClipError
+
+if TYPE_CHECKING:
+    from av import Packet, VideoFrame
+    from av.container import InputContainer
+    from av.video.stream import VideoStream
+
+HEAD = 8
+"""Frames decoded at the start, to see whether packets tell of frames, and whether they are interlaced."""
+TAIL = 16
+"""Packets at the end of which some may be cut off: their frames are decoded to know."""
+SLACK = 2
+"""Frames by which headers err: AVI counts one that is not there."""
+LOST = 0.5
+"""Seconds that are missing from a file that is cut off."""
+ERRORS = 100
+"""Places where a file may be damaged before the rest is given up."""
+NO_VIDEO = frozenset({"ansi", "bintext", "xbin", "idf"})
+"""Text, of which FFmpeg makes pictures."""
+
+
+@dataclass(frozen=True)
+class VideoIndex:
+    """The frames of a video that decode, in the order in which they are shown."""
+
+    stamps: tuple[int, ...]
+    """Of each frame, in units of `time_base`; its number where the file does not tell."""
+    time_base: Fraction
+    """Seconds."""
+    is_counted: bool
+    """Whether frames are known by their number alone."""
+    is_cut: bool
+    """Whether the end of the file is missing or damaged."""
+    is_interlaced: bool
+
+    @property
+    def times(self) -> tuple[float, ...]:
+        """Seconds from the first frame, rising."""
+        return tuple(float((stamp - self.stamps[0]) * self.time_base) for stamp in self.stamps)
+
+
+def open_container(path: Path) -> InputContainer:
+    """Raises ClipError when the file is no video, or its path is not UTF-8."""
+    import av
+
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        shown = str(path).encode(errors="backslashreplace").decode()
+        raise ClipError(f"expected a path in UTF-8, rename or move it: {shown}") from error
+    # As a plain file: a name with a colon is no address, and nothing that the file refers to is fetched.
+    address, local = f"file:{path.absolute()}", {"protocol_whitelist": "file"}
+    try:
+        return av.open(address, metadata_errors="replace", container_options=local)
+    except (av.error.FFmpegError, OSError, ValueError) as error:
+        raise ClipError(_neither(path)) from error
+
+
+def video_stream(container: InputContainer, path: Path) -> VideoStream:
+    """The moving pictures of a container; a cover picture is none.
+
+    Raises:
+        ClipError: there are none, or this FFmpeg cannot decode them.
+    """
+    from av.stream import Disposition
+
+    found = [one for one in container.streams.video if not one.disposition & Disposition.attached_pic]
+    if not found:
+        holds = "sound alone" if container.streams.audio else "no moving pictures"
+        raise ClipError(f"expected a video, got a file with {holds}: {path}")
+    best = container.streams.best("video")
+    stream = next((one for one in found if one is best), found[0])
+    if stream.codec_context is None:
+        raise ClipError(f"expected a video that FFmpeg decodes, got codec {stream.codec_tag!r}: {path}")
+    if stream.codec_context.name in NO_VIDEO:
+        raise ClipError(_neither(path))
+    stream.thread_type = "AUTO"
+    return stream
+
+
+def _neither(path: Path) -> str:
+    return f"expected a picture or a video, got a file that is neither, or damaged: {path}"
+
+
+def decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
+    """Whole frames from where the container is, in order; damaged packets and frames are passed over."""
+    import av
+
+    for packet in _packets_of(container, stream):
+        try:
+            frames = packet.decode()
+        except av.error.FFmpegError:
+            continue
+        yield from (frame for frame in frames if not frame.is_corrupt)
+
+
+def _packets_of(container: InputContainer, stream: VideoStream) -> Iterator[Packet[VideoStream]]:
+    """From where the container is to its end; behind damage it goes on."""
+    import av
+
+    for _ in range(ERRORS):
+        try:
+            yield from container.demux(stream)
+        except av.error.FFmpegError:
+            continue
+        return
+
+
+def index_of(path: Path) -> VideoIndex:
+    """Reads the whole file once, without decoding more than its first and last frames.
+
+    Raises:
+        ClipError: no video, or no frame that decodes.
+    """
+    with open_container(path) as container:
+        stream = video_stream(container, path)
+        time_base, rate = stream.time_base or Fraction(1, 25), nominal_rate(stream)
+        packets = _packets(container, stream)
+        sure = "mp4" in container.format.name
+    with open_container(path) as container:
+        head = list(islice(decoded(container, video_stream(container, path)), HEAD))
+    if not head:
+        raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
+    interlaced = any(frame.interlaced_frame for frame in head)
+    first = head[0].pts
+    stamps = [stamp for stamp in packets.stamps if first is not None and stamp >= first]
+    if not packets.are_timed or [frame.pts for frame in head] != stamps[: len(head)]:
+        count = _count(path)
+        cut = packets.is_short or count < len(packets.stamps)
+        return VideoIndex(tuple(range(count)), 1 / rate, True, cut, interlaced)
+    whole = stamps if sure and not packets.is_short else _whole(path, stamps)
+    cut = packets.is_short or len(whole) < len(stamps)
+    return VideoIndex(tuple(whole), time_base, False, cut, interlaced)
+
+
+def start_of(path: Path) -> Fraction:
+    """Seconds at which the first frame that decodes is shown; 0 where the file does not tell.
+
+    Raises:
+        ClipError: no video.
+    """
+    with open_container(path) as container:
+        stream = video_stream(container, path)
+        first = next(decoded(container, stream), None)
+        if first is None or first.pts is None or stream.time_base is None:
+            return Fraction(0)
+        return first.pts * stream.time_base
+
+
+def nominal_rate(stream: VideoStream) -> Fraction:
+    """Frames a second as the file says it."""
+    told = (rate for rate in (stream.guessed_rate, stream.average_rate) if rate and 0 < rate < 1000)
+    return next(told, Fraction(25))
+
+
+@dataclass(frozen=True)
+class _Packets:
+    """What the packets of a file tell."""
+
+    stamps: list[int]
+    """In the order in which frames are shown."""
+    are_timed: bool
+    """Whether each says when it is shown."""
+    is_short: bool
+    """Whether the header announces more, or the last packets are damaged."""
+
+
+def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
+    stamps, damaged, untimed, count = set[int](), 0, 0, 0
+    for packet in _packets_of(container, stream):
+        if not packet.size:
+            continue
+        count += 1
+        damaged = count if packet.is_corrupt else damaged
+        untimed += packet.pts is None
+        if packet.pts is not None and not packet.is_discard:
+            stamps.add(packet.pts)
+    short = stream.frames - count > SLACK or 0 < count - TAIL < damaged or 0 < damaged >= count
+    if "matroska" in container.format.name and stamps and container.duration:
+        # Its header tells the length, in microseconds, once the file was closed.
+        end = float(max(stamps) * (stream.time_base or 0))
+        short |= not container.streams.audio and container.duration / 1e6 - end > LOST
+    return _Packets(sorted(stamps), not untimed, short)
+
+
+def _whole(path: Path, stamps: list[int]) -> list[int]:
+    """The stamps without those at the end whose frames do not decode."""
+    start = stamps[max(0, len(stamps) - TAIL)]
+    with open_container(path) as container:
+        stream = video_stream(container, path)
+        container.seek(start, stream=stream)
+        seen = {frame.pts for frame in decoded(container, stream)}
+    if start not in seen:
+        with open_container(path) as container:
+            seen = {frame.pts for frame in decoded(container, video_stream(container, path))}
+    return [stamp for stamp in stamps if stamp < start or stamp in seen]
+
+
+def _count(path: Path) -> int:
+    """Of a file whose packets do not tell when frames are shown: all are decoded."""
+    with open_container(path) as container:
+        return sum(1 for _ in decoded(container, video_stream(container, path)))
