@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from renderer.harmonics import seen_colors
 from renderer.ply_elements import read_ply
 from renderer.raw_gaussians import RawGaussians, sigmoid
-from renderer.splat_files import SplatFile, SplatFileError, inria_ply, is_named_as_splats, read_splats
+from renderer.splat_files import SplatFile, SplatFileError, inria_ply, read_splats
 from renderer.splat_files.spz import FLIPS
 from tests.renderer.splat_files.files import NAMES, gaussians, packed_ply, ply, spz, word, zipped
 
@@ -256,38 +256,6 @@ def test_a_bad_file_is_one_line(tmp_path: Path, content: bytes, said: str) -> No
         read(tmp_path, content)
     assert "\n" not in str(caught.value)
     assert str(caught.value).endswith("a.ply")
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "said"),
-    [
-        ("a.ksplat", bytes(4096), "a .ksplat file: convert it to .ply"),
-        ("a.sog", zipped("meta.json"), "SOG: convert it to .ply"),
-        ("a.sog", b"nonsense", "damaged"),
-        ("a.splat", b"", "an empty file"),
-        ("a.splat", b"\x89PNG\r\n\x1a\n" + bytes(88), "a PNG picture"),
-        ("meta.json", b'{"version": 2, "means": {}, "sh0": {}}', "an unpacked SOG: convert it to .ply"),
-        ("lod-meta.json", b'{"lodLevels": 3}', "an unpacked SOG"),
-        ("model.safetensors", bytes(9), "the folder of its run"),
-    ],
-)
-def test_other_formats_are_named_with_what_to_do(
-    tmp_path: Path, name: str, content: bytes, said: str
-) -> None:
-    with pytest.raises(SplatFileError, match=said) as caught:
-        read(tmp_path, content, name)
-    assert str(caught.value).endswith(name)
-    assert is_named_as_splats(tmp_path / name) == (name != "model.safetensors")
-
-
-def test_a_folder_is_splats_only_as_an_unpacked_one(tmp_path: Path) -> None:
-    assert not is_named_as_splats(tmp_path)
-    (tmp_path / "meta.json").write_text('{"fx": 3}')
-    assert not is_named_as_splats(tmp_path)
-    (tmp_path / "meta.json").write_text('{"means": {}, "sh0": {}}')
-    assert is_named_as_splats(tmp_path)
-    with pytest.raises(SplatFileError, match="an unpacked SOG"):
-        read_splats(tmp_path)
 
 
 @pytest.mark.parametrize("content", [GOOD, PACKED, ply(fields_of(gaussians(3)), "=")])
