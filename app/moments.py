@@ -6,7 +6,7 @@ import argparse
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +66,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="F",
         help="of videos and paths (15)",
     )
-    parser.add_argument("--size", type=int, nargs=2, metavar=("W", "H"), help="pixels (default the clip's)")
+    parser.add_argument(
+        "--size",
+        type=int,
+        nargs=2,
+        metavar=("W", "H"),
+        help="pixels (default the clip's); another shape shows more, and stretches nothing",
+    )
     parser.add_argument(
         "--supersampling",
         type=int,
@@ -84,11 +90,14 @@ def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     if not 0 < flags.frames_per_second <= 1000:
         raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
     scene = open_scene(flags.scene, as_trained=flags.as_trained)
-    wanted = list(_moments(flags, scene))
+    asked = list(_moments(flags, scene))
+    wanted = [replace(one, camera=_resized(one.camera, flags.size)) for one in asked]
     most = flags.supersampling * max(max(one.camera.width, one.camera.height) for one in wanted)
     if most > MOST_PIXELS:
         raise UserError(f"--supersampling: expected up to {MOST_PIXELS} pixels each way, got {most}")
-    for notice in scene.notices:
+    # A file of splats has no camera of its own, and a difference is refused in another shape.
+    of_own = (scene.facts.get("splats") is None or flags.camera or flags.path) and flags.view != "difference"
+    for notice in (*scene.notices, *(_reshaped(asked, wanted) if of_own else ())):
         sys.stderr.write(f"{notice}: {flags.scene}\n")
     return scene, wanted
 
@@ -107,12 +116,10 @@ def _moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
         return
     if flags.time is not None:
         nearest = min(round(flags.time * len(scene)), len(scene) - 1)
-        camera = _resized(fixed or scene.cameras[nearest], flags.size)
-        yield Moment(f"time-{flags.time:.4f}", None, flags.time, camera)
+        yield Moment(f"time-{flags.time:.4f}", None, flags.time, fixed or scene.cameras[nearest])
         return
     for index in _frame_indices(flags.frames or ["all"], scene):
-        camera = _resized(fixed or scene.cameras[index], flags.size)
-        yield Moment(f"frame-{index:06d}", index, scene.time(index), camera)
+        yield Moment(f"frame-{index:06d}", index, scene.time(index), fixed or scene.cameras[index])
 
 
 def _frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
@@ -136,7 +143,7 @@ def _views(given: Sequence[NamedCamera], flags: argparse.Namespace) -> Iterator[
         raise UserError(f"expected --time with {len(given)} cameras, got --frames {' '.join(flags.frames)}")
     for place, one in enumerate(given):
         name = re.sub(r"[^\w.-]+", "-", one.name) or "camera"
-        yield Moment(f"{place:04d}-{name}", None, flags.time or 0.0, _resized(one.camera, flags.size))
+        yield Moment(f"{place:04d}-{name}", None, flags.time or 0.0, one.camera)
 
 
 def _along(flags: argparse.Namespace) -> Iterator[Moment]:
@@ -151,7 +158,7 @@ def _along(flags: argparse.Namespace) -> Iterator[Moment]:
     if not path.keyframes:
         raise UserError(f"expected a path of at least one keyframe, got none: {flags.path}")
     for place, key in enumerate(path.moments(flags.frames_per_second)):
-        yield Moment(f"path-{place:06d}", None, key.time, _resized(key.camera, flags.size))
+        yield Moment(f"path-{place:06d}", None, key.time, key.camera)
 
 
 def _read_cameras(path: Path) -> tuple[NamedCamera, ...]:
@@ -166,4 +173,17 @@ def _resized(camera: Camera, size: list[int] | None) -> Camera:
     width, height = size or (camera.width, camera.height)
     if min(width, height) < 1 or max(width, height) > MOST_PIXELS:
         raise UserError(f"--size: expected 1 to {MOST_PIXELS} pixels each way, got {width} {height}")
-    return camera.resized(width, height) if size else camera
+    return camera.shaped(width, height) if size else camera
+
+
+def _reshaped(asked: Sequence[Moment], wanted: Sequence[Moment]) -> Iterator[str]:
+    """What a size of another shape than the camera's does; said once."""
+    for before, after in zip(asked, wanted, strict=True):
+        old, new = before.camera, after.camera
+        if not old.has_shape(new.width, new.height):
+            where = "beside" if new.width * old.height > old.width * new.height else "above and below"
+            yield (
+                f"--size {new.width} {new.height} has another shape than {old.width} {old.height}: "
+                f"nothing is stretched, and more is seen {where} the camera's own picture"
+            )
+            return

@@ -26,6 +26,7 @@ from pydantic_core import to_jsonable_python
 
 from app.atomic import write_bytes
 from app.errors import UserError
+from renderer.ply_comments import split
 from renderer.readers.endonerf import FOLDERS, POSES, is_endonerf
 from renderer.readers.hamlyn import is_hamlyn
 from renderer.readers.pictures import is_picture
@@ -56,9 +57,9 @@ def strict_json(value: object, *, indent: int | None = None) -> str:
     return text.encode(errors="replace").decode()
 
 
-def comment(facts: object) -> str:
-    """One line of ASCII for a file that takes no other text."""
-    return f"{KEYWORD} {json.dumps(json.loads(strict_json(facts)))}"
+def comments(facts: object) -> tuple[str, ...]:
+    """Short lines of ASCII for a PLY file, which takes no other text."""
+    return split(KEYWORD, json.dumps(json.loads(strict_json(facts))))
 
 
 def _plain(value: Any) -> Any:

@@ -16,7 +16,7 @@ from renderer.camera import Camera
 from renderer.deformation.motion import Still
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
-from renderer.splat_files import SUFFIXES, SplatFileError, read_splats
+from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats
 from renderer.splats import RenderMode
 
 
@@ -48,7 +48,8 @@ class Scene:
 
 
 def is_splat_file(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES and not path.is_dir()
+    """Meant as one, of a kind that can be read or not."""
+    return is_named_as_splats(path)
 
 
 def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
@@ -57,7 +58,9 @@ def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
     Raises:
         UserError: no finished run and no file of splats, or the edits are of another model.
     """
-    return splat_scene(path) if is_splat_file(path) else _run_scene(RunFolder(path), as_trained)
+    if is_splat_file(path) or path.is_file():
+        return splat_scene(path)
+    return _run_scene(RunFolder(path), as_trained)
 
 
 def splat_scene(path: Path) -> Scene:
@@ -67,8 +70,9 @@ def splat_scene(path: Path) -> Scene:
     except SplatFileError as error:
         raise UserError(str(error)) from error
     model = DynamicGaussians(file.raw, Still())
-    facts = {"splats": source(path), "render_mode": file.mode, "notices": file.notices}
-    return Scene(path.name, model, (framing(model),), (), facts, file.mode, notices=file.notices)
+    notices = (*file.notices, *(() if len(model) else ("no splats to draw: pictures stay black",)))
+    facts = {"splats": source(path), "render_mode": file.mode, "notices": notices}
+    return Scene(path.name, model, (framing(model),), (), facts, file.mode, notices=notices)
 
 
 def _run_scene(folder: RunFolder, as_trained: bool) -> Scene:

@@ -90,4 +90,10 @@ def _photos(flags: argparse.Namespace) -> Clip:
     if is_splat_file(flags.scene) or flags.camera or flags.path or flags.time is not None:
         raise UserError("--view difference: expected frames of a run from its own cameras, which have photos")
     record = RunFolder(flags.scene).record()
+    camera = record.camera(0)
+    if flags.size and not camera.has_shape(*flags.size):
+        raise UserError(
+            f"--view difference: expected a --size of the photos' shape, {camera.width} {camera.height}, "
+            f"got {flags.size[0]} {flags.size[1]}"
+        )
     return input_clip(run_clip(record), record)

@@ -85,6 +85,14 @@ class Camera:
             width=width, height=height,
         )  # fmt: skip
 
+    def shaped(self, width: int, height: int) -> Camera:
+        """`resized` where the shape stays, else `fitted`: nothing is stretched."""
+        return (self.resized if self.has_shape(width, height) else self.fitted)(width, height)
+
+    def has_shape(self, width: int, height: int) -> bool:
+        """Whether so many pixels have the same aspect ratio."""
+        return width * self.height == height * self.width
+
     def moved(self, camera_from_world: FloatArray) -> Camera:
         """The same lens at another pose."""
         return replace(self, camera_from_world=camera_from_world)

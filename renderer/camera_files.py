@@ -21,6 +21,10 @@ PINHOLES: Final = {"SIMPLE_PINHOLE": (0, 0, 1, 2), "PINHOLE": (0, 1, 2, 3)}
 """COLMAP's models without distortion: places of fx, fy, cx, cy among their numbers."""
 
 
+LEAST_SHIFT: Final = 0.01
+"""Pixels between the principal point and the middle that are worth a word."""
+
+
 class CameraFileError(ValueError):
     """What was expected, what came, and where."""
 
@@ -53,9 +57,24 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
 def splatting_json(cameras: Sequence[NamedCamera]) -> bytes:
     """cameras.json as 3D Gaussian Splatting writes it: pose of the camera in the world, focal lengths in px.
 
-    It has no principal point: viewers take the middle of the picture.
+    Besides, cx and cy: programs that have no principal point leave them, and take the middle of the picture.
     """
     return json.dumps([_splatting(place, one) for place, one in enumerate(cameras)], indent=1).encode()
+
+
+def off_center(cameras: Sequence[NamedCamera]) -> str | None:
+    """What is to be said where a program that has no principal point shifts the picture."""
+    away = max((_shift(one.camera) for one in cameras), default=0.0)
+    if away < LEAST_SHIFT:
+        return None
+    return (
+        f"the principal point is up to {away:.2f} px off the middle: cx and cy are given, and programs that "
+        "do not read them shift the picture"
+    )
+
+
+def _shift(camera: Camera) -> float:
+    return math.hypot(camera.cx - camera.width / 2, camera.cy - camera.height / 2)
 
 
 def _splatting(place: int, one: NamedCamera) -> dict[str, Any]:
@@ -65,10 +84,12 @@ def _splatting(place: int, one: NamedCamera) -> dict[str, Any]:
         "img_name": one.name,
         "width": camera.width,
         "height": camera.height,
-        "position": np.round(pose[:3, 3], 9).tolist(),
-        "rotation": np.round(pose[:3, :3], 12).tolist(),
+        "position": pose[:3, 3].tolist(),
+        "rotation": pose[:3, :3].tolist(),
         "fy": camera.fy,
         "fx": camera.fx,
+        "cx": camera.cx,
+        "cy": camera.cy,
     }
 
 
@@ -85,11 +106,12 @@ def _of_json(content: Any, name: str) -> tuple[NamedCamera, ...]:
 
 
 def _of_splatting(entry: dict[str, Any]) -> NamedCamera:
-    """No principal point is given: it is the middle."""
+    """Where no principal point is given, it is the middle."""
     width, height = int(entry["width"]), int(entry["height"])
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = np.array(entry["rotation"], float), np.array(entry["position"], float)
-    lens = Camera(float(entry["fx"]), float(entry["fy"]), width / 2, height / 2, width, height)
+    cx, cy = float(entry.get("cx", width / 2)), float(entry.get("cy", height / 2))
+    lens = Camera(float(entry["fx"]), float(entry["fy"]), cx, cy, width, height)
     return NamedCamera(str(entry["img_name"]), lens.moved(_inverse(pose)))
 
 

@@ -17,7 +17,7 @@ TYPES: Final = {
 }  # fmt: skip
 ORDERS: Final = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
 MAGIC: Final = b"ply"
-LONGEST_HEADER: Final = 1 << 16
+LONGEST_HEADER: Final = 1 << 20
 """Bytes; an end is not looked for beyond."""
 _END = re.compile(rb"\nend_header\r?\n")
 
@@ -45,6 +45,8 @@ class Ply:
 
     comments: tuple[str, ...]
     elements: tuple[Element, ...]
+    surplus: int
+    """Bytes after the last element; 0 where not all of them are read."""
 
 
 @dataclass(frozen=True)
@@ -64,16 +66,19 @@ def read_ply(content: bytes, most: int | None = None) -> Ply:
     """
     end = _END.search(content, 0, LONGEST_HEADER)
     if not content.startswith(MAGIC) or end is None:
-        raise PlyError("expected a PLY file, got one without its header")
-    lines = [line.split() for line in content[: end.start()].decode("ascii", "replace").splitlines()]
+        within = f" in its first {LONGEST_HEADER} bytes" if len(content) > LONGEST_HEADER else ""
+        raise PlyError(f"expected a PLY file, got one without its header{within}")
+    lines = [line.split() for line in content[: end.start()].decode("ascii", "replace").split("\n")]
     order = _order(lines)
     kinds = _kinds(lines, order, most)
     body, elements = memoryview(content)[end.end() :], []
     for kind in kinds:
         rows, body = _ascii_rows(body, kind) if order == "=" else _binary_rows(body, kind)
         elements.append(Element(kind.name, rows))
+    is_whole = len(kinds) == sum(words[:1] == ["element"] for words in lines)
+    left = len(bytes(body).strip() if order == "=" else body)
     comments = tuple(" ".join(words[1:]) for words in lines if words[:1] == ["comment"])
-    return Ply(comments, tuple(elements))
+    return Ply(comments, tuple(elements), left if is_whole else 0)
 
 
 def _order(lines: list[list[str]]) -> str:

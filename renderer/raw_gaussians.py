@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.harmonics import BANDS
 from renderer.splats import Float32Array, Splats
 
 Arrays = dict[str, NDArray[Any]]
@@ -55,6 +56,19 @@ class RawGaussians:
     def rows(self, index: NDArray[np.int64]) -> RawGaussians:
         """The chosen Gaussians in the order of `index`, which may repeat some."""
         return RawGaussians(**{name: value[index] for name, value in self.arrays().items()})
+
+    def of_degree(self, degree: int) -> RawGaussians:
+        """With the harmonics of so high a degree, those that it has none of 0.
+
+        Raises:
+            ValueError: colours depend on the direction to a higher degree.
+        """
+        bands, own = BANDS[degree], self.harmonics.shape[1]
+        if self.harmonics[:, bands:].any():
+            raise ValueError(f"degree {BANDS.index(own)} of colours that depend on the direction")
+        kept = self.harmonics[:, :bands]
+        padded = np.pad(kept, ((0, 0), (0, bands - kept.shape[1]), (0, 0)))
+        return replace(self, harmonics=padded)
 
     def arrays(self) -> Arrays:
         """Every array by field name, in a fixed order."""

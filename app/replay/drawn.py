@@ -17,7 +17,7 @@ from app.drawing import Draw, Drawn, colored_depth
 from app.errors import UserError
 from app.evaluate import run_clip
 from app.pictures import write_image
-from app.provenance import comment, write_sidecar
+from app.provenance import comments, write_sidecar
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
 from app.run_edits import unpacked
@@ -81,9 +81,10 @@ class VideoFacts:
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
 class MomentFacts:
-    """When."""
+    """When, and with colours by direction to which degree; None: as the model has them."""
 
     time: float
+    sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
 
 
 SCENE, VIEW, RENDER = TypeAdapter(SceneFacts), TypeAdapter(ViewFacts), TypeAdapter(RenderFacts)
@@ -180,9 +181,11 @@ def remake_video(facts: Facts, sources: Sources, target: Path) -> str:
 
 def remake_splats(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError or pydantic.ValidationError."""
-    scene, time = scene_of(facts, sources), MOMENT.validate_python(facts).time
-    raw = scene.model.motion.moved(scene.model.raw, time)
-    write_bytes(target, ply_bytes(raw, scene.mode, [comment(again(facts))]))
+    scene, said = scene_of(facts, sources), MOMENT.validate_python(facts)
+    raw = scene.model.motion.moved(scene.model.raw, said.time)
+    if said.sh_degree is not None:
+        raw = raw.of_degree(said.sh_degree)
+    write_bytes(target, ply_bytes(raw, scene.mode, comments(again(facts))))
 
 
 def _camera(view: ViewFacts) -> Camera:

@@ -8,6 +8,7 @@ from typing import Any
 
 from app.errors import UserError
 from app.provenance import KEYWORD, provenance, read_provenance
+from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
 
 Facts = dict[str, Any]
@@ -33,11 +34,10 @@ def _in_comment(path: Path) -> Facts:
         comments = read_ply(path.read_bytes()).comments
     except PlyError as error:
         raise UserError(f"{error}: {path}") from error
-    for comment in comments:
-        word, _, text = comment.partition(" ")
-        if word == KEYWORD:
-            return _parsed(text, path)
-    raise UserError(f"expected a PLY file written by VesselSplat, found no provenance in {path}")
+    text = joined(KEYWORD, comments)
+    if text is None:
+        raise UserError(f"expected a PLY file written by VesselSplat, found no provenance in {path}")
+    return _parsed(text, path)
 
 
 def _beside(path: Path) -> Facts:

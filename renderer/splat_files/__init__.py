@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from renderer.ply_elements import MAGIC, PlyError, read_ply
-from renderer.splat_files import inria_ply, packed_ply
+from renderer.splat_files import inria_ply, other_kinds, packed_ply
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
-from renderer.splat_files.spz import GZIP, read_spz
+from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
 
 SUFFIXES = (".ply", ".splat", ".spz")
-__all__ = ["SUFFIXES", "SplatFile", "SplatFileError", "read_splats"]
+__all__ = ["SUFFIXES", "SplatFile", "SplatFileError", "is_named_as_splats", "read_splats"]
 
 
 def read_splats(path: Path) -> SplatFile:
@@ -20,20 +21,40 @@ def read_splats(path: Path) -> SplatFile:
     Raises:
         SplatFileError: the file cannot be read, or is damaged; names it.
     """
+    if path.is_dir() and is_named_as_splats(path):
+        path /= other_kinds.SOG_LIST
     try:
-        return _read(path.read_bytes(), path.suffix.lower())
+        return _read(path.read_bytes(), path.name)
     except OSError as error:
         raise SplatFileError(f"expected a file of splats, got none that can be read: {path}") from error
     except (PlyError, SplatFileError) as error:
         raise SplatFileError(f"{error}: {path}") from error
 
 
-def _read(content: bytes, suffix: str) -> SplatFile:
+def is_named_as_splats(path: Path) -> bool:
+    """Whether a file, or the folder of an unpacked SOG, is meant as splats, be they read here or not."""
+    if path.is_dir():
+        return other_kinds.is_sog_list(path / other_kinds.SOG_LIST)
+    suffix = path.suffix.lower()
+    return suffix in SUFFIXES or suffix in other_kinds.SPLAT_SUFFIXES or other_kinds.is_sog_list(path)
+
+
+def _read(content: bytes, name: str) -> SplatFile:
     if content.startswith(MAGIC):
-        ply = read_ply(content)
-        return packed_ply.splats_of(ply) if packed_ply.is_packed(ply) else inria_ply.splats_of(ply)
-    if content.startswith(GZIP):
+        return _read_ply(content)
+    if content.startswith((GZIP, MAGIC_BYTES)):
         return read_spz(content)
-    if suffix == ".splat":
+    if kind := other_kinds.named_kind(content, name):
+        raise SplatFileError(f"expected a PLY, SPZ or .splat file, got {kind}")
+    if name.lower().endswith(".splat"):
         return read_records(content)
     raise SplatFileError("expected a PLY, SPZ or .splat file, got another kind")
+
+
+def _read_ply(content: bytes) -> SplatFile:
+    ply = read_ply(content)
+    file = packed_ply.splats_of(ply) if packed_ply.is_packed(ply) else inria_ply.splats_of(ply)
+    if not ply.surplus:
+        return file
+    said = f"{ply.surplus} bytes after the last of {len(file.raw)} splats are left alone"
+    return replace(file, notices=(*file.notices, said))

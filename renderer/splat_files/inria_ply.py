@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.harmonics import BANDS
+from renderer.ply_comments import LONGEST, START
 from renderer.ply_elements import Element, Ply
 from renderer.raw_gaussians import RawGaussians
 from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
@@ -81,13 +82,20 @@ def _mode(comments: Sequence[str]) -> RenderMode:
 
 
 def ply_bytes(raw: RawGaussians, mode: RenderMode = "default", comments: Sequence[str] = ()) -> bytes:
-    """A binary file that `splats_of` reads back: all values bit for bit, colours to 1e-7."""
+    """A binary file that `splats_of` reads back: all values bit for bit, colours to 1e-7.
+
+    Raises:
+        ValueError: a comment that other programs cannot read, see ply_comments.py.
+    """
+    lines = [f"{START}{' '.join(comment.split())}" for comment in comments]
+    if any(len(line) > LONGEST for line in lines):
+        raise ValueError(f"expected comments of up to {LONGEST} bytes, got {max(map(len, lines))}")
     count = raw.harmonics.shape[1]
     rest = tuple(f"f_rest_{place}" for place in range(3 * count))
     names = (*MEANS, "nx", "ny", "nz", *DC, *rest, "opacity", *SCALES, *QUATS)
     head = [
-        "ply", "format binary_little_endian 1.0", f"comment {MODE} {mode}",
-        *(f"comment {' '.join(comment.split())}" for comment in comments), f"element vertex {len(raw)}",
+        "ply", "format binary_little_endian 1.0", f"{START}{MODE} {mode}",
+        *lines, f"element vertex {len(raw)}",
         *(f"property float {name}" for name in names), "end_header", "",
     ]  # fmt: skip
     coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR

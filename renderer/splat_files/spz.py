@@ -15,11 +15,15 @@ from numpy.typing import NDArray
 
 from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians
+from renderer.splat_files.other_kinds import CONVERT
 from renderer.splat_files.packed_ply import smallest_three
 from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, logits, repaired
 
 GZIP: Final = b"\x1f\x8b"
 MAGIC: Final = 0x5053474E
+MAGIC_BYTES: Final = MAGIC.to_bytes(4, "little")
+"""Of files from version 4 on, which are zipped plane by plane, the first bytes."""
+ZIPPED_PLY: Final = b"ply"
 HEAD: Final = struct.Struct("<IIIBBBB")
 MOST: Final = 10_000_000
 """Splats of a file, as the format has it."""
@@ -49,6 +53,8 @@ def read_spz(content: bytes) -> SplatFile:
     Raises:
         SplatFileError: another version, too many splats, or a damaged file.
     """
+    if content.startswith(MAGIC_BYTES):
+        raise SplatFileError(_other_version(content))
     unzip = zlib.decompressobj(16 + zlib.MAX_WBITS)
     try:
         head = _head(unzip.decompress(content, HEAD.size))
@@ -61,12 +67,21 @@ def read_spz(content: bytes) -> SplatFile:
     return repaired(_unpacked(head, body), "mip" if head.flags & ANTIALIASED else "default")
 
 
+def _other_version(content: bytes) -> str:
+    version = int.from_bytes(content[4:8], "little")
+    return f"expected an SPZ file of version 1 to 3, got version {version}: {CONVERT}"
+
+
 def _head(content: bytes) -> _Head:
+    if content.startswith(ZIPPED_PLY):
+        raise SplatFileError("expected a PLY file as it is, got one zipped by gzip: unzip it first")
     if len(content) < HEAD.size:
         raise SplatFileError("expected a header of splats, got a file that is cut off")
     magic, version, count, degree, bits, flags, _ = HEAD.unpack(content)
-    if magic != MAGIC or version not in (1, 2, 3):
-        raise SplatFileError("expected an SPZ file of version 1 to 3, got another one")
+    if magic != MAGIC:
+        raise SplatFileError("expected an SPZ file, got another one zipped by gzip: unzip it first")
+    if version not in (1, 2, 3):
+        raise SplatFileError(_other_version(content))
     if count > MOST or degree >= len(BANDS) or bits > 24:
         raise SplatFileError(
             f"expected up to {MOST} splats of degree 0 to 3 with up to 24 bits after the point, "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -12,6 +13,8 @@ import numpy as np
 import pytest
 
 from app.drawing import draw_on_cpu
+from app.errors import UserError
+from app.gui.work.opening import OpenRequest, open_path
 from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from app.scene import open_scene
@@ -20,12 +23,15 @@ from renderer.camera_path import CameraPath, Keyframe
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import near_plane
+from renderer.ply_comments import joined
 from renderer.ply_elements import read_ply
 from renderer.rasterize.cpu import render
 from renderer.rotations import exponential, matrix
 from renderer.splat_files import read_splats
+from renderer.splat_files.inria_ply import ply_bytes
 from renderer.view_files import Views, read_views, views_json
 from tests.app.conftest import Call
+from tests.renderer.splat_files.files import gaussians, zipped
 
 Cli = Callable[..., Call]
 
@@ -48,7 +54,8 @@ def test_a_run_becomes_a_file_a_frame_that_draws_the_same(
         assert np.allclose(own, theirs, atol=1e-5)
         comments = read_ply(path.read_bytes()).comments
         assert "SplatRenderMode: default" in comments  # What other viewers look for.
-        facts = json.loads(next(line for line in comments if line.startswith("vesselsplat "))[12:])
+        assert max(len(f"comment {line}") for line in comments) < 400  # More makes other programs abort.
+        facts = json.loads(joined("vesselsplat", comments) or "")
         assert (facts["frame"], facts["time"]) == (index, record.time(index))
         assert facts["notice"] == "Research use only. Not a medical device."
         assert str(tmp_path) not in json.dumps(facts)
@@ -68,6 +75,33 @@ def test_a_run_becomes_a_video_and_cameras(runs: dict[str, Path], tmp_path: Path
     assert (poses[0]["fx"], poses[0]["width"], poses[9]["id"]) == (camera.fx, 64, 9)
     assert np.allclose(poses[0]["rotation"], camera.world_from_camera[:3, :3])
     assert np.allclose(poses[0]["position"], camera.position)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3])
+def test_a_degree_is_filled_up_for_programs_that_ask_for_it(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, degree: int
+) -> None:
+    flags = ("--frames", 3, "--ply", tmp_path, "--sh-degree", degree)
+    assert vesselsplat("export", runs["original"], *flags).code == 0
+    path = tmp_path / "frame-000003.ply"
+    fields = read_ply(path.read_bytes()).elements[0].fields
+    count = 3 * (degree + 1) ** 2 - 3  # What the loader of the first viewer demands, of degree 3.
+    assert [name for name in fields if "f_rest" in name] == [f"f_rest_{place}" for place in range(count)]
+    call = vesselsplat("replay", path, "--source", runs["original"].parent)
+    assert (call.code, call.error) == (0, "")
+
+
+def test_no_degree_loses_colours_by_direction(tmp_path: Path, vesselsplat: Cli) -> None:
+    file = tmp_path / "a.ply"
+    file.write_bytes(ply_bytes(gaussians(3, 8)))
+    call = vesselsplat("export", file, "--ply", tmp_path / "out", "--sh-degree", 1)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert "--sh-degree" in call.error
+    assert "degree 2" in call.error
+    assert not (tmp_path / "out").exists()
+    call = vesselsplat("export", file, "--cameras", tmp_path / "cameras.json", "--sh-degree", 3)
+    assert call.code == 2
+    assert "--ply" in call.error
 
 
 def test_a_file_of_splats_is_drawn_from_where_all_are_seen(
@@ -134,6 +168,54 @@ def test_a_mistake_is_one_line(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.ply", b"", "an empty file"),
+        ("a.ksplat", bytes(4096), ".ksplat"),
+        ("a.sog", zipped("meta.json", "means_l.webp"), "SOG"),
+        ("meta.json", b'{"means": {}, "sh0": {}}', "SOG"),
+        ("a.spz", b"NGSP\4\0\0\0", "version 4"),
+        ("a.ply", zipped("point_cloud.ply"), "point_cloud.ply"),
+    ],
+)
+def test_a_file_that_is_not_read_is_named_with_what_to_do(
+    tmp_path: Path, vesselsplat: Cli, name: str, content: bytes, said: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    for command in ("render", "export"):
+        out = ("--out" if command == "render" else "--ply", tmp_path / "out")
+        call = vesselsplat(command, tmp_path / name, *out)
+        assert (call.code, call.error.count("\n")) == (2, 1)
+        assert said in call.error
+        assert call.error.endswith(f"{name}\n")
+        with pytest.raises(UserError, match=said):
+            list(open_path(OpenRequest(tmp_path / name)))
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (ply_bytes(gaussians(0)), "no splats"),
+        (ply_bytes(gaussians(1)), ""),
+        (ply_bytes(gaussians(9)) + b"more", "4 bytes after the last of 9"),
+        (ply_bytes(gaussians(9)).replace(b"\n", b"\r\n", 3), ""),
+    ],
+)
+def test_odd_files_are_drawn_and_what_is_odd_is_said(
+    tmp_path: Path, vesselsplat: Cli, content: bytes, said: str
+) -> None:
+    path = tmp_path / "mit Leerzeichen, äöü 内視鏡.ply"
+    path.write_bytes(content)
+    call = vesselsplat("render", path, "--out", tmp_path / "out", "--size", 48, 64)
+    assert call.code == 0
+    assert (said in call.error) if said else call.error == ""
+    facts = read_provenance(tmp_path / "out" / "frame-000000.png")
+    assert facts["splats"]["name"] == path.name
+    assert [notice for notice in facts["notices"] if said in notice] == facts["notices"]
+    assert cv2.imread(str(tmp_path / "out" / "frame-000000.png")).any() == (said != "no splats")
+
+
 def test_a_damaged_file_is_one_line(tmp_path: Path, vesselsplat: Cli) -> None:
     (tmp_path / "a.ply").write_bytes(
         b"ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nend_header\n1"
@@ -146,7 +228,7 @@ def test_a_damaged_file_is_one_line(tmp_path: Path, vesselsplat: Cli) -> None:
 
 
 def test_cameras_come_back_as_they_went(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
-    """The pictures of exported cameras are those of the run's own, but for the principal point."""
+    """A picture of each, at one moment."""
     file = tmp_path / "cameras.json"
     assert vesselsplat("export", runs["original"], "--cameras", file, "--frames", 0, 5).code == 0
     flags = ("--camera", file, "--time", 0.5, "--out", tmp_path / "out")
@@ -156,6 +238,29 @@ def test_cameras_come_back_as_they_went(runs: dict[str, Path], tmp_path: Path, v
     call = vesselsplat("render", runs["original"], "--camera", file, "--frames", 1, "--out", tmp_path / "no")
     assert call.code == 2
     assert "--frames" in call.error
+
+
+def test_pictures_of_exported_cameras_are_those_of_the_cameras_that_were_given(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    """With the principal point off the middle, pixels that are not square, and another shape."""
+    camera = RunFolder(runs["original"]).record().camera(0)
+    turned = camera.camera_from_world.copy()
+    turned[:3, :3] = matrix(exponential(np.array([0.1, 0.3, 0.2]))) @ turned[:3, :3]
+    odd = replace(camera, fy=1.1 * camera.fy, cx=camera.cx - 3.3, cy=camera.cy + 5.7).moved(turned)
+    (tmp_path / "odd.json").write_text(json.dumps(odd.to_json()))
+    flags = ("--camera", tmp_path / "odd.json", "--time", 0.5, "--size", 60, 80)
+    file = tmp_path / "cameras.json"
+    call = vesselsplat("export", runs["original"], "--cameras", file, *flags)
+    assert call.code == 0
+    assert "principal point" in call.error
+    again = ("--camera", file, "--time", 0.5)
+    for out, asked in (("given", flags), ("read", again)):
+        assert vesselsplat("render", runs["original"], *asked, "--out", tmp_path / out).code == 0
+    given, read = (cv2.imread(str(tmp_path / out / "time-0.5000.png")) for out in ("given", "read"))
+    assert given.shape == (80, 60, 3)
+    assert given.std() > 10
+    np.testing.assert_array_equal(given, read)
 
 
 SLOWLY = ("--frames-per-second", "8")

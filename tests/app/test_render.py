@@ -27,9 +27,11 @@ from renderer.near_plane import near_plane
 from renderer.rasterize.accuracy import exact
 from renderer.rasterize.cpu import render
 from renderer.splat_files import read_splats
+from renderer.splat_files.inria_ply import ply_bytes
 from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.fake_steps import model_of
 from tests.renderer.scenes import random_splats, turned_camera
+from tests.renderer.splat_files.files import gaussians
 
 Cli = Callable[..., Call]
 ENDS = ("-depth.npy", "-depth.npy.json", "-depth.png", ".png")
@@ -125,6 +127,47 @@ def test_render_takes_another_camera_and_size(
     assert read_provenance(path)["camera"] == camera.resized(32, 24).to_json()
 
 
+@pytest.mark.parametrize(("size", "where"), [((96, 24), "beside"), ((24, 48), "above and below")])
+def test_a_size_of_another_shape_shows_more_and_stretches_nothing(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, size: tuple[int, int], where: str
+) -> None:
+    """What the clip's camera sees is in the middle, as it is drawn alone."""
+    own = RunFolder(runs["original"]).record().camera(3)
+    scale = min(size[0] / own.width, size[1] / own.height)
+    inner = (round(scale * own.width), round(scale * own.height))
+    pictures = []
+    for place, (width, height) in enumerate((size, inner)):
+        out = tmp_path / str(place)
+        call = vesselsplat("render", runs["original"], "--frames", 3, "--size", width, height, "--out", out)
+        assert call.code == 0
+        assert (where in call.error) == ((width, height) == size)
+        pictures.append(cv2.imread(str(out / "frame-000003.png")).astype(int))
+    left, top = (size[0] - inner[0]) // 2, (size[1] - inner[1]) // 2
+    middle = pictures[0][top : top + inner[1], left : left + inner[0]]
+    assert np.abs(middle - pictures[1]).max() <= 1
+    assert pictures[0].shape == (size[1], size[0], 3)
+
+
+def test_splats_of_a_file_keep_their_shape_in_any_size(tmp_path: Path, vesselsplat: Cli) -> None:
+    """A ball is as wide as it is high, and all of it is seen."""
+    ball = replace(
+        gaussians(1),
+        means=np.zeros((1, 3), np.float32),
+        log_scales=np.zeros((1, 3), np.float32),
+        opacity_logits=np.full(1, 9, np.float32),
+        colors=np.ones((1, 3), np.float32),
+    )
+    (tmp_path / "ball.ply").write_bytes(ply_bytes(ball))
+    for width, height in ((200, 60), (60, 200), (100, 100)):
+        out = tmp_path / f"{width}x{height}"
+        call = vesselsplat("render", tmp_path / "ball.ply", "--size", width, height, "--out", out)
+        assert (call.code, call.error) == (0, "")
+        bright = cv2.imread(str(out / "frame-000000.png"))[..., 0] > 100
+        across, down = np.ptp(np.flatnonzero(bright.any(0))) + 1, np.ptp(np.flatnonzero(bright.any(1))) + 1
+        assert abs(int(across) - int(down)) <= 1
+        assert 10 < across < min(width, height)
+
+
 @pytest.mark.parametrize("renderer", ["cpu", "reference", pytest.param("gl", marks=pytest.mark.gl)])
 def test_straight_alpha_lies_over_any_background_as_if_drawn_there(renderer: Renderer) -> None:
     camera = turned_camera(96, 80)
@@ -162,6 +205,7 @@ def test_a_transparent_picture_has_straight_alpha(
         (("--time", "1.5"), "--time"),
         (("--time", "0.5", "--frames", "1"), "--time"),
         (("--size", "0", "5"), "--size"),
+        (("--size", "40", "40", "--view", "difference"), "the photos' shape"),
         (("--size", "100000", "100000"), "1 to 16384"),
         (("--camera", "{tmp}/huge.json"), "1 to 16384"),
         (("--camera", "{tmp}/infinite.json"), "infinite.json"),

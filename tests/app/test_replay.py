@@ -23,8 +23,10 @@ from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.sources import open_clip
+from renderer.splat_files.inria_ply import ply_bytes
 from tests.app.conftest import Call
 from tests.app.gui.saving import saved
+from tests.renderer.splat_files.files import gaussians
 
 Cli = Callable[..., Call]
 
@@ -98,6 +100,25 @@ def test_exports_come_again(runs: dict[str, Path], tmp_path: Path, vesselsplat: 
         assert (call.code, call.error) == (0, "")
     assert vesselsplat("render", ply, "--out", tmp_path, "--size", 64, 48).code == 0
     call = vesselsplat("replay", tmp_path / "frame-000000.png")  # The splat file lies beside it.
+    assert (call.code, call.error) == (0, "")
+
+
+def test_a_splat_file_of_before_comes_again(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    """With its provenance in one long line."""
+    assert vesselsplat("export", runs["original"], "--ply", tmp_path, "--frames", 4).code == 0
+    path = tmp_path / "frame-000004.ply"
+    content = path.read_bytes()
+    assert content.count(b"\ncomment vesselsplat+ ") > 2
+    path.write_bytes(content.replace(b"\ncomment vesselsplat+ ", b""))
+    call = vesselsplat("replay", path, "--source", runs["original"].parent)
+    assert (call.code, call.error) == (0, "")
+
+
+def test_a_source_may_have_several_spaces_in_its_name(tmp_path: Path, vesselsplat: Cli) -> None:
+    file = tmp_path / "two  and   three spaces.ply"
+    file.write_bytes(ply_bytes(gaussians(5)))
+    assert vesselsplat("export", file, "--ply", tmp_path / "out").code == 0
+    call = vesselsplat("replay", tmp_path / "out" / "frame-000000.ply", "--source", tmp_path)
     assert (call.code, call.error) == (0, "")
 
 

@@ -43,6 +43,16 @@ def test_resizing_scales_pixel_positions(width: int, height: int) -> None:
     assert np.allclose(after[0] / [width, height], before[0] / [64, 48], atol=1e-12)
 
 
+@given(st.integers(1, 400), st.integers(1, 400))
+def test_another_shape_stretches_nothing_and_holds_the_whole_picture(width: int, height: int) -> None:
+    camera = turned_camera(64, 48)
+    shaped = camera.shaped(width, height)
+    assert shaped.fx / camera.fx == pytest.approx(shaped.fy / camera.fy, rel=1e-12)
+    assert shaped.fx / camera.fx == pytest.approx(min(width / 64, height / 48), rel=1e-12)
+    if camera.has_shape(width, height):
+        assert shaped == camera.resized(width, height)
+
+
 def test_json_round_trip_is_exact() -> None:
     camera = turned_camera(64, 48)
     assert Camera.from_json(camera.to_json()) == camera

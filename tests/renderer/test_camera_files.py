@@ -2,14 +2,17 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from renderer.camera import Camera
-from renderer.camera_files import CameraFileError, read_cameras
+from renderer.camera_files import CameraFileError, NamedCamera, off_center, read_cameras, splatting_json
 from renderer.readers.poses import pose_matrix
 
 LENS = Camera(500.0, 510.0, 320.0, 240.0, 640, 480)
@@ -72,6 +75,40 @@ def same(path: Path) -> None:
 def test_cameras_of_other_programs_see_the_same(tmp_path: Path, content: Any) -> None:
     (tmp_path / "cameras.json").write_text(json.dumps(content))
     same(tmp_path / "cameras.json")
+
+
+@settings(max_examples=50)
+@given(
+    st.tuples(*[st.floats(10, 5000)] * 2),
+    st.tuples(*[st.floats(-100, 2000)] * 2),
+    st.tuples(*[st.floats(-1, 1)] * 3),
+    st.tuples(*[st.floats(-1e4, 1e4)] * 3),
+)
+def test_what_is_written_sees_the_same(
+    tmp_path_factory: pytest.TempPathFactory,
+    focal: tuple[float, float],
+    center: tuple[float, float],
+    turn: tuple[float, float, float],
+    place: tuple[float, float, float],
+) -> None:
+    """With any principal point, pixels that are not square, and far from the origin."""
+    lens = Camera(*focal, *center, 641, 333)
+    camera = lens.moved(pose_matrix(np.array(place), np.array([*turn, 1.5])))
+    path = tmp_path_factory.mktemp("cameras") / "cameras.json"
+    path.write_bytes(splatting_json([NamedCamera("one", camera)]))
+    (back,) = read_cameras(path)
+    assert back.name == "one"
+    assert back.camera.moved(np.eye(4)) == lens
+    assert np.allclose(back.camera.camera_from_world, camera.camera_from_world, atol=1e-9, rtol=1e-13)
+
+
+def test_a_principal_point_off_the_middle_is_told() -> None:
+    middle = NamedCamera("middle", LENS)
+    assert off_center([]) is None
+    assert off_center([middle]) is None
+    said = off_center([middle, NamedCamera("off", replace(LENS, cx=LENS.cx + 3.0, cy=LENS.cy - 4.0))])
+    assert said is not None
+    assert "up to 5.00 px" in said
 
 
 def test_so_do_those_of_colmap(tmp_path: Path) -> None:

@@ -20,8 +20,8 @@ from app.gui.work.editing import (
     edited_model,
     tinted_model,
 )
-from app.provenance import comment, provenance
-from app.run_edits import save_edits
+from app.provenance import comments, repeatable
+from app.run_edits import edits_facts, save_edits
 from app.run_folder import RunFolder
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
@@ -258,8 +258,9 @@ def write_splats(state: AppState, source: Path) -> Path:
     while path.exists():
         path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
     origin = editing.edited.origin
-    facts = provenance(**(origin.facts if origin else {}), time=state.time)
-    write_bytes(path, ply_bytes(raw, editing.edited.mode, [comment(facts)]))
+    said = (origin.facts if origin else {}) | edits_facts(editing.edits)
+    facts = repeatable(kind="splats", **said, time=state.time)
+    write_bytes(path, ply_bytes(raw, editing.edited.mode, comments(facts)))
     return path
 
 

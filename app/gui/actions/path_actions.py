@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from app.gui.state.app_state import AppState
 from app.gui.views.free_view import FreeView
 from app.stamp import stamp
 from renderer.camera import Camera
-from renderer.camera_files import CameraFileError, NamedCamera, splatting_json
+from renderer.camera_files import CameraFileError, NamedCamera, off_center, splatting_json
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.view_files import Views, import_views, views_json
 
@@ -198,14 +198,20 @@ def export_clip_cameras(state: AppState) -> None:
     model = state.model
     if model is not None:
         named = [NamedCamera(f"frame-{index:06d}", camera) for index, camera in enumerate(model.cameras)]
-        _write(state, THEIR_FORMAT, lambda: splatting_json(named))
+        _write_cameras(state, named)
 
 
 def export_path_cameras(state: AppState) -> None:
     """Those along the path as cameras.json."""
     keys = state.cameras.views.path.moments(EXPORT_RATE) if state.cameras.views.path.keyframes else ()
     named = [NamedCamera(f"path-{index:06d}", key.camera) for index, key in enumerate(keys)]
+    _write_cameras(state, named)
+
+
+def _write_cameras(state: AppState, named: Sequence[NamedCamera]) -> None:
     _write(state, THEIR_FORMAT, lambda: splatting_json(named))
+    if notice := off_center(named):
+        actions.say(state, notice)
 
 
 def _write(state: AppState, kind: str, content: Callable[[], bytes]) -> None:

@@ -78,11 +78,11 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     if request.path.suffix == SUFFIX:
         yield _open_session(request.path)
         return
-    if is_report(request.path):
-        yield Opened(None, report=read(request.path))
-        return
     if is_splat_file(request.path):
         yield _open_splats(request.path)
+        return
+    if is_report(request.path):
+        yield Opened(None, report=read(request.path))
         return
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)

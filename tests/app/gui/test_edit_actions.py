@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from renderer.editing.highlight import COLOR, OWN
 from renderer.gaussians import DynamicGaussians
 from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
+from tests.app.conftest import Call
 from tests.app.gui.conftest import make_model
 
 
@@ -150,6 +152,17 @@ def test_an_edited_file_is_saved_as_another(splats: AppState, tmp_path: Path) ->
         np.testing.assert_array_equal(written.means, shown(splats).means)
     assert (tmp_path / "sheet.ply").read_bytes() == source
     assert not splats.editing.is_unsaved
+
+
+def test_an_edited_file_is_made_again_of_its_source(
+    splats: AppState, tmp_path: Path, vesselsplat: Callable[..., Call]
+) -> None:
+    drag(splats, (0, 0), (48, 80))
+    settle(splats)
+    edit_actions.delete(splats)
+    assert edit_actions.save(splats)
+    call = vesselsplat("replay", tmp_path / "sheet-edited.ply")
+    assert (call.code, call.error) == (0, "")
 
 
 def test_unsaved_edits_are_asked_about_before_they_are_lost(splats: AppState, tmp_path: Path) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gzip
+import io
 import struct
+import zipfile
 from collections.abc import Sequence
 from typing import Any
 
@@ -73,3 +75,12 @@ def spz(
 ) -> bytes:
     head = struct.pack("<IIIBBBB", 0x5053474E, version, count, degree, bits, flags, 0)
     return gzip.compress(head + b"".join(planes))
+
+
+def zipped(*names: str) -> bytes:
+    """An archive of files with these names."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for name in names:
+            archive.writestr(name, "{}")
+    return file.getvalue()

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from renderer.harmonics import seen_colors
+from renderer.ply_elements import read_ply
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files import SplatFile, SplatFileError, inria_ply, read_splats
 from renderer.splat_files.spz import FLIPS
-from tests.renderer.splat_files.files import NAMES, gaussians, packed_ply, ply, spz, word
+from tests.renderer.splat_files.files import NAMES, gaussians, packed_ply, ply, spz, word, zipped
 
 DATA = Path(__file__).resolve().parents[4] / "shared/data/ply"
 DC = 0.28209479
@@ -212,10 +213,11 @@ ZIPPED = spz(2, 1, [bytes(9), bytes(1), bytes(3), bytes(3), bytes(3), bytes(9)],
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "another kind"),
+        (b"", "an empty file"),
         (b"solid stl", "another kind"),
         (b"ply", "without its header"),
         (GOOD[:200], "without its header"),
+        (GOOD.replace(b"element", b"comment " + bytes(1 << 20) + b"\nelement"), "in its first 1048576 bytes"),
         (GOOD[:-5], "cut off"),
         (GOOD.replace(b"vertex 3", b"vertex 99999999999999"), "cut off"),
         (GOOD.replace(b"vertex 3", b"vertex -3"), "its number"),
@@ -232,6 +234,21 @@ ZIPPED = spz(2, 1, [bytes(9), bytes(1), bytes(3), bytes(3), bytes(3), bytes(9)],
         (spz(2, 0, [bytes(19)], count=4_000_000_000), "10000000"),
         (spz(2, 7, [bytes(19)], count=1), "degree"),
         (b"\x1f\x8bnonsense", "damaged"),
+        (gzip.compress(GOOD), "a PLY file as it is, got one zipped by gzip: unzip it"),
+        (gzip.compress(bytes(99)), "another one zipped by gzip"),
+        (zipped("scene/point_cloud.ply"), "a zip archive: unpack it first and open point_cloud.ply"),
+        (zipped("readme.txt"), "a zip archive: unpack it first"),
+        (zipped("meta.json", "means_l.webp"), "SOG: convert it to .ply with SuperSplat or splat-transform"),
+        (b"PK\x03\x04 and so on", "a zip archive that is damaged"),
+        (
+            b"NGSP" + struct.pack("<IIBBBBI", 4, 9, 3, 12, 0, 6, 32) + bytes(64),
+            "version 4: convert it to .ply",
+        ),
+        (b"\x89PNG\r\n\x1a\n" + bytes(88), "a PNG picture"),
+        (b"\xff\xd8\xff\xe0" + bytes(92), "a JPEG picture"),
+        (b"RIFF\0\0\0\0WEBP" + bytes(84), "a WebP picture"),
+        (b"version https://git-lfs.github.com/spec/v1\n", "a Git LFS pointer"),
+        (b"<!DOCTYPE html>", "a web page"),
     ],
 )
 def test_a_bad_file_is_one_line(tmp_path: Path, content: bytes, said: str) -> None:
@@ -239,6 +256,40 @@ def test_a_bad_file_is_one_line(tmp_path: Path, content: bytes, said: str) -> No
         read(tmp_path, content)
     assert "\n" not in str(caught.value)
     assert str(caught.value).endswith("a.ply")
+
+
+@pytest.mark.parametrize("content", [GOOD, PACKED, ply(fields_of(gaussians(3)), "=")])
+def test_what_comes_after_the_last_splat_is_told(tmp_path: Path, content: bytes) -> None:
+    assert read(tmp_path, content + (b"\n" if b"ascii" in content else b"")).notices == ()
+    got = read(tmp_path, content + b"\n9 9")
+    count = 3 if b"ascii" in content else 4
+    assert got.notices == (f"{count} bytes after the last of 3 splats are left alone",)
+    assert len(got.raw) == 3
+    with pytest.raises(SplatFileError, match="cut off"):
+        read(tmp_path, content[:-40])
+
+
+def test_a_header_may_be_long_and_its_lines_end_as_on_windows(tmp_path: Path) -> None:
+    long = GOOD.replace(b"element", b"comment " + b"x" * 500_000 + b"\nelement")
+    same(read(tmp_path, GOOD).raw, read(tmp_path, long).raw)
+    text = ply(fields_of(gaussians(3)), "=")
+    same(read(tmp_path, text).raw, read(tmp_path, text.replace(b"\n", b"\r\n") + b"\r\n\r\n").raw)
+
+
+@pytest.mark.parametrize("bands", [0, 3, 8, 15])
+@pytest.mark.parametrize("degree", [0, 1, 2, 3])
+def test_a_degree_fills_up_with_zeros_and_loses_no_colour(bands: int, degree: int) -> None:
+    raw, wanted = gaussians(7, bands), [0, 3, 8, 15][degree]
+    if wanted < bands:
+        with pytest.raises(ValueError, match=f"degree {[0, 3, 8, 15].index(bands)}"):
+            raw.of_degree(degree)
+        raw.harmonics[:, wanted:] = 0
+    got = raw.of_degree(degree)
+    fields = read_ply(inria_ply.ply_bytes(got)).elements[0].fields
+    assert [name for name in fields if "f_rest" in name] == [f"f_rest_{place}" for place in range(3 * wanted)]
+    least = min(bands, wanted)
+    assert np.array_equal(got.harmonics[:, :least], raw.harmonics[:, :least])
+    assert not got.harmonics[:, least:].any()
 
 
 def test_a_folder_or_nothing_is_one_line(tmp_path: Path) -> None:

@@ -1,0 +1,78 @@
+"""Files that hold no splats that are read here: which kind each is, and what can be done about it."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from pathlib import Path, PurePath
+from types import MappingProxyType
+from typing import Any, Final
+
+CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
+SOG: Final = f"SOG: {CONVERT}"
+SPLAT_SUFFIXES: Final = MappingProxyType(
+    {".ksplat": f"a .ksplat file: {CONVERT}", ".sog": "a .sog file that is damaged: no zip archive"}
+)
+"""Of splats, told by their names alone."""
+SUFFIXES: Final = MappingProxyType({**SPLAT_SUFFIXES, ".safetensors": "a model: give the folder of its run"})
+SOG_LIST: Final = "meta.json"
+"""Ends the name of the file beside the pictures of an unpacked SOG."""
+ZIP: Final = b"PK\x03\x04"
+STARTS: Final = MappingProxyType(
+    {
+        b"\x89PNG\r\n\x1a\n": "a PNG picture",
+        b"\xff\xd8\xff": "a JPEG picture",
+        b"\x28\xb5\x2f\xfd": "a file zipped by zstd: unzip it first",
+        b"7z\xbc\xaf\x27\x1c": "a 7z archive: unpack it first",
+        b"glTF": f"a glTF file: {CONVERT}",
+        b"version https://git-lfs": "a Git LFS pointer: fetch the file itself with git lfs pull",
+        b"<!DOCTYPE html": "a web page: download the file itself",
+        b"<html": "a web page: download the file itself",
+    }
+)
+"""First bytes of kinds that come with the wrong name."""
+
+
+def named_kind(content: bytes, name: str) -> str | None:
+    """What the file is in place of splats, and what to do; None where nothing tells."""
+    if not content:
+        return "an empty file"
+    if content.startswith(ZIP):
+        return _zip_kind(content)
+    if _is_sog_list(content, name):
+        return f"the list of an unpacked {SOG}"
+    start = next((start for start in STARTS if content.startswith(start)), None)
+    if start is None and content[:4] == b"RIFF" and content[8:12] == b"WEBP":
+        return "a WebP picture"
+    return SUFFIXES.get(PurePath(name).suffix.lower()) if start is None else STARTS[start]
+
+
+def is_sog_list(path: Path) -> bool:
+    """Whether a file is the list of an unpacked SOG, by its name and what it says."""
+    try:
+        return path.name.endswith(SOG_LIST) and _is_sog_list(path.read_bytes(), path.name)
+    except OSError:
+        return False
+
+
+def _is_sog_list(content: bytes, name: str) -> bool:
+    if not name.endswith(SOG_LIST):
+        return False
+    try:
+        said: Any = json.loads(content)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(said, dict) and ({"means", "sh0"} <= said.keys() or "lodLevels" in said)
+
+
+def _zip_kind(content: bytes) -> str:
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, ValueError, NotImplementedError):
+        return "a zip archive that is damaged"
+    if any(name.endswith(SOG_LIST) for name in names):
+        return SOG
+    inside = next((name for name in names if name.lower().endswith(".ply")), None)
+    return "a zip archive: unpack it first" + (f" and open {PurePath(inside).name}" if inside else "")
