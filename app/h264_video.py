@@ -102,7 +102,10 @@ class H264Writer:
 
 
 def _tags(path: Path) -> _Tags:
-    """Of a video; a matrix that this writer has no use for gives way to BT.709."""
+    """Of a video; a matrix that this writer has no use for gives way to BT.709.
+
+    Browsers heed a matrix only beside primaries and a transfer: what is missing is that of screens.
+    """
     with open_container(path) as container:
         stream = video_stream(container, path)
         codec = stream.codec_context
@@ -110,4 +113,8 @@ def _tags(path: Path) -> _Tags:
         known = matrix if matrix in MATRICES or matrix == UNSPECIFIED else BT709
         aspect = stream.sample_aspect_ratio
         shape = aspect if aspect and aspect != 1 else None
-        return _Tags(int(codec.color_primaries), int(codec.color_trc), known, shape)
+        missing = UNSPECIFIED if known == UNSPECIFIED else BT709
+        primaries, transfer = (
+            missing if told == UNSPECIFIED else int(told) for told in (codec.color_primaries, codec.color_trc)
+        )
+        return _Tags(primaries, transfer, known, shape)
