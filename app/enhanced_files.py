@@ -213,6 +213,10 @@ def _write_video(
 
     written = yield from write_frames(output, frames(), series.timing)
     notices.extend(written.notices)
-    record = {"kind": "enhanced video", "frames_per_second": series.frames_per_second, "pictures": facts}
+    record = {
+        "kind": "enhanced video",
+        "frames_per_second": series.timing.frames_per_second,
+        "pictures": facts,
+    }
     write_sidecar(output, provenance(**record, encoding=written.encoding, notices=notices))
     return facts

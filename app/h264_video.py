@@ -60,7 +60,7 @@ class H264Writer:
         self._unit = 1 / self._rate if timing.frame_times is None else Fraction(1, TICKS)
         self._stream = self._video_stream(size, tags)
         self._matrix = MATRICES.get(tags.matrix) or ("ITU709" if size[1] >= HD else "ITU601")
-        self._sound: Sound | None = sound_of(timing.like, self._container) if timing.like else None
+        self._sound: Sound | None = sound_of(timing, self._container)
         self._count, self._end = 0, 0.0
         self.encoding = f"H.264, colour tags {tags.primaries}/{tags.transfer}/{tags.matrix}"
 

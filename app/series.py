@@ -11,8 +11,15 @@ from app.errors import UserError
 from app.pictures import ArrayImage, images_in, is_image, read_image
 from app.provenance import LAYOUTS, source
 from app.video import Timing
+from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
+
+FRAMES_PER_SECOND = 25.0
+"""Of folders, which do not say."""
+EVENLY = Timing(FRAMES_PER_SECOND)
+ROUNDING = 0.002
+"""Seconds by which containers round times."""
 
 
 @dataclass(frozen=True)
@@ -24,14 +31,13 @@ class Series:
     sources: tuple[Path, ...]
     """The file that each picture comes from."""
     read: Callable[[int], ArrayImage]
-    frames_per_second: float
     notices: tuple[str, ...] = ()
     """One sentence for each oddity met while opening."""
 
     is_video: bool = False
     """Whether all pictures are frames of one video file."""
-    frame_times: tuple[float, ...] | None = None
-    """Seconds from the first picture, where they do not come evenly."""
+    timing: Timing = EVENLY
+    """Of a video made of these pictures."""
 
     def __len__(self) -> int:
         return len(self.names)
@@ -39,12 +45,6 @@ class Series:
     def frame(self, index: int) -> int | None:
         """The number of a picture in its source; None where each has a source of its own."""
         return index if self.is_video or (len(self) > 1 and self.sources[0] == self.sources[-1]) else None
-
-    @property
-    def timing(self) -> Timing:
-        """How a video made of these pictures is shown."""
-        like = self.sources[0] if self.is_video else None
-        return Timing(self.frames_per_second, self.frame_times, like)
 
     def origins(self) -> Iterator[dict[str, str]]:
         """Name and digest of each picture's file; that of a video is taken once."""
@@ -55,12 +55,6 @@ class Series:
     def spread(self, count: int) -> range:
         """Numbers of `count` pictures or fewer, evenly spread, the first among them."""
         return range(0, len(self), -(-len(self) // count))
-
-
-FRAMES_PER_SECOND = 25.0
-"""Of folders, which do not say."""
-ROUNDING = 0.002
-"""Seconds by which containers round times."""
 
 
 def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
@@ -85,30 +79,33 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
         other = first.setdefault(path.stem, path)
         if other != path:
             raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
-    return Series(names, paths, lambda index: read_image(paths[index]), FRAMES_PER_SECOND)
+    return Series(names, paths, lambda index: read_image(paths[index]))
 
 
 def _of_clip(path: Path) -> Series:
     """The pictures of a folder whose files tell more than pictures: left ones of pairs, rectified."""
     clip = open_clip(path)
     names = tuple(Path(label).stem for label in clip.labels)
-    speed = clip.frames_per_second or FRAMES_PER_SECOND
-    return Series(names, (path,) * len(clip), clip.read_image, speed, clip.notices)
+    timing = timing_of(clip, range(len(clip)))
+    return Series(names, (path,) * len(clip), clip.read_image, clip.notices, timing=timing)
 
 
 def _of_video(path: Path, options: ClipOptions) -> Series:
     clip = open_clip(path, options)
     names = tuple(f"frame-{index:06d}" for index in range(len(clip)))
+    timing, files = timing_of(clip, range(len(clip))), (path,) * len(clip)
+    return Series(names, files, clip.read_image, clip.notices, is_video=True, timing=timing)
+
+
+def timing_of(clip: Clip, frames: range) -> Timing:
+    """Of a video with one frame for each of these of a clip, one after another."""
     speed = clip.frames_per_second or FRAMES_PER_SECOND
-    return Series(
-        names,
-        (path,) * len(clip),
-        clip.read_image,
-        speed,
-        clip.notices,
-        is_video=True,
-        frame_times=_uneven(clip.frame_times, speed),
-    )
+    if clip.format != "video":
+        return Timing(speed)
+    times = clip.frame_times and clip.frame_times[frames.start : frames.stop]
+    start = times[0] if times else frames.start / speed
+    within = times and tuple(time - start for time in times)
+    return Timing(speed, _uneven(within, speed), start, clip.path)
 
 
 def _uneven(times: tuple[float, ...] | None, speed: float) -> tuple[float, ...] | None:

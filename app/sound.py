@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 from itertools import chain
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import av
 
+from app.video import Timing
 from renderer.readers.video_index import open_container, start_of
 
 if TYPE_CHECKING:
@@ -24,24 +24,25 @@ LAYOUTS = {1: "mono", 2: "stereo"}
 """By the number of channels."""
 
 
-def sound_of(path: Path, output: OutputContainer) -> Sound | None:
-    """The first sound track of a video, with a track for it in `output`; None where there is none."""
-    source = open_container(path)
+def sound_of(timing: Timing, output: OutputContainer) -> Sound | None:
+    """The first sound track of the video that frames come from, with a track for it in `output`, if any."""
+    if timing.like is None:
+        return None
+    source = open_container(timing.like)
     if not source.streams.audio:
         source.close()
         return None
-    return Sound(path, source, output)
+    return Sound(source, output, start_of(timing.like) + Fraction(timing.start))
 
 
 class Sound:
     """Feeds the output in step with its frames, so that players find both close to each other."""
 
-    def __init__(self, path: Path, source: InputContainer, output: OutputContainer) -> None:
-        self._source, self._output = source, output
+    def __init__(self, source: InputContainer, output: OutputContainer, start: Fraction) -> None:
+        # Times count from the first frame that is written: sound before it has no picture.
+        self._source, self._output, self._start = source, output, start
         self._track = source.streams.audio[0]
-        # Times count from the first frame: sound before it has no picture.
         self._extra = len(source.streams.audio) - 1
-        self._start = start_of(path)
         self._is_copied = self._track.codec_context.codec.canonical_name in COPIED
         self._written = self._add_track()
         packets = self._copied() if self._is_copied else self._encoded()

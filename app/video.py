@@ -35,6 +35,8 @@ class Timing:
     frames_per_second: float
     frame_times: tuple[float, ...] | None = None
     """Seconds, rising, where frames do not come evenly."""
+    start: float = 0.0
+    """Seconds from the first frame of `like` to the first that is written."""
     like: Path | None = None
     """The video that frames are made from, one for one; sound, colour tags and shape of pixels are kept."""
 

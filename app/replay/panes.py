@@ -26,6 +26,7 @@ from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
 from app.scene_view import SceneView
+from app.series import timing_of
 from app.video import Timing, write_video
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE
@@ -131,7 +132,9 @@ def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     span, panes = SPAN.validate_python(facts), panes_of(facts, sources)
-    write_video(target, panes.pages(span.frames(panes)), Timing(span.frames_per_second))
+    frames = span.frames(panes)
+    timing = timing_of(panes.shots[0].photo.clip, frames)
+    write_video(target, panes.pages(frames), replace(timing, frames_per_second=span.frames_per_second))
     write_sidecar(target, again(facts))
 
 

@@ -17,6 +17,7 @@ from app.gui.work.viewing import view_facts
 from app.in_steps import retold
 from app.moments import FRAMES_PER_SECOND
 from app.provenance import provenance, source, write_png, write_sidecar
+from app.series import timing_of
 from app.stamp import stamp
 from app.video import Timing, write_frames
 from renderer.clip import Clip
@@ -126,6 +127,7 @@ def _picture(request: ExportRequest, path: Path) -> None:
 
 
 def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
+    timing = Timing(request.frames_per_second)
     if request.form == "view video":
         moments = yield from retold(steady(request.moments, request.photos), Step)
         frames, facts = view_pages(moments, request.photos), {"kind": "view video"} | video_facts(moments)
@@ -133,7 +135,9 @@ def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
         request = replace(request, panes=request.panes.steady(OtherMaker()))
         frames = request.panes.pages(request.frames)
         facts = {"kind": "panes video"} | _facts(request) | _span_facts(request)
-    written = yield from retold(write_frames(path, frames, Timing(request.frames_per_second)), Step)
+        kept = timing_of(request.panes.shots[0].photo.clip, request.frames)
+        timing = replace(kept, frames_per_second=request.frames_per_second)
+    written = yield from retold(write_frames(path, frames, timing), Step)
     facts |= {"frames_per_second": request.frames_per_second, "video": written}
     write_sidecar(path, provenance(**facts))
 
