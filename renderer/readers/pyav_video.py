@@ -191,6 +191,6 @@ class PyAvVideo:
             yield INTERLACED[self._deinterlacing]
         if self.pixel_aspect != 1:
             ratio = f"{self.pixel_aspect:.3g}"
-            yield f"pixels are {ratio} times as wide as high; pictures keep them, videos say so"
+            yield f"pixels are {ratio} times as wide as high; exported pictures have them as stored"
         if transfer := HDR.get(first.color_trc):
             yield f"the video is HDR ({transfer}); it is read without tone mapping and looks flat"

@@ -104,7 +104,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if opened.clip is None or state.clip is None or opened.clip.path != state.clip.path:
         state.cameras = CameraList()
     state.clip, state.opened_options, state.pictures = opened.clip, opened.options, None
-    state.playing, state.frozen_index, state.picture_view = False, None, PictureView()
+    state.playing, state.frozen_index = False, None
+    state.picture_view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
     state.tuning = state.tuning.renewed()
     state.linked, state.view_time, state.frame_index = True, 0.0, 0
     state.comparison, state.others, state.difference = state.comparison.renewed(), {}, None

@@ -16,7 +16,6 @@ from app.gui.actions import actions, edit_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SOURCES, Comparison
 from app.gui.views.free_view import FreeView
-from app.gui.views.picture_view import PictureView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import Choice
 from app.provenance import digest
@@ -128,7 +127,7 @@ def restore(state: AppState, session: Session) -> None:
     compared = session.comparison
     if {compared.left, compared.right} <= set(SOURCES):
         state.comparison = Comparison(**asdict(compared)).wiped(compared.wipe)
-    state.picture_view = PictureView(session.zoom, session.center)
+    state.picture_view = replace(state.picture_view, zoom=session.zoom, center=session.center)
     state.linked, state.view_time = session.linked, min(max(session.view_time, 0.0), 1.0)
     _restore_views(state, session)
     draft = state.reconstruction

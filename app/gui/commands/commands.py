@@ -24,7 +24,6 @@ from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import MODES, SLOTS, Mode, Slot
-from app.gui.views.picture_view import PictureView
 
 MODE_KEYS = dict(zip(MODES, ("V", "W", "T", "D"), strict=True))
 MODE_TEXTS: dict[Mode, str] = {
@@ -261,7 +260,7 @@ def _open_palette(state: AppState) -> None:
 
 
 def fit_pictures(state: AppState) -> None:
-    state.picture_view = PictureView()
+    state.picture_view = state.picture_view.fitted()
 
 
 def one_to_one(state: AppState) -> None:

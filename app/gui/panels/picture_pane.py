@@ -240,7 +240,7 @@ def _draw_cross(state: AppState, image: ByteImage, area: Area) -> None:
     if state.pointer is None:
         return
     place = _placement(state, image, area)
-    x = area.corner.x + place.offset_x + place.zoom * (state.pointer[0] + 0.5)
+    x = area.corner.x + place.offset_x + place.zoom_x * (state.pointer[0] + 0.5)
     y = area.corner.y + place.offset_y + place.zoom * (state.pointer[1] + 0.5)
     draw, reach = imgui.get_window_draw_list(), em(0.5)
     for color, weight in ((theme.grey(0.0, 0.8), 3.0), (theme.grey(1.0), 1.0)):

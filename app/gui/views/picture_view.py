@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 MIN_ZOOM, MAX_ZOOM = 0.05, 40.0
 
@@ -12,12 +12,19 @@ class Placement:
     """Where the picture lies in its pane: pane position = offset + zoom * picture position, in pixels."""
 
     zoom: float
+    """Down; across it is `zoom_x`."""
     offset_x: float
     offset_y: float
+    pixel_aspect: float = 1.0
+    """Width of a picture's pixel by its height."""
+
+    @property
+    def zoom_x(self) -> float:
+        return self.zoom * self.pixel_aspect
 
     def picture_at(self, x: float, y: float) -> tuple[float, float]:
         """Picture position under a pane position."""
-        return (x - self.offset_x) / self.zoom, (y - self.offset_y) / self.zoom
+        return (x - self.offset_x) / self.zoom_x, (y - self.offset_y) / self.zoom
 
 
 @dataclass(frozen=True)
@@ -30,14 +37,16 @@ class PictureView:
 
     zoom: float | None = None
     center: tuple[float, float] = (0.5, 0.5)
+    pixel_aspect: float = 1.0
+    """Width of a picture's pixel by its height, which `zoom` counts."""
 
     def place(self, picture: tuple[int, int], pane: tuple[float, float]) -> Placement:
         """Placement of a picture of (width, height) pixels in a pane of (width, height) pixels."""
-        fit = min(pane[0] / picture[0], pane[1] / picture[1])
-        if self.zoom is None:
-            return Placement(fit, (pane[0] - fit * picture[0]) / 2, (pane[1] - fit * picture[1]) / 2)
-        x, y = (pane[axis] / 2 - self.zoom * self.center[axis] * picture[axis] for axis in (0, 1))
-        return Placement(self.zoom, x, y)
+        width, height = picture[0] * self.pixel_aspect, picture[1]
+        fit = min(pane[0] / width, pane[1] / height)
+        zoom, center = (fit, (0.5, 0.5)) if self.zoom is None else (self.zoom, self.center)
+        x, y = pane[0] / 2 - zoom * center[0] * width, pane[1] / 2 - zoom * center[1] * height
+        return Placement(zoom, x, y, self.pixel_aspect)
 
     def zoomed(
         self, factor: float, at: tuple[float, float], picture: tuple[int, int], pane: tuple[float, float]
@@ -46,8 +55,9 @@ class PictureView:
         now = self.place(picture, pane)
         zoom = min(max(now.zoom * factor, MIN_ZOOM), MAX_ZOOM)
         fixed = now.picture_at(*at)
-        middle = (fixed[0] + (pane[0] / 2 - at[0]) / zoom, fixed[1] + (pane[1] / 2 - at[1]) / zoom)
-        return PictureView(zoom, _inside(middle, picture))
+        across = (pane[0] / 2 - at[0]) / (zoom * self.pixel_aspect)
+        middle = (fixed[0] + across, fixed[1] + (pane[1] / 2 - at[1]) / zoom)
+        return replace(self, zoom=zoom, center=_inside(middle, picture))
 
     def panned(
         self, by: tuple[float, float], picture: tuple[int, int], pane: tuple[float, float]
@@ -55,15 +65,19 @@ class PictureView:
         """Dragged by pane pixels; the middle of the pane stays on the picture."""
         now = self.place(picture, pane)
         middle = now.picture_at(pane[0] / 2 - by[0], pane[1] / 2 - by[1])
-        return PictureView(now.zoom, _inside(middle, picture))
+        return replace(self, zoom=now.zoom, center=_inside(middle, picture))
 
     def scaled(self, scale: float) -> PictureView:
         """The same view of a pane counted in pixels `scale` times as fine."""
-        return PictureView(None if self.zoom is None else self.zoom * scale, self.center)
+        return replace(self, zoom=None if self.zoom is None else self.zoom * scale)
+
+    def fitted(self) -> PictureView:
+        """The whole picture."""
+        return replace(self, zoom=None, center=(0.5, 0.5))
 
     def one_to_one(self, zoom: float = 1.0) -> PictureView:
         """At `zoom` pane pixels a picture pixel, around the same centre."""
-        return PictureView(zoom, self.center)
+        return replace(self, zoom=zoom)
 
 
 def _inside(position: tuple[float, float], picture: tuple[int, int]) -> tuple[float, float]:

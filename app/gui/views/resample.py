@@ -40,17 +40,17 @@ class Patch:
 
 def visible(image: ByteImage, place: Placement, pane: tuple[float, float]) -> Patch | None:
     """The part of an (H, W, 3) or (H, W) image that a pane of (width, height) pixels shows; None: nothing."""
-    columns = _span(place.offset_x, place.zoom, image.shape[1], pane[0])
+    columns = _span(place.offset_x, place.zoom_x, image.shape[1], pane[0])
     rows = _span(place.offset_y, place.zoom, image.shape[0], pane[1])
     if columns is None or rows is None:
         return None
     part = image[rows[0] : rows[1], columns[0] : columns[1]]
-    x, width = _target(columns, place.offset_x, place.zoom)
+    x, width = _target(columns, place.offset_x, place.zoom_x)
     y, height = _target(rows, place.offset_y, place.zoom)
     if (width, height) == (part.shape[1], part.shape[0]):
         return Patch(np.ascontiguousarray(part), x, y)
-    part = _halved(part, place.zoom)
-    sampled = cv2.resize(part, (width, height), interpolation=_filter(place.zoom))
+    part = _halved(part, max(place.zoom, place.zoom_x))
+    sampled = cv2.resize(part, (width, height), interpolation=_filter(min(place.zoom, place.zoom_x)))
     return Patch(np.asarray(sampled, dtype=np.uint8), x, y)
 
 

@@ -12,12 +12,15 @@ views = st.builds(
     PictureView,
     st.one_of(st.none(), st.floats(MIN_ZOOM, MAX_ZOOM)),
     st.tuples(st.floats(0, 1), st.floats(0, 1)),
+    st.sampled_from([1.0, 16 / 15, 64 / 45, 0.5]),
 )
 
 
-def test_fit_shows_the_whole_picture_centred() -> None:
-    place = PictureView().place(PICTURE, PANE)
-    assert place.zoom * PICTURE[0] <= PANE[0] + 1e-9
+@pytest.mark.parametrize("aspect", [1.0, 16 / 15, 0.5])
+def test_fit_shows_the_whole_picture_centred(aspect: float) -> None:
+    place = PictureView(2.0, (0.1, 0.2), aspect).fitted().place(PICTURE, PANE)
+    assert place.zoom_x / place.zoom == pytest.approx(aspect)
+    assert place.zoom_x * PICTURE[0] <= PANE[0] + 1e-9
     assert place.zoom * PICTURE[1] <= PANE[1] + 1e-9
     assert place.picture_at(PANE[0] / 2, PANE[1] / 2) == pytest.approx((320, 256))
 

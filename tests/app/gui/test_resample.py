@@ -110,3 +110,14 @@ def test_a_texture_holds_the_pixels_and_is_written_once(ctx: moderngl.Context, i
     textures.whole("view", image[:7, :5])
     textures.whole("view", image[:5, :7])
     textures.release()
+
+
+def test_pixels_that_are_not_square_are_shown_in_their_shape() -> None:
+    """A circle of a video for PAL television, stored 720 wide for 768, is round on the screen."""
+    rows, columns = np.mgrid[:576, :720]
+    stored = (np.hypot((columns + 0.5 - 360) * 16 / 15, rows + 0.5 - 288) < 200).astype(np.uint8) * 255
+    pane = (900.0, 700.0)
+    patch = visible(stored, PictureView(pixel_aspect=16 / 15).place((720, 576), pane), pane)
+    assert patch is not None
+    high, wide = np.ptp(np.argwhere(patch.pixels > 127), axis=0)
+    assert abs(int(wide) - int(high)) <= 2
