@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from app.errors import UserError
+from renderer.atomic_files import rename, sync_folder
 
 
 @contextmanager
@@ -31,7 +32,7 @@ def replaced(path: Path) -> Iterator[Path]:
             # Windows syncs no file that is open for reading alone.
             with temporary.open("rb+") as file:
                 os.fsync(file.fileno())
-            os.replace(temporary, path)
+            rename(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -69,6 +70,7 @@ def filled(folder: Path) -> Iterator[Path]:
                 raise UserError(f"expected the place of a file to write, got a folder: {folder / name}")
         for name in names:
             os.replace(staging / name, folder / name)
+        sync_folder(folder)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 

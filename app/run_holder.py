@@ -1,32 +1,43 @@
-"""Which process trains a run: a small hidden file in its folder for as long as it does."""
+"""Which process trains a run: a lock of the system, and a small hidden file that says who has it."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import psutil
+from filelock import FileLock, Timeout
 
 from app.atomic import write_bytes
 from app.errors import UserError
 
-NAME = ".training.json"
+NAME, LOCK = ".training.json", ".training.lock"
 
 
 @contextmanager
 def held(run: Path) -> Iterator[None]:
-    """Nobody else trains the run meanwhile. Raises UserError when another process does."""
-    other = holder(run)
-    if other is not None:
-        raise UserError(f"the run is being trained by another process, {other}: {run}")
+    """Nobody else trains the run meanwhile. Raises UserError when another process does.
+
+    The system lets go of the lock when its process ends, however it ends.
+    """
     file, process = run / NAME, psutil.Process()
-    write_bytes(file, json.dumps({"process": process.pid, "began": process.create_time()}).encode())
+    lock = FileLock(run / LOCK, blocking=False, thread_local=False)
     try:
+        lock.acquire()
+    except Timeout as error:
+        who = f", {other}" if (other := holder(run)) else ""
+        raise UserError(f"the run is being trained by another process{who}: {run}") from error
+    try:
+        write_bytes(file, json.dumps({"process": process.pid, "began": process.create_time()}).encode())
         yield
     finally:
         file.unlink(missing_ok=True)
+        # Removed while it is held, so that nobody else's is; Windows lets go of it first.
+        with suppress(PermissionError):
+            (run / LOCK).unlink(missing_ok=True)
+        lock.release()
 
 
 def holder(run: Path) -> int | None:

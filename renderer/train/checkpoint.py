@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
+
+from renderer.atomic_files import write_atomically
 
 KEPT = 2
 _NAME = re.compile(r"checkpoint-(\d+)\.safetensors")
@@ -43,16 +44,6 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
     for old in checkpoint_paths(folder)[:-KEPT]:
         old.unlink()
     return path
-
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """`path` holds its old content or all of the new, whatever happens meanwhile."""
-    partial = path.with_name(path.name + ".partial")
-    with partial.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)
 
 
 def checkpoint_paths(folder: Path) -> list[Path]:

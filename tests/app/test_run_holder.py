@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import psutil
@@ -59,3 +60,40 @@ def test_a_number_that_is_used_again_is_another_process(tmp_path: Path) -> None:
 def test_a_damaged_file_holds_nothing(tmp_path: Path, text: str) -> None:
     (tmp_path / NAME).write_text(text)
     assert holder(tmp_path) is None
+
+
+RACES = """
+import sys, time
+from pathlib import Path
+from app.errors import UserError
+from app.run_holder import held
+start = float(sys.argv[2])
+while time.time() < start:
+    pass
+try:
+    with held(Path(sys.argv[1])):
+        print("held", flush=True)
+        time.sleep(1.0)
+except UserError as error:
+    print("refused:", error, flush=True)
+"""
+
+
+@pytest.mark.parametrize("attempt", range(4))
+def test_of_two_that_begin_at_once_one_is_refused(tmp_path: Path, attempt: int) -> None:
+    """A stale file of a killed process lies there in every other attempt."""
+    if attempt % 2:
+        (tmp_path / NAME).write_text(json.dumps({"process": 999_999_999, "began": 0.0}))
+    start = str(time.time() + 1.5)
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-c", RACES, str(tmp_path), start],
+            stdout=subprocess.PIPE,
+            env={"PYTHONPATH": str(Path(__file__).parents[2])},
+            text=True,
+        )
+        for _ in range(2)
+    ]
+    said = sorted(process.communicate()[0].split(":")[0].strip() for process in processes)
+    assert said == ["held", "refused"]
+    assert list(tmp_path.iterdir()) == []
