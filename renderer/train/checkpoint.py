@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ class Checkpoint:
     """Training time so far."""
     fingerprint: str
     """Configuration and clip that the run was started with, as text."""
-    arrays: dict[str, NDArray[np.float32] | NDArray[np.int32] | NDArray[np.int64]]
+    arrays: dict[str, NDArray[Any]]
 
 
 def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
@@ -55,10 +56,19 @@ def read_newest_checkpoint(folder: Path) -> Checkpoint | None:
     """The newest readable checkpoint, or None. A damaged file is passed over for the one before it."""
     for path in reversed(checkpoint_paths(folder)):
         try:
-            with safe_open(path, framework="numpy") as file:
-                state = json.loads(file.metadata()["state"])
-                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-        except (SafetensorError, OSError, KeyError, TypeError, ValueError):
+            return read_checkpoint(path)
+        except ValueError:
             continue
-        return Checkpoint(int(state["iteration"]), float(state["seconds"]), str(state["fingerprint"]), arrays)
     return None
+
+
+def read_checkpoint(path: Path) -> Checkpoint:
+    """Raises ValueError when the file is damaged, or something else."""
+    try:
+        with safe_open(path, framework="numpy") as file:
+            state = json.loads(file.metadata()["state"])
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        iteration, seconds = int(state["iteration"]), float(state["seconds"])
+        return Checkpoint(iteration, seconds, str(state["fingerprint"]), arrays)
+    except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"expected a checkpoint, got a damaged file or another: {path}") from error

@@ -18,7 +18,9 @@ JUDGED = 100
 SHARE = 0.02
 """Of the newest loss in the running mean."""
 WORSE = 2.0
-"""A running mean this many times the first step's loss is no training."""
+"""A running mean this many times the first loss is no training."""
+TYPICAL = 0.5
+"""Frames with this much of the tissue of the fullest one tell how the loss is."""
 
 
 @dataclass
@@ -84,10 +86,15 @@ class LossWatch:
 
     def __init__(self, state: NDArray[np.float64] | None = None) -> None:
         self.state = np.zeros(3) if state is None else state.copy()
-        """Steps, loss of the first one, running mean."""
+        """Steps, loss of the first one, running mean; a checkpoint keeps them."""
 
-    def add(self, loss: float) -> None:
-        """Of one step."""
+    def add(self, loss: float, tissue: float = 1.0) -> None:
+        """Of one step, on a frame with `tissue` as a share of the fullest one's.
+
+        A frame with little tissue tells little: with none its loss is 0, and any other is a rise.
+        """
+        if tissue < TYPICAL:
+            return
         steps, first, recent = self.state
         if steps == 0:
             first = recent = loss

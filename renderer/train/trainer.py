@@ -39,6 +39,8 @@ from renderer.train.pictures import Pictures
 from renderer.train.recipe import Recipe, Stage
 from renderer.train.unseen import without_unseen
 
+LOSSES = "loss_watch"
+"""Among a checkpoint's arrays."""
 PROGRESS_SECONDS = 0.25
 SNAPSHOT_SECONDS = 1.0
 HELD_OUT_PHASE, HELD_OUT_EVERY = 4, 7
@@ -80,22 +82,24 @@ def train(
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
     pool = _Pool([train_frame(frame) for frame in frames], config.seed, needs.has_masks)
     del frames, seeds
-    start, seconds = _resumed(model, folder, clip, config) if folder and resume else (0, 0.0)
+    watch = LossWatch()
+    start, seconds = _resumed(model, watch, folder, clip, config) if folder and resume else (0, 0.0)
     yield Started(start, recipe.iterations, len(model), needs.omitted)
 
-    meter, watch = _Meter(recipe, seconds), LossWatch()
+    meter = _Meter(recipe, seconds)
     held = HeldOut(clip, held_out or clip.test_indices, size, recipe.mode)
     for iteration in range(start, recipe.iterations):
         frame = pool.frame(iteration, recipe.stage_at(iteration))
         began = time.perf_counter()
         result = model.step(frame, iteration)
         meter.add(result, iteration, time.perf_counter() - began, len(model))
-        watch.add(result.loss)
+        watch.add(result.loss, pool.tissue(frame))
         if watch.problem:
             raise TrainingError(f"{watch.problem}, at iteration {iteration}: lower the learning rates")
         done = iteration + 1
         if folder and (done % config.checkpoint_every == 0 or done == recipe.iterations):
-            state = Checkpoint(done, meter.seconds, fingerprint(clip, config), model.state())
+            arrays = {**model.state(), LOSSES: watch.state}
+            state = Checkpoint(done, meter.seconds, fingerprint(clip, config), arrays)
             write_checkpoint(folder, state)
         if meter.progress_is_due() or done == recipe.iterations:
             yield meter.progress(done)
@@ -150,14 +154,18 @@ def fingerprint(clip: Clip, config: TrainConfig) -> str:
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
 
 
-def _resumed(model: TrainModel, folder: Path, clip: Clip, config: TrainConfig) -> tuple[int, float]:
+def _resumed(
+    model: TrainModel, watch: LossWatch, folder: Path, clip: Clip, config: TrainConfig
+) -> tuple[int, float]:
     """Restore the newest checkpoint: its iteration and training seconds; (0, 0) when there is none."""
     checkpoint = read_newest_checkpoint(folder)
     if checkpoint is None:
         return 0, 0.0
     if checkpoint.fingerprint != fingerprint(clip, config):
         raise TrainingError(f"the checkpoint belongs to another clip or configuration: {folder.name}")
-    model.restore(checkpoint.arrays)
+    arrays = dict(checkpoint.arrays)
+    watch.state[:] = arrays.pop(LOSSES, watch.state)  # Checkpoints of earlier versions have none.
+    model.restore(arrays)
     return checkpoint.iteration, checkpoint.seconds
 
 
@@ -167,6 +175,11 @@ class _Pool:
     def __init__(self, full: list[TrainFrame], seed: int, has_masks: bool) -> None:
         self.full, self._seed, self._has_masks = full, seed, has_masks
         self._half: list[TrainFrame] = []
+        self._most = max((_share(frame) for frame in full), default=0.0) or 1.0
+
+    def tissue(self, frame: TrainFrame) -> float:
+        """Of a frame, as a share of what the fullest one has."""
+        return _share(frame) / self._most
 
     def frame(self, iteration: int, stage: Stage) -> TrainFrame:
         """For one step."""
@@ -176,6 +189,11 @@ class _Pool:
             self._half = []
         frames = self._half if stage.half else self.full
         return frame_of(iteration, frames[:1] if stage.first_frame_only else frames, self._seed)
+
+
+def _share(frame: TrainFrame) -> float:
+    """Of the pixels, those that are supervised."""
+    return frame.n_colors / (frame.camera.width * frame.camera.height)
 
 
 class _Meter:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from renderer.clip import Frame
 from renderer.raw_gaussians import RawGaussians
+from renderer.train.checkpoint import checkpoint_paths, read_checkpoint
+from renderer.train.events import Finished
 from renderer.train.guards import JUDGED, LossWatch, hold_scales, leave_out_broken
-from renderer.train.trainer import TrainingError, train
+from renderer.train.trainer import LOSSES, TrainingError, train
 from tests.renderer.sheet import SMALL, moving_sheet
 
 RATES = (
@@ -52,6 +56,52 @@ def test_a_loss_that_rises_for_good_is_a_problem_and_one_that_swings_is_not() ->
     assert wild.problem is not None
     wild.add(float("nan"))
     assert wild.problem == "the loss is not finite"
+
+
+@pytest.mark.parametrize("place", [0, 1, 7])
+def test_frames_without_tissue_do_not_end_a_good_run(place: int) -> None:
+    """Their loss is 0: of the first step, or of every eighth."""
+    watch = LossWatch()
+    for step in range(3 * JUDGED):
+        watch.add(*((0.0, 0.0) if step % 8 == place else (0.1, 1.0)))
+    assert watch.problem is None
+    assert watch.state[0] == pytest.approx(3 * JUDGED * 7 / 8, abs=1)
+
+
+def test_a_first_frame_with_little_tissue_does_not_end_a_good_run() -> None:
+    watch = LossWatch()
+    for loss, tissue in ((0.01, 0.05), *[(0.1, 0.8)] * 3 * JUDGED):
+        watch.add(loss, tissue)
+    assert watch.problem is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_clip_with_a_masked_frame_is_trained_to_its_end(seed: int) -> None:
+    """Whichever frame comes first."""
+    clip = moving_sheet()
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        empty = np.zeros_like(frame.tissue_mask)
+        return replace(frame, tissue_mask=empty) if index % 4 == 0 else frame
+
+    masked = replace(clip, read_frame=read_frame)
+    last = list(train(masked, replace(SMALL, seed=seed, iterations=JUDGED + 20)))[-1]
+    assert isinstance(last, Finished)
+
+
+def test_what_was_watched_outlives_an_interruption(tmp_path: Path) -> None:
+    """Judged by its first steps, not by those after the checkpoint."""
+    config = replace(SMALL, iterations=40, checkpoint_every=20)
+    whole = list(train(moving_sheet(), config, folder=tmp_path))
+    assert isinstance(whole[-1], Finished)
+    newest, older = (read_checkpoint(path) for path in reversed(checkpoint_paths(tmp_path)))
+    assert newest.arrays[LOSSES][0] == 40
+    assert older.arrays[LOSSES][0] == 20
+    checkpoint_paths(tmp_path)[-1].unlink()
+    list(train(moving_sheet(), config, folder=tmp_path, resume=True))
+    again = read_checkpoint(checkpoint_paths(tmp_path)[-1])
+    np.testing.assert_array_equal(again.arrays[LOSSES], newest.arrays[LOSSES])
 
 
 def test_rates_a_hundred_times_too_high_end_in_one_clear_line() -> None:
