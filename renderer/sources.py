@@ -7,11 +7,13 @@ from pathlib import Path
 
 from renderer.clip import Clip, ClipError
 from renderer.depth.clip_depth import with_depth
+from renderer.depth.maps_beside import with_maps
 from renderer.depth.stereo_pairs import is_stereo_folder, open_stereo_folder
 from renderer.readers import endonerf, frames, scared
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
 from renderer.readers.hamlyn import is_hamlyn, open_hamlyn
+from renderer.readers.picture_kinds import photo_folder
 from renderer.readers.pictures import is_picture
 from renderer.readers.stereomis import is_stereomis, open_stereomis
 from renderer.readers.structure_from_motion import is_structure_from_motion, open_structure_from_motion
@@ -53,9 +55,10 @@ def _open_folder(path: Path, options: ClipOptions) -> Clip:
         converted = is_converted_stereomis(path)
         return (open_converted_stereomis if converted else endonerf.open_endonerf)(path, options)
     if is_stereo_folder(path):
-        return open_stereo_folder(path, options.field_of_view)
-    pictures = path / "images"
-    return frames.open_images(pictures if pictures.is_dir() else path, options.field_of_view)
+        return with_maps(open_stereo_folder(path, options.field_of_view), path, options)
+    pictures = photo_folder(path)
+    clip = frames.open_images(pictures, options.field_of_view)
+    return with_maps(replace(clip, path=path, name=path.resolve().name), path, options)
 
 
 def _thinned(clip: Clip, step: int | None) -> Clip:

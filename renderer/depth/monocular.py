@@ -88,7 +88,7 @@ def read_inverse_depth(path: Path, size: tuple[int, int]) -> Float32Image:
     Raises:
         ClipError: no map, or one that cannot be read.
     """
-    stored = _array(path) if path.suffix == ".npy" else read_stored(path)
+    stored = read_array(path) if path.suffix == ".npy" else read_stored(path)
     plane = stored[:, :, 0] if stored.ndim == 3 and path.suffix != ".npy" else np.squeeze(stored)
     if plane.ndim != 2 or plane.dtype.kind not in "fiu":
         raise ClipError(f"expected one number a pixel, got {stored.dtype} {stored.shape}: {path}")
@@ -101,11 +101,12 @@ def read_inverse_depth(path: Path, size: tuple[int, int]) -> Float32Image:
     return np.where(share > 1 - 1e-3, resized, np.float32(0))
 
 
-def _array(path: Path) -> NDArray[np.generic]:
+def read_array(path: Path) -> NDArray[np.generic]:
+    """A .npy file. Raises ClipError: it cannot be read."""
     try:
         return np.asarray(np.load(path, allow_pickle=False))
     except (OSError, ValueError, EOFError) as error:
-        raise ClipError(f"expected a numpy array of inverse depth, got an unreadable file: {path}") from error
+        raise ClipError(f"expected a numpy array of depth, got an unreadable file: {path}") from error
 
 
 def _is_map(path: Path) -> bool:

@@ -15,6 +15,7 @@ from PIL import Image
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.listing import listed
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
 
@@ -27,7 +28,6 @@ OUTLIER = 3.0
 """Depth beyond this many times a frame's median, or below its inverse, is a failed match."""
 
 _SAMPLES = 4
-_LISTED = 5
 
 Matrix = NDArray[np.float64]
 
@@ -201,7 +201,7 @@ def _stray_notices(path: Path) -> list[str]:
         visible = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
         strays = [entry.name for entry in visible if _frame_number(entry) is None]
         if strays:
-            notices.append(f"{folder.name}/ holds files that belong to no frame: {_listed(strays)}")
+            notices.append(f"{folder.name}/ holds files that belong to no frame: {listed(strays)}")
     return notices
 
 
@@ -209,12 +209,7 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
     missing = [str(number) for number in sorted(found.keys() - others.keys())]
     if missing:
         counts = f"{name}/ has {len(found)} frames but {other}/ has {len(others)}"
-        raise ClipError(f"{counts}: {other}/ lacks number {_listed(missing)}: {path}")
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    return ", ".join(names[:_LISTED]) + more
+        raise ClipError(f"{counts}: {other}/ lacks number {listed(missing)}: {path}")
 
 
 def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:

@@ -11,9 +11,10 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.listing import listed
 from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted
 from renderer.readers.number_tables import read_table
-from renderer.readers.numbered_files import listed, numbered
+from renderer.readers.numbered_files import numbered
 from renderer.readers.pictures import common_size, is_picture, read_rgb
 from renderer.readers.poses import pose_matrix
 from renderer.readers.rectification import read_rectified

@@ -11,8 +11,9 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.field_of_view import is_displaced, lit_field
+from renderer.readers.listing import listed
 from renderer.readers.number_tables import read_table
-from renderer.readers.numbered_files import listed, numbered
+from renderer.readers.numbered_files import numbered
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.point_ply import read_points
 from renderer.readers.poses import pose_matrix
