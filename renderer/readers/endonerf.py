@@ -17,6 +17,7 @@ from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.listing import listed
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
+from renderer.readers.poses import nearest_rotations
 from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
 
 POSES = "poses_bounds.npy"
@@ -238,11 +239,14 @@ def _read_cameras(
         raise ClipError(f"{counts}: {path}")
     matrices = rows[:, :15].reshape(-1, 3, 5)
     poses = _to_opencv(matrices[:, :, :4], convention)
-    spin = poses[:, :, :3]
-    if np.abs(spin @ spin.transpose(0, 2, 1) - np.eye(3)).max() > 1e-3:
-        raise ClipError(f"expected rotations in the poses, got matrices that are none: {path / POSES}")
+    try:
+        spins = nearest_rotations(poses[:, :, :3], [f"row {index}" for index in range(count)])
+    except ValueError as error:
+        raise ClipError(f"{error}: {path / POSES}") from error
+    poses[:, :, :3] = spins.matrices
     lens, notices = _lens(matrices[0, :, 4], size, path / POSES)
-    if np.abs(matrices[:, :, :4] - np.eye(3, 4)).max() > 1e-9:
+    notices += [f"{POSES}: {said}" for said in spins.notices]
+    if np.abs(poses - _to_opencv(np.eye(3, 4)[None], convention)).max() > 1e-9:
         notices.append(f"the camera moves or is turned: poses read as {convention} camera-to-world")
     square = np.tile(np.eye(4), (count, 1, 1))
     square[:, :3] = poses
