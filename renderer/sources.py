@@ -8,7 +8,7 @@ from pathlib import Path
 from renderer.clip import Clip, ClipError
 from renderer.depth.clip_depth import with_depth
 from renderer.depth.maps_beside import with_maps
-from renderer.depth.stereo_pairs import is_stereo_folder, open_stereo_folder
+from renderer.depth.stereo_pairs import eye_folders, is_stereo_folder, open_stereo_folder
 from renderer.readers import endonerf, frames, scared
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
@@ -55,10 +55,11 @@ def _open_folder(path: Path, options: ClipOptions) -> Clip:
         converted = is_converted_stereomis(path)
         return (open_converted_stereomis if converted else endonerf.open_endonerf)(path, options)
     if is_stereo_folder(path):
-        return with_maps(open_stereo_folder(path, options.field_of_view), path, options)
+        left = next(iter(eye_folders(path)), path)
+        return with_maps(open_stereo_folder(path, options.field_of_view), left, options)
     pictures = photo_folder(path)
     clip = frames.open_images(pictures, options.field_of_view)
-    return with_maps(replace(clip, path=path, name=path.resolve().name), path, options)
+    return with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
 
 
 def _thinned(clip: Clip, step: int | None) -> Clip:

@@ -51,8 +51,8 @@ class _Offer:
         )
 
 
-def with_maps(clip: Clip, folder: Path, options: ClipOptions) -> Clip:
-    """The clip with what lies beside its pictures, in their folder or in folders of `folder` of such names.
+def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
+    """The clip with what lies beside its pictures in `photos`, or in folders of the clip of such names.
 
     A map belongs to the picture of its name without the word that says its kind, else of its last number.
     Maps called depth hold distances along the axis, those called disparity the inverse, where they are of
@@ -64,7 +64,7 @@ def with_maps(clip: Clip, folder: Path, options: ClipOptions) -> Clip:
     Raises:
         ClipError: a map or mask that is used cannot be read, when its frame is.
     """
-    offers = list(_offers(clip, folder))
+    offers = list(_offers(clip, photos))
     if not offers:
         return clip
     kept = tuple(
@@ -85,9 +85,7 @@ def with_maps(clip: Clip, folder: Path, options: ClipOptions) -> Clip:
     )
 
 
-def _offers(clip: Clip, folder: Path) -> Iterator[_Offer]:
-    places = (folder, *sorted(entry for entry in folder.iterdir() if entry.is_dir()))
-    photos = next((place for place in places if (place / clip.labels[0]).is_file()), folder)
+def _offers(clip: Clip, photos: Path) -> Iterator[_Offer]:
     files = [
         entry for entry in sorted(photos.iterdir(), key=natural_key) if entry.is_file() and is_visible(entry)
     ]
@@ -97,7 +95,7 @@ def _offers(clip: Clip, folder: Path) -> Iterator[_Offer]:
         groups[re.sub(r"\d+", "#", path.name), kind].append(path)
     for (_, kind), paths in groups.items():
         yield _offer(clip, kind, paths[0].name, paths)
-    for place, kind in map_folders(folder).items():
+    for place, kind in map_folders(clip.path).items():
         inside = [entry for entry in sorted(place.iterdir(), key=natural_key) if _is_map_file(entry)]
         if inside and place.name not in MONOCULAR and place != photos:
             yield _offer(clip, kind, f"{place.name}/", inside)
