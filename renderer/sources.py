@@ -17,6 +17,7 @@ from renderer.readers.picture_kinds import photo_folder
 from renderer.readers.pictures import is_picture
 from renderer.readers.stereomis import is_stereomis, open_stereomis
 from renderer.readers.structure_from_motion import is_structure_from_motion, open_structure_from_motion
+from renderer.readers.video_header import read_video_header
 
 
 def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
@@ -35,6 +36,18 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         return with_depth(replace(_thinned(clip, options.frame_step), split=options.split), options)
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
+
+
+def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:
+    """Refuses at once, by its header, a video of which no depth comes: opening a long one takes a while.
+
+    Raises:
+        ClipError: a file of that kind, or one that is no video.
+    """
+    if path.is_file() and not is_picture(path) and options.depth in ("auto", "measured", "stereo"):
+        read_video_header(path)
+        way = "--depth brightness guesses it, without a scale"
+        raise ClipError(f"reconstruction expects depth, and a video has none ({way}): {path}")
 
 
 def _open_file(path: Path, field_of_view: float) -> Clip:
