@@ -11,14 +11,14 @@ from pathlib import Path
 from app.enhanced_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
 from app.errors import UserError, sentence
 from app.in_steps import retold
-from app.pictures import VIDEOS, is_image
+from app.pictures import is_image
 from app.provenance import LAYOUTS
 from app.series import open_series
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.readers.endonerf import is_endonerf
 from renderer.readers.picture_kinds import left_out, map_folders
-from renderer.readers.pictures import natural_key
+from renderer.readers.pictures import VIDEOS, natural_key
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,11 @@ from app.errors import UserError
 from app.provenance import encode_png, write_sidecar
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of, photo_folder
-from renderer.readers.pictures import SUFFIXES, is_picture, is_visible, natural_key
+from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, natural_key
 
 ArrayImage = NDArray[Any]
 
 TIFF = frozenset({".tif", ".tiff"})
-VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 JPEG = b"\xff\xd8"
 """How such a file begins, whatever its name."""
 BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)

@@ -31,8 +31,9 @@ def told_meanwhile(stage: str, work: Callable[[Told], Result]) -> Generator[Prep
     began = time.monotonic()
     while not task.wait(SECONDS_BETWEEN):
         passed = time.monotonic() - began
-        done, total = task.told
-        left = passed / done * (total - done) if done else None
+        done, total, when = task.told
+        ahead = (when - began) / done * (total - done) if done else None
+        left = None if ahead is None else max(ahead - (began + passed - when), 0.0)
         yield Preparing(stage, done, total, passed, left)
     return task.result()
 
@@ -41,7 +42,7 @@ class _Task(Generic[Result]):
     """One call in a thread."""
 
     def __init__(self, work: Callable[[Told], Result]) -> None:
-        self.told = (0, 0)
+        self.told = (0, 0, time.monotonic())
         self._work, self._ended = work, threading.Event()
         self._results: list[Result] = []
         self._failure: BaseException | None = None
@@ -57,7 +58,7 @@ class _Task(Generic[Result]):
         return self._results[0]
 
     def _tell(self, done: int, total: int) -> None:
-        self.told = (done, total)
+        self.told = (done, total, time.monotonic())
 
     def _run(self) -> None:
         try:

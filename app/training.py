@@ -74,7 +74,7 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     _check_vacancy(request, run)
     device = device_of(request).device
     require_depth_source(request.clip_path, request.clip_options)
-    clip = request.part.of(open_clip(request.clip_path, request.clip_options))
+    clip = yield from told_meanwhile("open the clip", lambda _: _opened(request))
     record = run.record() if run.is_run else None
     if record is not None:
         _check_same(request, record)
@@ -96,6 +96,10 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         yield from _train(record, run, input_clip(ahead.clip, record), pictures_on(device), notices)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
+
+
+def _opened(request: TrainRequest) -> Clip:
+    return request.part.of(open_clip(request.clip_path, request.clip_options))
 
 
 def device_of(request: TrainRequest) -> Choice:

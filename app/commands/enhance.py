@@ -15,13 +15,13 @@ from app.enhanced_files import VIDEO, Setting, Stream, Written, enhance_into
 from app.errors import UserError
 from app.in_steps import in_one_go
 from app.methods import METHODS, PAPER, VESSEL, Params
-from app.pictures import VIDEOS, is_image
+from app.pictures import is_image
 from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.series import Series, open_series
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.readers.pictures import common_size, is_picture
+from renderer.readers.pictures import VIDEOS, common_size, is_picture
 
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below")
 VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")

@@ -12,13 +12,17 @@ from pathlib import Path
 import numpy as np
 
 from app.described.fact import Fact, count, next_steps
+from app.pictures import photos_in
+from app.provenance import LAYOUTS as LAYOUTS_OF_FILES
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
 from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import eye_folders, right_pictures
 from renderer.readers.clip_options import DEFAULTS
+from renderer.readers.endonerf import is_endonerf
 from renderer.readers.listing import listed
+from renderer.readers.pictures import SeveralSizes
 from renderer.readers.video_header import read_video_header
 from renderer.sources import open_clip
 
@@ -39,7 +43,21 @@ SECONDS = 0.4
 
 def of_clip(path: Path) -> tuple[Fact, ...]:
     """A folder or a picture. Raises ClipError: it cannot be read as a clip."""
-    return tuple(_facts(path, open_clip(path)))
+    try:
+        return tuple(_facts(path, open_clip(path)))
+    except SeveralSizes as error:
+        if is_endonerf(path) or any(is_layout(path) for is_layout in LAYOUTS_OF_FILES):
+            raise
+        return (
+            Fact("what", "pictures of several sizes: no clip to train on", {"kind": "pictures"}),
+            Fact(
+                "frames",
+                count(len(photos_in(path).photos), "picture"),
+                {"count": len(photos_in(path).photos)},
+            ),
+            Fact("missing", str(error), [str(error)]),
+            next_steps(path, ("enhance", "PATH", "OUT")),
+        )
 
 
 def of_video(path: Path) -> tuple[Fact, ...]:
@@ -156,7 +174,7 @@ def _masks(clip: Clip, frames: Sequence[Frame]) -> Fact:
     share = _share([frame.tissue_mask for frame in frames])
     if share is None:
         return Fact("masks", "not looked at", {"tissue_share": None})
-    text = "none: every pixel counts as tissue" if share == 1 else f"tissue is {share:.0%} of the pixels"
+    text = "none used: every pixel counts as tissue" if share == 1 else f"tissue is {share:.0%} of the pixels"
     return Fact("masks", text, {"tissue_share": share})
 
 

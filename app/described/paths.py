@@ -8,7 +8,6 @@ from app.described.clips import of_clip, of_video
 from app.described.fact import Fact, count, next_steps
 from app.described.files import is_export, of_export, of_json, of_run, of_session, of_splats
 from app.errors import UserError
-from app.pictures import VIDEOS
 from app.provenance import LAYOUTS
 from app.run_folder import RunFolder
 from app.scene import is_splat_file
@@ -17,7 +16,7 @@ from renderer.depth.stereo_pairs import is_stereo_folder
 from renderer.readers.endonerf import is_endonerf
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import photo_folder
-from renderer.readers.pictures import is_picture, is_visible, natural_key
+from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
 
 
 def described(path: Path) -> tuple[Fact, ...]:

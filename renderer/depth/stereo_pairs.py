@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -87,7 +87,7 @@ def right_pictures(clip: Clip) -> tuple[Path, ...]:
     if not clip.path.is_dir():
         return ()
     for folder in _picture_folders(clip.path, clip.labels[0]):
-        partners = [_partner(folder, name) for name in clip.labels]
+        partners = _partners(folder, clip.labels)
         found = tuple(path for path in partners if path is not None)
         if len(found) == len(partners):
             return found
@@ -214,11 +214,17 @@ def _subfolders(path: Path) -> list[Path]:
     return sorted(entry for entry in path.iterdir() if entry.is_dir()) if path.is_dir() else []
 
 
-def _partner(folder: Path, name: str) -> Path | None:
-    """The right picture: beside the left one, or by either name in the folder of the right eye."""
+def _partners(folder: Path, labels: Sequence[str]) -> list[Path | None]:
+    """The right pictures: beside the left ones, or by either name in the folder of the right eye."""
     whole = folder.resolve()
-    other_folder, other_name = right_name(whole.name), right_name(name)
-    places = [whole / other_name] if other_name else []
-    if other_folder:
-        places += [whole.with_name(other_folder) / each for each in (name, other_name) if each]
-    return next((path for path in places if path.is_file() and is_picture(path)), None)
+    here = {entry.name for entry in whole.iterdir() if is_picture(entry)}
+    beside = whole.with_name(right_name(whole.name) or whole.name)
+    there = {entry.name for entry in beside.iterdir() if is_picture(entry)} if beside.is_dir() else set[str]()
+    found: list[Path | None] = []
+    for name in labels:
+        other = right_name(name)
+        places = [whole / other] if other in here and other else []
+        if beside != whole:
+            places += [beside / each for each in (name, other) if each and each in there]
+        found.append(next((path for path in places if path.is_file()), None))
+    return found

@@ -255,7 +255,8 @@ def _read_cameras(
 
 def _load_poses(path: Path) -> Matrix:
     if not path.is_file():
-        raise ClipError(f"expected {POSES}, got no such file: {path}")
+        way = f"copy it there, or name {path.parent / 'images'}, pictures without depth"
+        raise ClipError(f"expected {POSES}, which says what the camera is, got no such file; {way}: {path}")
     try:
         rows = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError) as error:

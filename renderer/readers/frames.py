@@ -14,7 +14,7 @@ from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import is_named_array, kinds_of
-from renderer.readers.pictures import common_size, is_picture, is_visible, natural_key, read_rgb
+from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
 
 FIELD_OF_VIEW = 60.0
 """Horizontal, in degrees: taken for endoscopes whose calibration is unknown."""
@@ -37,10 +37,13 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     paths = tuple(numbered or kinds.photos)
     if not paths:
         folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
-        hint = f"; it holds the folders {folders}: open one of these" if folders else ""
+        videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
+        inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
+        hint = f"; it holds the {inside}: open one of these" if inside else ""
         raise ClipError(f"expected pictures in the folder, got none{hint}: {path}")
     _check_names(paths, path)
-    strays = sorted(entry.name for entry in files if entry not in {*paths, *kinds.others})
+    told = {*paths, *kinds.others}
+    strays = sorted(entry.name for entry in files if entry not in told)
     lost = sorted(entry.name for entry in visible if not entry.exists())
     said = (
         *((f"left out, no numbered pictures: {listed(strays)}",) if strays else ()),

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import os
 import re
+import struct
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
+from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.listing import listed
 
+
+class SeveralSizes(ClipError):
+    """Pictures that are fine one by one, and no clip together."""
+
+
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm"})
+
+VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
 SYSTEM_FILES = frozenset({"thumbs.db", "ehthumbs.db", "desktop.ini"})
 """What a file manager leaves in folders of pictures."""
@@ -108,20 +117,21 @@ def common_size(paths: Iterable[Path]) -> tuple[int, int]:
     """Width and height shared by all the pictures; only their headers are read.
 
     Raises:
-        ClipError: several sizes, which the line counts, or a file that is no picture.
+        SeveralSizes: as the line counts.
+        ClipError: a file that is no picture.
     """
     found: dict[tuple[int, int], list[Path]] = {}
     for path in paths:
         try:
             with Image.open(path) as picture:
-                found.setdefault(_upright_size(picture), []).append(path)
+                found.setdefault(_upright_size(picture, path), []).append(path)
         except BROKEN as error:
             raise _unreadable(path, error) from error
     if not found:
         raise ClipError("expected at least one picture, got none")
     (size, usual), *others = sorted(found.items(), key=lambda each: -len(each[1]))
     if others:
-        raise ClipError(_differing(size, usual, others))
+        raise SeveralSizes(_differing(size, usual, others))
     return size
 
 
@@ -136,11 +146,30 @@ def _differing(
     return f"{wanted}, got {sizes}: {count}; move these elsewhere, or make all of one size: {odd[0]}"
 
 
-def _upright_size(picture: Image.Image) -> tuple[int, int]:
+def _upright_size(picture: ImageFile.ImageFile, path: Path) -> tuple[int, int]:
     """As `read_rgb` turns it: EXIF orientations 5 to 8 lie on their side."""
     width, height = picture.size
-    lies = picture.getexif().get(ExifTags.Base.Orientation, 1) >= 5
+    # Of a PNG, Pillow decodes all pixels before it tells the EXIF, which may, but hardly does, follow them.
+    whole = picture.format != "PNG" or _tells_more_after_pixels(path)
+    exif = picture.getexif() if whole else Image.Image.getexif(picture)
+    lies = exif.get(ExifTags.Base.Orientation, 1) >= 5
     return (height, width) if lies else (width, height)
+
+
+def _tells_more_after_pixels(path: Path) -> bool:
+    """Whether a PNG has anything between its pixels and its end; only the heads of its chunks are read."""
+    seen = False
+    with path.open("rb", buffering=0) as file:
+        file.seek(8)
+        while len(head := file.read(8)) == 8:
+            length, kind = struct.unpack(">I4s", head)
+            if kind == b"IEND":
+                return False
+            if seen and kind != b"IDAT":
+                return True
+            seen = seen or kind == b"IDAT"
+            file.seek(length + 4, os.SEEK_CUR)
+    return True
 
 
 def _unreadable(path: Path, error: Exception) -> ClipError:
