@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import threading
 import time
 from collections.abc import Callable, Generator, Sequence
@@ -25,9 +26,17 @@ Told = Callable[[int, int], None]
 def told_meanwhile(stage: str, work: Callable[[Told], Result]) -> Generator[Preparing, None, Result]:
     """The result of `work`; twice a second how far it is. Work that is quick says nothing.
 
-    Raises what the work raises. Closed before its end, it leaves the work to end with the process.
+    Raises what the work raises. Closed or interrupted before its end, it ends the work.
     """
     task = _Task(work)
+    try:
+        yield from _watched(stage, task)
+    finally:
+        task.end()
+    return task.result()
+
+
+def _watched(stage: str, task: _Task[Result]) -> Generator[Preparing, None, None]:
     began = time.monotonic()
     while not task.wait(SECONDS_BETWEEN):
         passed = time.monotonic() - began
@@ -35,7 +44,10 @@ def told_meanwhile(stage: str, work: Callable[[Told], Result]) -> Generator[Prep
         ahead = (when - began) / done * (total - done) if done else None
         left = None if ahead is None else max(ahead - (began + passed - when), 0.0)
         yield Preparing(stage, done, total, passed, left)
-    return task.result()
+
+
+class _Ended(BaseException):
+    """Nobody waits for the work any more."""
 
 
 class _Task(Generic[Result]):
@@ -46,11 +58,20 @@ class _Task(Generic[Result]):
         self._work, self._ended = work, threading.Event()
         self._results: list[Result] = []
         self._failure: BaseException | None = None
-        threading.Thread(target=self._run, daemon=True).start()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
 
     def wait(self, seconds: float) -> bool:
         """Whether it has ended, after so many seconds at most."""
         return self._ended.wait(seconds)
+
+    def end(self) -> None:
+        """Stop it at the next line of Python, unless it has ended: a process must not go while a decoder or a
+        kernel works in a thread."""
+        if self._thread.is_alive() and not self._ended.is_set():
+            number = ctypes.c_ulong(self._thread.ident or 0)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(_Ended))
+        self._thread.join()
 
     def result(self) -> Result:
         if self._failure is not None:

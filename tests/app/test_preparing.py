@@ -35,7 +35,7 @@ def ended(work: Generator[Preparing, None, object]) -> tuple[list[Preparing], ob
 
 
 @pytest.fixture
-def eager(monkeypatch: pytest.MonkeyPatch) -> None:
+def eager(patient: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever lasts is told."""
     monkeypatch.setattr(preparing, "SECONDS_BETWEEN", 0.001)
 
@@ -66,6 +66,22 @@ def test_work_that_fails_says_so(eager: None) -> None:
 
     with pytest.raises(ClipError, match="no such thing"):
         ended(told_meanwhile("fail", work))
+
+
+def test_work_that_nobody_waits_for_ends(eager: None) -> None:
+    rounds = [0]
+
+    def endless(told: Told) -> None:
+        while True:
+            rounds[0] += 1
+            time.sleep(0.001)
+
+    work = told_meanwhile("run", endless)
+    assert isinstance(next(work), Preparing)
+    work.close()
+    done = rounds[0]
+    time.sleep(0.05)
+    assert rounds[0] == done
 
 
 def counting(clip: Clip, read: list[int]) -> Clip:
