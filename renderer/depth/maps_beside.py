@@ -17,8 +17,8 @@ from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.depth.monocular import FOLDERS as MONOCULAR
 from renderer.depth.monocular import read_array
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.depth_maps import plausible
-from renderer.readers.nonzero_masks import read_nonzero
+from renderer.readers.depth_maps import plane_of, plausible
+from renderer.readers.nonzero_masks import read_nonzero, require_shapes
 from renderer.readers.picture_kinds import WORDS, Kind, is_named_array, kinds_of, left_out, map_folders
 from renderer.readers.pictures import is_picture, is_visible, natural_key, read_stored, stored_kind
 from renderer.readers.tool_masks import marked_pixels
@@ -62,7 +62,8 @@ def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
     and what was assumed, is said in notices.
 
     Raises:
-        ClipError: a map or mask that is used cannot be read, when its frame is.
+        ClipError: masks of another shape than the pictures; or, when its frame is read, a map or mask that
+            cannot be.
     """
     offers = list(_offers(clip, photos))
     if not offers:
@@ -181,19 +182,25 @@ def _way(offer: _Offer, clip: Clip, options: ClipOptions) -> str:
         return USES_NAMES if offer.files else ""
     if not offer.files:
         return "they belong to none of the pictures"
-    first = next(iter(offer.files.values()))
-    kind, (width, height) = stored_kind(first)
-    if kind == "colour":
-        return "of colours, not of distances"
-    if abs(width * clip.size[1] - height * clip.size[0]) > 0.01 * width * clip.size[1]:
-        return f"of {width}x{height}, another shape than the pictures of {clip.size[0]}x{clip.size[1]}"
-    return USES_BYTES if kind == "bytes" and options.depth != "measured" else ""
+    bytes_of = ""
+    for path in offer.files.values():
+        kind, (width, height) = stored_kind(path)
+        if kind == "colour":
+            return f"{path.name} is of colours, not of distances"
+        if abs(width * clip.size[1] - height * clip.size[0]) > 0.01 * width * clip.size[1]:
+            pictures = f"the pictures of {clip.size[0]}x{clip.size[1]}"
+            return f"{path.name} is of {width}x{height}, another shape than {pictures}"
+        bytes_of = USES_BYTES if kind == "bytes" else bytes_of
+    return bytes_of if options.depth != "measured" else ""
 
 
 def _chosen_masks(offers: list[_Offer], clip: Clip) -> _Offer | None:
     """Those of all pictures, if there is one such."""
     whole = [offer for offer in offers if offer.kind == "mask" and len(offer.files) == len(clip)]
-    return whole[0] if len(whole) == 1 else None
+    if len(whole) != 1:
+        return None
+    require_shapes(set(whole[0].files.values()), clip.size)
+    return whole[0]
 
 
 def _unit(offer: _Offer, options: ClipOptions) -> str:
@@ -229,11 +236,7 @@ def _with_depth(clip: Clip, offer: _Offer, options: ClipOptions) -> Clip:
 def _values(path: Path, size: tuple[int, int]) -> Plane:
     """(H, W) of `size` (width, height), 0 = none, each pixel the nearest of the file's."""
     stored = read_array(path) if path.suffix.lower() == ".npy" else read_stored(path)
-    plane = np.squeeze(stored)
-    if plane.ndim != 2 or plane.dtype.kind not in "fiu":
-        raise ClipError(f"expected one number a pixel, got {stored.dtype} {stored.shape}: {path}")
-    values = plane.astype(np.float32)
-    values = np.where(np.isfinite(values) & (values > 0), values, np.float32(0))
+    values = plane_of(stored, path)
     if values.shape == (size[1], size[0]):
         return values
     return np.asarray(cv2.resize(values, size, interpolation=cv2.INTER_NEAREST_EXACT), np.float32)

@@ -147,10 +147,10 @@ def test_a_smaller_map_is_resampled_and_another_shape_left_out(tmp_path):
     depth = open_clip(tmp_path).read_frame(0).depth
     assert depth is not None
     assert depth.shape == (48, 64)
-    half.resize((32, 32)).save(tmp_path / "left_depthmap_50.png")
+    half.resize((32, 32)).save(tmp_path / "left_depthmap_52.png")
     clip = open_clip(tmp_path)
     assert not clip.has_depth
-    assert "another shape" in clip.notices[0]
+    assert "left_depthmap_52.png is of 32x32, another shape" in clip.notices[0]
 
 
 def test_masks_are_used_when_it_is_said_what_they_mark(tmp_path):
@@ -163,6 +163,13 @@ def test_masks_are_used_when_it_is_said_what_they_mark(tmp_path):
         np.testing.assert_array_equal(marked.read_frame(index).tissue_mask, wanted.tissue_mask)
     tissue = open_clip(tmp_path, ClipOptions(mask_polarity="tissue")).read_frame(0)
     np.testing.assert_array_equal(tissue.tissue_mask, ~FRAMES[0].tissue_mask)
+
+
+def test_a_mask_of_another_shape_is_refused_when_the_clip_is_opened(tmp_path):
+    write(tmp_path, mask="masks/{}.png")
+    Image.new("L", (48, 48)).save(tmp_path / "masks/52.png")
+    with pytest.raises(ClipError, match=r"64x48, got 48x48: .*52\.png$"):
+        open_clip(tmp_path, ClipOptions(mask_polarity="tool"))
 
 
 def test_depth_asked_for_elsewhere_leaves_maps_alone(tmp_path):
