@@ -10,6 +10,7 @@ from pathlib import Path
 from app.errors import UserError
 from app.pictures import ArrayImage, is_image, photos_in, read_image
 from app.provenance import LAYOUTS, source
+from renderer.readers.endonerf import is_endonerf
 from renderer.readers.picture_kinds import left_out, map_folders, photo_folder
 from renderer.sources import open_clip
 
@@ -65,8 +66,8 @@ def open_series(path: Path) -> Series:
 
 
 def _left_out(path: Path) -> Iterator[str]:
-    """What is said of the folders beside the one that holds the photos."""
-    if photo_folder(path) != path:
+    """What is said of the folders beside the one that holds the photos, where no layout says what they are."""
+    if photo_folder(path) != path and not is_endonerf(path):
         for folder, kind in map_folders(path).items():
             yield left_out(kind, [f"{folder.name}/"])
 

@@ -72,7 +72,6 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
-    device = device_of(request).device
     require_depth_source(request.clip_path, request.clip_options)
     clip = yield from told_meanwhile("open the clip", lambda _: _opened(request))
     record = run.record() if run.is_run else None
@@ -83,6 +82,7 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     if run.is_finished:
         yield _finished_before(run)
         return
+    device = device_of(request).device
     ahead = ReadAhead(clip)
     yield from told_meanwhile(reading(clip), ahead.fill)
     moves = yield from told_meanwhile("look whether the camera moves", lambda _: camera_notice(ahead.clip))
