@@ -66,7 +66,7 @@ def open_series(path: Path) -> Series:
 
 
 def _left_out(path: Path) -> Iterator[str]:
-    """What is said of the folders beside the one that holds the photos, where no layout says what they are."""
+    """What is said of the folders beside that of the photos, where no layout says what they are."""
     if photo_folder(path) != path and not is_endonerf(path):
         for folder, kind in map_folders(path).items():
             yield left_out(kind, [f"{folder.name}/"])
