@@ -88,9 +88,11 @@ def test_pictures_lack_depth_and_some_numbers(
 
 
 def test_every_other_frame_is_not_missing(tmp_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+    path = tmp_path / "in"
+    path.mkdir()
     for number in range(0, 40, 10):
-        cv2.imwrite(str(tmp_path / f"{number}.png"), tissue(number))
-    facts = told(tmp_path)
+        cv2.imwrite(str(path / f"{number}.png"), tissue(number))
+    facts = told(path)
     assert (facts["frames"]["step"], facts["frames"]["missing"]) == (10, [])
 
 
