@@ -27,7 +27,9 @@ WORDS: Final[Mapping[str, Kind]] = MappingProxyType(
         **dict.fromkeys(("depth", "depths", "depthmap", "depthmaps", "zmap"), "depth"),
         **dict.fromkeys(("disp", "disparity", "disparities", "disparitymap"), "disparity"),
         **dict.fromkeys(("mask", "masks", "seg", "segm", "segmentation", "segmentations"), "mask"),
-        **dict.fromkeys(("label", "labels", "labelmap", "annotation", "annotations", "occlusion"), "mask"),
+        **dict.fromkeys(
+            ("label", "labels", "labelmap", "annotation", "annotations", "occ", "occlusion"), "mask"
+        ),
         **dict.fromkeys(("normals", "flow", "heatmap", "overlay"), "map"),
     }
 )

@@ -182,10 +182,14 @@ def test_without_a_baseline_lengths_are_in_units_of_it(written):
 def test_strays_are_reported(written, tmp_path):
     for eye in ("left", "right"):
         shutil.copy(written[0] / eye / "000000.png", tmp_path / f"{eye}.png")
-    shutil.copy(written[0] / "left/000000.png", tmp_path / "occ_left.png")
+    for name in ("occ_left", "other"):
+        shutil.copy(written[0] / "left/000000.png", tmp_path / f"{name}.png")
     clip = open_stereo_folder(tmp_path, FIELD_OF_VIEW)
     assert clip.labels == ("left.png",)
-    assert clip.notices == ("left out, of no stereo pair: occ_left.png",)
+    assert clip.notices == (
+        "left out, masks beside the pictures: occ_left.png",
+        "left out, of no stereo pair: other.png",
+    )
 
 
 def test_rows_that_differ_are_refused_with_the_figure(written, tmp_path):
