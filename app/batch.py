@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -17,9 +17,8 @@ from app.series import open_series
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.readers.endonerf import is_endonerf
-from renderer.readers.pictures import natural_key
-
-VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
+from renderer.readers.picture_kinds import left_out, map_folders
+from renderer.readers.pictures import VIDEOS, natural_key
 
 
 @dataclass(frozen=True)
@@ -31,6 +30,8 @@ class Item:
     """A video, or the folder that pictures go into."""
     name: str
     """As a person reads it: the source below what was given."""
+    notices: tuple[str, ...] = ()
+    """What was passed over beside it."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,19 @@ def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
     if is_endonerf(folder) or any(is_layout(folder) for is_layout in LAYOUTS):
         yield Item(folder, output, name)
         return
+    found = list(_inside(folder, output, name))
+    maps = map_folders(folder)
+    if not found:
+        for path in maps:
+            yield from _walk(path, output / path.name, f"{name}/{path.name}")
+        return
+    said = tuple(left_out(kind, [f"{path.name}/"]) for path, kind in maps.items())
+    yield replace(found[0], notices=(*said, *found[0].notices))
+    yield from found[1:]
+
+
+def _inside(folder: Path, output: Path, name: str) -> Iterator[Item]:
+    """What lies in a folder, but for the folders in it whose names say that they hold no photos."""
     inside = sorted((path for path in folder.iterdir() if not path.name.startswith(".")), key=natural_key)
     files = [path for path in inside if path.is_file()]
     if any(is_image(path) for path in files):
@@ -118,8 +132,9 @@ def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
     for path in videos:
         kept = path.stem if stems[path.stem] == 1 else path.name
         yield Item(path, output / f"{kept}{VIDEO}", f"{name}/{path.name}")
+    maps = map_folders(folder)
     for path in inside:
-        if path.is_dir() and not path.is_symlink():
+        if path.is_dir() and not path.is_symlink() and path not in maps:
             yield from _walk(path, output / path.name, f"{name}/{path.name}")
 
 
@@ -134,6 +149,7 @@ def enhance_batch(
         try:
             yield Step(place, len(items), item.name)
             series = open_series(item.source, setting.clip_options)
+            series = replace(series, notices=(*item.notices, *series.notices))
             step = partial(Step, place, len(items), item.name, total=len(series))
             written = yield from retold(enhance_into(item.output, series, setting, watch), step)
         except (OSError, UserError, ClipError, ImageError) as error:

@@ -27,7 +27,7 @@ COMMANDS = {
     "report": "error against run time, stability, what was left out: one page",
     "replay": "make an exported file again from its provenance, and compare",
     "phantom": "write a synthetic clip with exact truth",
-    "info": "versions, devices and licences",
+    "info": "what a path is read as and what to do with it; versions, devices and licences",
 }
 
 

@@ -14,7 +14,9 @@ from PIL import Image
 from app.atomic import write_bytes
 from app.errors import UserError
 from app.provenance import encode_png, write_sidecar
-from renderer.readers.pictures import SUFFIXES, is_picture, natural_key
+from renderer.readers.listing import listed
+from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of, photo_folder
+from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, natural_key
 
 ArrayImage = NDArray[Any]
 
@@ -29,23 +31,33 @@ def is_image(path: Path) -> bool:
     return is_picture(path) or path.suffix.lower() == ".npy"
 
 
-def images_in(folder: Path) -> list[Path]:
-    """Pictures of a folder in natural order; else those of its images/, as clips have; else its arrays.
+def photos_in(folder: Path) -> PictureKinds:
+    """Photos of a folder in natural order, and what lies beside them; else those of its images/, or of its
+    one folder beside maps and masks; else its arrays.
 
     Raises:
         UserError: there are none.
     """
-    inside = folder / "images"
-    files = [path for path in folder.iterdir() if path.is_file()]
+    inside = photo_folder(folder)
+    files = sorted((path for path in inside.iterdir() if path.is_file()), key=natural_key)
     pictures = [path for path in files if is_picture(path)]
-    if not pictures and inside.is_dir():
-        return images_in(inside)
-    found = pictures or [path for path in files if is_image(path)]
-    if not found:
-        folders = ", ".join(sorted(entry.name for entry in folder.iterdir() if entry.is_dir()))
-        hint = f", which holds the folders {folders}: name one of these" if folders else ""
-        raise UserError(f"expected a folder with pictures, found none in {folder}{hint}")
-    return sorted(found, key=natural_key)
+    kinds = kinds_of([path for path in files if is_picture(path) or is_named_array(path)])
+    if not pictures:
+        kinds = PictureKinds(tuple(path for path in files if is_image(path)))
+    if not kinds.photos:
+        folders = ", ".join(
+            sorted(path.name for path in folder.iterdir() if path.is_dir() and is_visible(path))
+        )
+        one = "name one of these, or add --recursive for all of them"
+        hint = f", which holds the folders {folders}: {one}" if folders else ""
+        raise UserError(f"expected a folder with pictures, found none in {folder}{hint or _videos(files)}")
+    return kinds
+
+
+def _videos(files: list[Path]) -> str:
+    """What to do with a folder of videos; empty without any."""
+    names = [path.name for path in files if path.suffix.lower() in VIDEOS]
+    return f", which holds the videos {listed(names)}: name one of these, or add --recursive" if names else ""
 
 
 def read_image(path: Path) -> ArrayImage:

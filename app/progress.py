@@ -4,27 +4,30 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from app.terminal import Terminal
 
 SECONDS_BETWEEN_LINES = 10.0
+SECONDS_BETWEEN_STAGE_LINES = 2.0
+"""Of what comes before the work that was asked for, which says nothing else."""
 
 Report = Callable[[int, str], None]
 """Called with the number of units done so far and a short text, such as the loss."""
 
 
 @contextmanager
-def progress(title: str, total: int) -> Iterator[Report]:
+def progress(title: str, total: int, every: float = SECONDS_BETWEEN_LINES) -> Iterator[Report]:
     """Show `title` and how much of `total` units is done until the block ends.
 
     The first report says where the work begins: what was done before it does not count for the time left.
+    Where there is no terminal, a line comes at most so often; without a `total` the note alone tells.
     """
     console = Terminal(stderr=True)
     if not console.is_terminal:
-        yield _lines(console, title, total)
+        yield _lines(console, title, total, every) if total else _notes(console, title, every)
         return
     columns = (
         TextColumn("{task.description}", markup=False),
@@ -37,8 +40,33 @@ def progress(title: str, total: int) -> Iterator[Report]:
         yield _bar(bar, title, total)
 
 
+class Stages:
+    """One progress after another, each until the next stage begins."""
+
+    def __init__(self) -> None:
+        self._open = ExitStack()
+        self._stage: tuple[str, int] | None = None
+        self._report: Report = lambda done, note: None
+
+    def __enter__(self) -> Stages:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._open.close()
+
+    def of(self, title: str, total: int, every: float = SECONDS_BETWEEN_LINES) -> Report:
+        """Where this stage is told; the one before it has ended."""
+        if self._stage != (title, total):
+            self._open.close()
+            self._stage, self._report = (
+                (title, total),
+                self._open.enter_context(progress(title, total, every)),
+            )
+        return self._report
+
+
 def _bar(bar: Progress, title: str, total: int) -> Report:
-    task = bar.add_task(title, total=total, note="", start=False)
+    task = bar.add_task(title, total=total or None, note="", start=False)
 
     def report(done: int, note: str) -> None:
         if bar.tasks[0].started:
@@ -49,7 +77,20 @@ def _bar(bar: Progress, title: str, total: int) -> Report:
     return report
 
 
-def _lines(console: Terminal, title: str, total: int) -> Report:
+def _notes(console: Terminal, title: str, every: float) -> Report:
+    said = time.monotonic()
+
+    def report(done: int, note: str) -> None:
+        nonlocal said
+        now = time.monotonic()
+        if now - said >= every:
+            console.print(f"{title}, {note}")
+            said = now
+
+    return report
+
+
+def _lines(console: Terminal, title: str, total: int, every: float) -> Report:
     began: tuple[int, float] | None = None
     said = time.monotonic()
 
@@ -57,7 +98,7 @@ def _lines(console: Terminal, title: str, total: int) -> Report:
         nonlocal began, said
         now = time.monotonic()
         began = began or (done, now)
-        if now - said >= SECONDS_BETWEEN_LINES and done > began[0]:
+        if now - said >= every and done > began[0]:
             left = (now - began[1]) / (done - began[0]) * (total - done)
             console.print(f"{title} {done}/{total}, {left:.0f} s left {note}".rstrip())
             said = now

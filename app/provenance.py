@@ -26,9 +26,11 @@ from pydantic_core import to_jsonable_python
 
 from app.atomic import write_bytes
 from app.errors import UserError
+from renderer.depth.stereo_pairs import eye_folders
 from renderer.ply_comments import split
 from renderer.readers.endonerf import FOLDERS, POSES, is_endonerf
 from renderer.readers.hamlyn import is_hamlyn
+from renderer.readers.picture_kinds import map_folders, photo_folder
 from renderer.readers.pictures import is_picture
 from renderer.readers.scared import is_scared
 from renderer.readers.stereomis import is_stereomis
@@ -127,8 +129,11 @@ def _files(folder: Path) -> list[Path]:
         return [path for part in parts for path in _pictures(part)] + [poses] * poses.is_file()
     if any(is_layout(folder) for is_layout in LAYOUTS):
         return [path for path in folder.rglob("[!.]*") if path.is_file()]
-    images = folder / "images"
-    return _pictures(images if images.is_dir() else folder) or _visible(folder)
+    maps = map_folders(folder)
+    places = [place for place in eye_folders(folder) or (photo_folder(folder),) if place not in maps]
+    found = [path for place in places for path in _pictures(place)]
+    found += [path for place in maps for path in _visible(place) if is_picture(path) or path.suffix == ".npy"]
+    return found or _visible(folder)
 
 
 def _pictures(folder: Path) -> list[Path]:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
-from app.pictures import ArrayImage, images_in, is_image, read_image
+from app.pictures import ArrayImage, is_image, photos_in, read_image
 from app.provenance import LAYOUTS, source
 from app.video import Timing
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.endonerf import is_endonerf
+from renderer.readers.picture_kinds import left_out, map_folders, photo_folder
 from renderer.sources import open_clip
 
 FRAMES_PER_SECOND = 25.0
@@ -68,8 +70,16 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
     if any(is_layout(path) for is_layout in LAYOUTS if path.is_dir()):
         return _of_clip(path)
     if path.is_dir():
-        return _of_files(tuple(images_in(path)))
+        kinds = photos_in(path)
+        return replace(_of_files(kinds.photos), notices=(*kinds.notices(), *_left_out(path)))
     return _of_files((path,)) if is_image(path) else _of_video(path, options)
+
+
+def _left_out(path: Path) -> Iterator[str]:
+    """What is said of the folders beside that of the photos, where no layout says what they are."""
+    if photo_folder(path) != path and not is_endonerf(path):
+        for folder, kind in map_folders(path).items():
+            yield left_out(kind, [f"{folder.name}/"])
 
 
 def _of_files(paths: tuple[Path, ...]) -> Series:

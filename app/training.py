@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Generator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from itertools import tee
+from itertools import chain, tee
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -16,6 +17,7 @@ from app.device import Asked, Choice, Device, choose, pictures_on
 from app.errors import UserError
 from app.memory import peak_memory_mb
 from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
+from app.preparing import ReadAhead, reading, told_meanwhile
 from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
@@ -25,7 +27,7 @@ from enhance.vessel import VesselParams
 from renderer.camera_motion import camera_notice
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.sources import open_clip
+from renderer.sources import open_clip, require_depth_source
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
 from renderer.train.pictures import Pictures
@@ -70,21 +72,34 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
-    clip = request.part.of(open_clip(request.clip_path, request.clip_options))
-    if run.is_run:
-        record = run.record()
+    require_depth_source(request.clip_path, request.clip_options)
+    clip = yield from told_meanwhile("open the clip", lambda _: _opened(request))
+    record = run.record() if run.is_run else None
+    if record is not None:
         _check_same(request, record)
     else:
         require_depth(clip)
-        record = _new_record(request, clip, device_of(request).device)
     if run.is_finished:
         yield _finished_before(run)
         return
-    pictures = pictures_on(device_of(request).device)
+    device = device_of(request).device
+    ahead = ReadAhead(clip)
+    yield from told_meanwhile(reading(clip), ahead.fill)
+    moves = yield from told_meanwhile("look whether the camera moves", lambda _: camera_notice(ahead.clip))
+    notices = (*clip.notices, moves) if moves else clip.notices
+    if record is None:
+        record = yield from told_meanwhile(
+            "record the clip", lambda _: _new_record(request, ahead.clip, device)
+        )
+    ahead.hand_over()
     try:
-        yield from _train(record, run, input_clip(clip, record), pictures, _notices(clip))
+        yield from _train(record, run, input_clip(ahead.clip, record), pictures_on(device), notices)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
+
+
+def _opened(request: TrainRequest) -> Clip:
+    return request.part.of(open_clip(request.clip_path, request.clip_options))
 
 
 def device_of(request: TrainRequest) -> Choice:
@@ -96,19 +111,15 @@ def device_of(request: TrainRequest) -> Choice:
     return choose(began)
 
 
-def _notices(clip: Clip) -> tuple[str, ...]:
-    """What is odd about the clip, as it is and for reconstruction."""
-    moves = camera_notice(clip)
-    return (*clip.notices, moves) if moves else clip.notices
-
-
 def _train(
     record: RunRecord, run: RunFolder, clip: Clip, pictures: Pictures, notices: tuple[str, ...]
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
         if run.is_run:
             meanwhile.enter_context(held(run.path))
-        for event in train(clip, record.config, folder=run.path, resume=run.is_run, pictures=pictures):
+        events = train(clip, record.config, folder=run.path, resume=run.is_run, pictures=pictures)
+        first = yield from told_meanwhile("find out what the clip needs", lambda _: next(events))
+        for event in chain((first,), events):
             # A clip that cannot be trained on has failed by now: nothing is left behind for it.
             if not run.is_run:
                 run.create(record)
@@ -181,6 +192,9 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
         raise UserError(f"{run.path} holds {state} run already: {hint}")
     if not run.is_run and not run.is_vacant:
         raise UserError(f"expected an empty or new folder for the run, got one with other files: {run.path}")
+    there = next(folder for folder in (run.path.absolute(), *run.path.absolute().parents) if folder.exists())
+    if not os.access(there, os.W_OK):
+        raise UserError(f"expected a folder that can be written for the run, got one that cannot: {there}")
 
 
 def _check_same(request: TrainRequest, record: RunRecord) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,10 @@ from renderer.readers.clip_options import Split
 
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]
+
+
+DepthOrigin = Literal["measured", "beside", "stereo", "monocular", "brightness"]
+"""Files of the clip's layout, files beside pictures, pairs that are matched, maps of a network, a guess."""
 
 
 class ClipError(ValueError):
@@ -86,6 +91,10 @@ class Clip:
     has_depth: bool
     unit: str
     """"mm", or "scene units" where the scale is unknown."""
+    depth_origin: DepthOrigin = "measured"
+    """Where there is depth."""
+    why_no_depth: str = ""
+    """Where there is none although something promises it: why, and what to do."""
     frames_per_second: float | None = None
     frame_times: tuple[float, ...] | None = None
     """Seconds from the first frame at which each is shown, of a video."""

@@ -7,15 +7,18 @@ from pathlib import Path
 
 from renderer.clip import Clip, ClipError
 from renderer.depth.clip_depth import with_depth
-from renderer.depth.stereo_pairs import is_stereo_folder, open_stereo_folder
+from renderer.depth.maps_beside import with_maps
+from renderer.depth.stereo_pairs import eye_folders, is_stereo_folder, open_stereo_folder
 from renderer.readers import endonerf, frames, scared
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
 from renderer.readers.hamlyn import is_hamlyn, open_hamlyn
+from renderer.readers.picture_kinds import photo_folder
 from renderer.readers.pictures import is_picture
 from renderer.readers.stereomis import is_stereomis, open_stereomis
 from renderer.readers.structure_from_motion import is_structure_from_motion, open_structure_from_motion
 from renderer.readers.video import open_video
+from renderer.readers.video_header import read_video_header
 
 
 def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
@@ -34,6 +37,18 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         return with_depth(replace(_thinned(clip, options.frame_step), split=options.split), options)
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
+
+
+def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:
+    """Refuses at once, by its header, a video of which no depth comes: opening a long one takes a while.
+
+    Raises:
+        ClipError: a file of that kind, or one that is no video.
+    """
+    if path.is_file() and not is_picture(path) and options.depth in ("auto", "measured", "stereo"):
+        read_video_header(path)
+        way = "--depth brightness guesses it, without a scale"
+        raise ClipError(f"reconstruction expects depth, and a video has none ({way}): {path}")
 
 
 def _open_file(path: Path, options: ClipOptions) -> Clip:
@@ -55,9 +70,11 @@ def _open_folder(path: Path, options: ClipOptions) -> Clip:
         converted = is_converted_stereomis(path)
         return (open_converted_stereomis if converted else endonerf.open_endonerf)(path, options)
     if is_stereo_folder(path):
-        return open_stereo_folder(path, options.field_of_view)
-    pictures = path / "images"
-    return frames.open_images(pictures if pictures.is_dir() else path, options.field_of_view)
+        left = next(iter(eye_folders(path)), path)
+        return with_maps(open_stereo_folder(path, options.field_of_view), left, options)
+    pictures = photo_folder(path)
+    clip = frames.open_images(pictures, options.field_of_view)
+    return with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
 
 
 def _thinned(clip: Clip, step: int | None) -> Clip:

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from app.ahead import ahead
 from app.arguments import add_fields, parameters
-from app.batch import VIDEOS, Item, Step, enhance_batch, items_in
+from app.batch import Item, Step, enhance_batch, items_in
 from app.enhanced_files import VIDEO, Setting, Stream, Written, enhance_into
 from app.errors import UserError
 from app.in_steps import in_one_go
@@ -22,6 +22,7 @@ from app.series import Series, open_series
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.pictures import VIDEOS, common_size, is_picture
 
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below")
 VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
@@ -108,13 +109,15 @@ def _params(flags: argparse.Namespace) -> Params:
 
 
 def _check_output(given: Path, output: Path, series: Series) -> None:
-    """Refuse what would overwrite the input, or has no place for what comes."""
+    """Refuse what would overwrite the input, or has no place for what comes; a video holds one size."""
     files = {path.resolve() for path in series.sources}
     taken = {given.resolve(), *files, *((path.parent for path in files) if given.is_dir() else ())}
     if output.resolve() in taken or (output.is_dir() and output.resolve() in {path.parent for path in files}):
         raise UserError(f"expected another OUTPUT than INPUT, which is never overwritten: {output}")
     if is_image(output) and len(series) > 1:
         raise UserError(f"expected a folder or {VIDEO} for {len(series)} pictures, got {output}")
+    if output.suffix.lower() == VIDEO and given.is_dir():
+        common_size(path for path in files if is_picture(path))
     if output.suffix.lower() in NOT_WRITTEN and not output.is_dir():
         raise UserError(f"expected a picture, a folder or {VIDEO} to write, got {output}")
 

@@ -1,4 +1,4 @@
-"""`vesselsplat info`: versions, devices and licences, without loading anything heavy."""
+"""`vesselsplat info [PATH]`: what a path is read as; or versions, devices and licences, quickly."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import platform
 import sys
 from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed_version
+from pathlib import Path
 from typing import Any
 
 from app.device import cuda_devices, missing
@@ -20,10 +21,21 @@ LICENSE = "VesselSplat: Apache-2.0; its dependencies carry their own licences, s
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "path",
+        metavar="PATH",
+        nargs="?",
+        type=Path,
+        help="clip, picture, video, run, splat file, session or exported file: what it is read as, what is "
+        "missing, and what to do next (default: versions, devices and licences)",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def run(flags: argparse.Namespace) -> None:
+    if flags.path is not None:
+        _describe(flags.path, as_json=flags.json)
+        return
     facts = collect()
     if flags.json:
         sys.stdout.write(strict_json(facts) + "\n")
@@ -34,6 +46,15 @@ def run(flags: argparse.Namespace) -> None:
         else:
             text = str(value)
         sys.stdout.write(f"{name.replace('_', ' '):<14}{text}\n")
+
+
+def _describe(path: Path, *, as_json: bool) -> None:
+    # Readers load OpenCV and more, which the versions alone do not need.
+    from app.described.fact import as_text, as_values
+    from app.described.paths import described
+
+    facts = described(path)
+    sys.stdout.write(strict_json(as_values(facts)) + "\n" if as_json else as_text(facts))
 
 
 def collect() -> dict[str, Any]:

@@ -17,13 +17,13 @@ from app.device import Asked, Device
 from app.errors import UserError
 from app.methods import PAPER, Look
 from app.picture_mask import PictureMask
-from app.progress import progress
+from app.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.provenance import provenance, strict_json
 from app.run_folder import RunFolder
 from app.training import PRESETS, TrainRequest, device_of, run_training
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Omission, Progress, Warned
+from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -148,14 +148,22 @@ def _kept(folder: RunFolder) -> str:
 
 
 def follow(request: TrainRequest, device: Device) -> Finished:
-    """Train with progress on stderr."""
+    """Train with progress on stderr, of what comes before it too."""
     finished: Finished | None = None
-    with progress(f"train {request.input} on {device}", request.config.iterations) as report:
+    with Stages() as shown:
+        training = f"train {request.input} on {device}"
         for event in run_training(request):
             match event:
+                case Preparing():
+                    report = shown.of(event.stage, event.total, SECONDS_BETWEEN_STAGE_LINES)
+                    report(event.done, "" if event.total else f"{event.seconds:.0f} s so far")
+                case Started():
+                    shown.of(training, request.config.iterations)
                 case Progress():
+                    report = shown.of(training, request.config.iterations)
                     report(event.iteration, f"loss {event.loss:.4f} PSNR {event.psnr:.2f} dB")
                 case Evaluated():
+                    report = shown.of(training, request.config.iterations)
                     report(event.iteration, f"held-out PSNR {event.psnr:.2f} dB")
                 case Warned():
                     sys.stderr.write(f"{event.message}\n")

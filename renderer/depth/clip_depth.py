@@ -38,12 +38,14 @@ def _auto(clip: Clip, options: ClipOptions) -> Clip:
         rights = right_pictures(clip)
         return with_stereo_depth(clip, rights, options.baseline) if rights else clip
     except ClipError as error:
-        return replace(clip, notices=(*clip.notices, f"no stereo depth: {error}"))
+        why = f"no stereo depth: {error}"
+        return replace(clip, notices=(*clip.notices, why), why_no_depth=why)
 
 
 def _measured(clip: Clip, options: ClipOptions) -> Clip:
     if not clip.has_depth:
-        raise ClipError(f"expected measured depth, got a clip without: {clip.path}")
+        why = f" ({clip.why_no_depth})" if clip.why_no_depth else ""
+        raise ClipError(f"expected measured depth, got a clip without{why}: {clip.path}")
     return clip
 
 
@@ -60,11 +62,13 @@ def _monocular(clip: Clip, options: ClipOptions) -> Clip:
         raise ClipError(
             f"expected a folder {' or '.join(FOLDERS)} beside the pictures, got none: {clip.path}"
         )
-    return with_guessed_depth(clip, monocular_guess(clip, maps), BY_MAPS)
+    guessed = with_guessed_depth(clip, monocular_guess(clip, maps), BY_MAPS)
+    return replace(guessed, depth_origin="monocular")
 
 
 def _brightness(clip: Clip, options: ClipOptions) -> Clip:
-    return with_guessed_depth(clip, depth_from_brightness, BY_BRIGHTNESS)
+    guessed = with_guessed_depth(clip, depth_from_brightness, BY_BRIGHTNESS)
+    return replace(guessed, depth_origin="brightness")
 
 
 def _off(clip: Clip, options: ClipOptions) -> Clip:

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from renderer.clip import BoolImage, ByteImage
+from renderer.depth.averaging import averaged
 
 _BLACK = 10
 """Largest channel of the surround of an endoscopic picture, in grey levels."""
@@ -30,7 +31,7 @@ def well_exposed(image: ByteImage) -> BoolImage:
     """
     width = image.shape[1]
     whiteness, level = image.min(axis=2), image.max(axis=2)
-    around = cv2.GaussianBlur(whiteness.astype(np.float32), (0, 0), max(_REACH * width, 1.0))
+    around = averaged(whiteness.astype(np.float32), _REACH)
     step = _STEP * float(np.percentile(level, 90))
     bright = (whiteness > _CONTRAST * around + step) | (whiteness > _SATURATED)
     across = max(round(_MARGIN * width), 1)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.depth.alignment import aligned
 from renderer.depth.depth_prior import Guess
+from renderer.readers.depth_maps import plane_of
 from renderer.readers.numbered_files import beside
 from renderer.readers.pictures import is_picture, read_stored
 
@@ -88,12 +89,9 @@ def read_inverse_depth(path: Path, size: tuple[int, int]) -> Float32Image:
     Raises:
         ClipError: no map, or one that cannot be read.
     """
-    stored = _array(path) if path.suffix == ".npy" else read_stored(path)
-    plane = stored[:, :, 0] if stored.ndim == 3 and path.suffix != ".npy" else np.squeeze(stored)
-    if plane.ndim != 2 or plane.dtype.kind not in "fiu":
-        raise ClipError(f"expected one number a pixel, got {stored.dtype} {stored.shape}: {path}")
-    values = plane.astype(np.float32)
-    values = np.where(np.isfinite(values) & (values > 0), values, np.float32(0))
+    stored = read_array(path) if path.suffix == ".npy" else read_stored(path)
+    one_channel = stored[:, :, 0] if stored.ndim == 3 and path.suffix != ".npy" else stored
+    values = plane_of(one_channel, path)
     if values.shape == (size[1], size[0]):
         return values
     share = cv2.resize((values > 0).astype(np.float32), size, interpolation=cv2.INTER_LINEAR)
@@ -101,11 +99,12 @@ def read_inverse_depth(path: Path, size: tuple[int, int]) -> Float32Image:
     return np.where(share > 1 - 1e-3, resized, np.float32(0))
 
 
-def _array(path: Path) -> NDArray[np.generic]:
+def read_array(path: Path) -> NDArray[np.generic]:
+    """A .npy file. Raises ClipError: it cannot be read."""
     try:
         return np.asarray(np.load(path, allow_pickle=False))
     except (OSError, ValueError, EOFError) as error:
-        raise ClipError(f"expected a numpy array of inverse depth, got an unreadable file: {path}") from error
+        raise ClipError(f"expected a numpy array of depth, got an unreadable file: {path}") from error
 
 
 def _is_map(path: Path) -> bool:

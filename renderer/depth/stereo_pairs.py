@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.readers.frames import open_images
-from renderer.readers.numbered_files import listed
+from renderer.readers.listing import listed
+from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import common_size, is_picture, read_rgb
 
 LARGEST_VERTICAL_OFFSET = 1.5
@@ -22,8 +24,11 @@ LARGEST_VERTICAL_OFFSET = 1.5
 
 _FEWEST_FEATURES = 20
 _REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same one again.
-_LEFT = re.compile(r"left|(?<=[\d_])l$", re.IGNORECASE)
+_LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
 _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT", "l": "r", "L": "R"}
+
+_CAMERAS = MappingProxyType({"image_02": "image_03", "image_00": "image_01", "cam0": "cam1"})
+"""Folders of the left eye and of the right one, as KITTI and EuRoC call them."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +42,14 @@ class _Rig:
 def right_name(name: str) -> str | None:
     """What the file or folder of the right eye is called; None when `name` is not one of the left.
 
-    left, Left and LEFT become right; l and L at the end of the stem, after a digit or "_", become r;
-    EndoNeRF's images/ goes with images_right/.
+    left, Left and LEFT become right; l and L at the end of the stem, after a digit, "_" or "-", or at its
+    beginning before one, become r; EndoNeRF's images/ goes with images_right/, KITTI's image_02/ with
+    image_03/. What is called a depth map or a mask is of no eye.
     """
-    if name == "images":
-        return "images_right"
+    if name in ("images", *_CAMERAS):
+        return {"images": "images_right", **_CAMERAS}[name]
+    if kind_by_name(Path(name).stem) is not None:
+        return None
     stem, suffix = Path(name).stem, Path(name).suffix
     swapped, count = _LEFT.subn(lambda found: _RIGHT.get(found[0], "right"), stem, count=1)
     return swapped + suffix if count else None
@@ -50,6 +58,12 @@ def right_name(name: str) -> str | None:
 def is_stereo_folder(path: Path) -> bool:
     """Whether the folder holds left and right pictures side by side, or in two folders."""
     return _left_folder(path) is not None or bool(_paired_names(entry.name for entry in path.iterdir()))
+
+
+def eye_folders(path: Path) -> tuple[Path, ...]:
+    """The folders of the left and of the right eye in a folder; none where it has no such two."""
+    left = _left_folder(path)
+    return (left, left.with_name(right_name(left.name) or "")) if left else ()
 
 
 def open_stereo_folder(path: Path, field_of_view: float) -> Clip:
@@ -73,7 +87,7 @@ def right_pictures(clip: Clip) -> tuple[Path, ...]:
     if not clip.path.is_dir():
         return ()
     for folder in _picture_folders(clip.path, clip.labels[0]):
-        partners = [_partner(folder, name) for name in clip.labels]
+        partners = _partners(folder, clip.labels)
         found = tuple(path for path in partners if path is not None)
         if len(found) == len(partners):
             return found
@@ -110,7 +124,9 @@ def with_stereo_depth(clip: Clip, rights: tuple[Path, ...], baseline: float | No
         return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
 
     said = (*clip.notices, _said(rig))
-    return replace(clip, read_frame=read_frame, has_depth=True, unit=rig.unit, notices=said)
+    return replace(
+        clip, read_frame=read_frame, has_depth=True, unit=rig.unit, depth_origin="stereo", notices=said
+    )
 
 
 def _depth(found: NDArray[np.float32], product: float) -> NDArray[np.float32]:
@@ -147,6 +163,8 @@ def _judge(clip: Clip, right: Path) -> None:
     across, down = np.median(shifts[:, 0]), np.median(np.abs(shifts[:, 1]))
     if down > LARGEST_VERTICAL_OFFSET:
         limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
+        way = "rectify them by their calibration"
+        where = f"{clip.labels[0]} and {right.name}; {way}: {clip.path}"
         raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:
         shift = f"the right one shows things {-across:.0f} px farther right"
@@ -196,11 +214,17 @@ def _subfolders(path: Path) -> list[Path]:
     return sorted(entry for entry in path.iterdir() if entry.is_dir()) if path.is_dir() else []
 
 
-def _partner(folder: Path, name: str) -> Path | None:
-    """The right picture: beside the left one, or by either name in the folder of the right eye."""
+def _partners(folder: Path, labels: Sequence[str]) -> list[Path | None]:
+    """The right pictures: beside the left ones, or by either name in the folder of the right eye."""
     whole = folder.resolve()
-    other_folder, other_name = right_name(whole.name), right_name(name)
-    places = [whole / other_name] if other_name else []
-    if other_folder:
-        places += [whole.with_name(other_folder) / each for each in (name, other_name) if each]
-    return next((path for path in places if path.is_file() and is_picture(path)), None)
+    here = {entry.name for entry in whole.iterdir() if is_picture(entry)}
+    beside = whole.with_name(right_name(whole.name) or whole.name)
+    there = {entry.name for entry in beside.iterdir() if is_picture(entry)} if beside.is_dir() else set[str]()
+    found: list[Path | None] = []
+    for name in labels:
+        other = right_name(name)
+        places = [whole / other] if other in here and other else []
+        if beside != whole:
+            places += [beside / each for each in (name, other) if each and each in there]
+        found.append(next((path for path in places if path.is_file()), None))
+    return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,19 @@ def read_map(path: Path) -> DepthMap:
     if stored.ndim != 2:
         raise ClipError(f"expected one channel, got {stored.shape[2]}: {path}")
     values = stored.astype(np.float32)
+    return np.where(np.isfinite(values) & (values > 0), values, np.float32(0))
+
+
+def plane_of(stored: NDArray[Any], path: Path) -> DepthMap:
+    """(H, W) of what a file stores, without axes of length 1; NaN, infinity and what is below 0 as 0.
+
+    Raises:
+        ClipError: not one number a pixel.
+    """
+    plane = np.squeeze(stored)
+    if plane.ndim != 2 or plane.dtype.kind not in "fiu":
+        raise ClipError(f"expected one number a pixel, got {stored.dtype} {stored.shape}: {path}")
+    values = plane.astype(np.float32)
     return np.where(np.isfinite(values) & (values > 0), values, np.float32(0))
 
 

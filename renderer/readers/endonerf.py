@@ -15,7 +15,9 @@ from PIL import Image
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.listing import listed
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
+from renderer.readers.poses import nearest_rotations
 from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
 
 POSES = "poses_bounds.npy"
@@ -27,7 +29,6 @@ OUTLIER = 3.0
 """Depth beyond this many times a frame's median, or below its inverse, is a failed match."""
 
 _SAMPLES = 4
-_LISTED = 5
 
 Matrix = NDArray[np.float64]
 
@@ -201,7 +202,7 @@ def _stray_notices(path: Path) -> list[str]:
         visible = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
         strays = [entry.name for entry in visible if _frame_number(entry) is None]
         if strays:
-            notices.append(f"{folder.name}/ holds files that belong to no frame: {_listed(strays)}")
+            notices.append(f"{folder.name}/ holds files that belong to no frame: {listed(strays)}")
     return notices
 
 
@@ -209,12 +210,7 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
     missing = [str(number) for number in sorted(found.keys() - others.keys())]
     if missing:
         counts = f"{name}/ has {len(found)} frames but {other}/ has {len(others)}"
-        raise ClipError(f"{counts}: {other}/ lacks number {_listed(missing)}: {path}")
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    return ", ".join(names[:_LISTED]) + more
+        raise ClipError(f"{counts}: {other}/ lacks number {listed(missing)}: {path}")
 
 
 def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:
@@ -243,11 +239,14 @@ def _read_cameras(
         raise ClipError(f"{counts}: {path}")
     matrices = rows[:, :15].reshape(-1, 3, 5)
     poses = _to_opencv(matrices[:, :, :4], convention)
-    spin = poses[:, :, :3]
-    if np.abs(spin @ spin.transpose(0, 2, 1) - np.eye(3)).max() > 1e-3:
-        raise ClipError(f"expected rotations in the poses, got matrices that are none: {path / POSES}")
+    try:
+        spins = nearest_rotations(poses[:, :, :3], [f"row {index}" for index in range(count)])
+    except ValueError as error:
+        raise ClipError(f"{error}: {path / POSES}") from error
+    poses[:, :, :3] = spins.matrices
     lens, notices = _lens(matrices[0, :, 4], size, path / POSES)
-    if np.abs(matrices[:, :, :4] - np.eye(3, 4)).max() > 1e-9:
+    notices += [f"{POSES}: {said}" for said in spins.notices]
+    if np.abs(poses - _to_opencv(np.eye(3, 4)[None], convention)).max() > 1e-9:
         notices.append(f"the camera moves or is turned: poses read as {convention} camera-to-world")
     square = np.tile(np.eye(4), (count, 1, 1))
     square[:, :3] = poses
@@ -256,7 +255,8 @@ def _read_cameras(
 
 def _load_poses(path: Path) -> Matrix:
     if not path.is_file():
-        raise ClipError(f"expected {POSES}, got no such file: {path}")
+        way = f"copy it there, or name {path.parent / 'images'}, pictures without depth"
+        raise ClipError(f"expected {POSES}, which says what the camera is, got no such file; {way}: {path}")
     try:
         rows = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError) as error:

@@ -11,27 +11,40 @@ import numpy as np
 
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, ClipError, Frame
-from renderer.readers.pictures import common_size, is_picture, natural_key, read_rgb
+from renderer.readers.listing import listed
+from renderer.readers.picture_kinds import is_named_array, kinds_of
+from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
 
 FIELD_OF_VIEW = 60.0
 """Horizontal, in degrees: taken for endoscopes whose calibration is unknown."""
 
 
 def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
-    """The pictures of a folder in natural order (2.jpg before 10.jpg).
+    """The photos of a folder in natural order (2.jpg before 10.jpg).
 
-    Files that are no pictures, and pictures without a number beside numbered ones, are left out
-    and reported. Raises ClipError when there is none, or when sizes differ.
+    Files that are no photos (`kinds_of`), and photos without a number beside numbered ones, are left
+    out and reported. Raises ClipError when there is none, when two have one name but for the suffix, or
+    when sizes differ.
     """
-    visible = [entry for entry in path.iterdir() if not entry.name.startswith(".")]
-    pictures = sorted((entry for entry in visible if entry.is_file() and is_picture(entry)), key=natural_key)
-    numbered = [entry for entry in pictures if re.search(r"\d", entry.stem)]
-    paths = tuple(numbered or pictures)
+    visible = [entry for entry in path.iterdir() if is_visible(entry)]
+    files = sorted((entry for entry in visible if entry.is_file()), key=natural_key)
+    kinds = kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
+    numbered = [entry for entry in kinds.photos if re.search(r"\d", entry.stem)]
+    paths = tuple(numbered or kinds.photos)
     if not paths:
         folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
-        hint = f"; it holds the folders {folders}: open one of these" if folders else ""
+        videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
+        inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
+        hint = f"; it holds the {inside}: open one of these" if inside else ""
         raise ClipError(f"expected pictures in the folder, got none{hint}: {path}")
-    strays = sorted(entry.name for entry in visible if entry.is_file() and entry not in paths)
+    _check_names(paths, path)
+    told = {*paths, *kinds.others}
+    strays = sorted(entry.name for entry in files if entry not in told)
+    lost = sorted(entry.name for entry in visible if not entry.exists())
+    said = (
+        *((f"left out, no numbered pictures: {listed(strays)}",) if strays else ()),
+        *((f"left out, links that lead nowhere: {listed(lost)}",) if lost else ()),
+    )
     return without_depth(
         path,
         "images",
@@ -39,8 +52,18 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         size=common_size(paths),
         read=lambda index: read_rgb(paths[index]),
         field_of_view=field_of_view,
-        notices=(f"left out, no numbered pictures: {', '.join(strays)}",) if strays else (),
+        notices=(*kinds.notices(), *said),
     )
+
+
+def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
+    """Raises ClipError for 1.jpg beside 1.png, which would be one moment twice."""
+    first: dict[str, Path] = {}
+    for path in paths:
+        other = first.setdefault(path.stem, path)
+        if other != path:
+            both = f"{other.name} and {path.name}"
+            raise ClipError(f"expected one picture a name, got {both}: move one kind elsewhere: {folder}")
 
 
 def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:

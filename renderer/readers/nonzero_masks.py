@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from renderer.clip import BoolImage, ClipError
-from renderer.readers.pictures import read_stored
+from renderer.readers.pictures import read_stored, stored_kind
 from renderer.readers.tool_masks import Sample, marks_tissue
 
 Marked = Literal["tool", "tissue"]
@@ -27,12 +27,22 @@ def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
     """
     stored = read_stored(path)
     levels = stored if stored.ndim == 2 else stored[:, :, :3].max(axis=2)
-    height, width = levels.shape
-    if abs(width * size[1] - height * size[0]) > 0.005 * width * size[1]:
-        wanted = f"a mask of the shape of the pictures, {size[0]}x{size[1]}"
-        raise ClipError(f"expected {wanted}, got {width}x{height}: {path}")
+    _require_shape((levels.shape[1], levels.shape[0]), size, path)
     marked = (levels != 0).astype(np.uint8)
     return np.asarray(cv2.resize(marked, size, interpolation=cv2.INTER_NEAREST_EXACT) > 0)
+
+
+def require_shapes(paths: Iterable[Path], size: tuple[int, int]) -> None:
+    """By their headers. Raises ClipError: a file that `read_nonzero` would refuse."""
+    for path in paths:
+        _require_shape(stored_kind(path)[1], size, path)
+
+
+def _require_shape(found: tuple[int, int], size: tuple[int, int], path: Path) -> None:
+    (width, height), (wide, high) = found, size
+    if abs(width * high - height * wide) > 0.005 * width * high:
+        wanted = f"a mask of the shape of the pictures, {wide}x{high}"
+        raise ClipError(f"expected {wanted}, got {width}x{height}: {path}")
 
 
 def refuse_inverted(sample: Callable[[int], Sample], count: int, marked: Marked, masks: Path) -> None:

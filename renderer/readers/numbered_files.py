@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from renderer.clip import ClipError
+from renderer.readers.listing import listed
 from renderer.readers.pictures import is_picture
-
-_LISTED = 5
 
 Accepts = Callable[[Path], bool]
 
@@ -55,12 +54,6 @@ def strays(frames: Iterable[int], folder: Path, accepts: Accepts = is_picture) -
     visible = [entry for entry in sorted(folder.iterdir()) if not entry.name.startswith(".")]
     loose = [entry.name for entry in visible if not (accepts(entry) and _number(entry) in known)]
     return [f"{folder.name}/ holds files that belong to no frame: {listed(loose)}"] if loose else []
-
-
-def listed(names: list[str]) -> str:
-    """The first few names, and how many more there are."""
-    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    return ", ".join(names[:_LISTED]) + more
 
 
 def _number(entry: Path) -> int | None:

@@ -34,7 +34,7 @@ class OpenCvVideo:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._lock = threading.Lock()
-        self._capture = _open_capture(path)
+        self._capture = open_capture(path)
         announced = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.frames_per_second = rate if 0 < rate < 1000 else None
@@ -78,7 +78,7 @@ class OpenCvVideo:
         return not self._is_counted and self._capture.set(cv2.CAP_PROP_POS_FRAMES, index)
 
     def _restart(self, index: int) -> bool:
-        self._capture = _open_capture(self._path)
+        self._capture = open_capture(self._path)
         self._at = -1
         return True
 
@@ -99,7 +99,7 @@ class OpenCvVideo:
             raise ClipError(f"expected a video, got a file without a frame that decodes: {self._path}")
         first = int(self._capture.get(cv2.CAP_PROP_PTS))
         if first not in self._stamps:
-            self._stamps = sorted(set(_stamps(_open_capture(self._path))))
+            self._stamps = sorted(set(_stamps(open_capture(self._path))))
         self._stamps = [stamp for stamp in self._stamps if stamp >= first]
         start = max(0, len(self) - TAIL)
         reached = self._seek(start) and self._grab_until(start)
@@ -110,14 +110,14 @@ class OpenCvVideo:
             tail = [self._stamps[start], *sorted(set(_stamps(self._capture)))]
             self._stamps = self._stamps[:start] + tail
         else:
-            self._stamps = sorted(set(_stamps(_open_capture(self._path))))
+            self._stamps = sorted(set(_stamps(open_capture(self._path))))
         self._restart(0)
         self._at = -1
 
     def _times(self) -> tuple[float, ...]:
         """Seconds from the first frame."""
         if self._is_counted:
-            capture, seconds = _open_capture(self._path), list[float]()
+            capture, seconds = open_capture(self._path), list[float]()
             while capture.grab():
                 seconds.append(capture.get(cv2.CAP_PROP_POS_MSEC) / 1000)
             if all(later > one for one, later in pairwise(seconds)):
@@ -142,14 +142,15 @@ class OpenCvVideo:
             )
 
 
-def _open_capture(path: Path) -> cv2.VideoCapture:
+def open_capture(path: Path) -> cv2.VideoCapture:
     try:
         str(path).encode()
     except UnicodeEncodeError as error:
         # The decoder would end the process.
         shown = str(path).encode(errors="backslashreplace").decode()
         raise ClipError(f"expected a path in UTF-8, rename or move it: {shown}") from error
-    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    # Of its own, since a name with a colon would be taken for an address.
+    capture = cv2.VideoCapture(str(path.absolute()), cv2.CAP_FFMPEG)
     if not capture.isOpened():
         raise ClipError(f"expected a picture or a video, got a file that is neither, or damaged: {path}")
     return capture
@@ -157,7 +158,7 @@ def _open_capture(path: Path) -> cv2.VideoCapture:
 
 def _packets(path: Path) -> cv2.VideoCapture:
     """For their time stamps alone: nothing is decoded."""
-    capture = _open_capture(path)
+    capture = open_capture(path)
     capture.set(cv2.CAP_PROP_FORMAT, -1)
     return capture
 

@@ -2,20 +2,38 @@
 
 from __future__ import annotations
 
+import os
 import re
+import struct
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
+from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.listing import listed
+
+
+class SeveralSizes(ClipError):
+    """Pictures that are fine one by one, and no clip together."""
+
 
 SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm"})
 
-_BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
+VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
+
+SYSTEM_FILES = frozenset({"thumbs.db", "ehthumbs.db", "desktop.ini"})
+"""What a file manager leaves in folders of pictures."""
+
+BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
+
+
+def is_visible(path: Path) -> bool:
+    """Whether a person has put it there: neither hidden nor left by a file manager."""
+    return not path.name.startswith(".") and path.name.lower() not in SYSTEM_FILES
 
 
 def is_picture(path: Path) -> bool:
@@ -38,8 +56,41 @@ def read_stored(path: Path) -> NDArray[Any]:
     try:
         with Image.open(path) as picture:
             return np.asarray(picture.convert("RGB") if picture.mode == "P" else picture)
-    except _BROKEN as error:
+    except BROKEN as error:
         raise _unreadable(path, error) from error
+
+
+Stored = Literal["colour", "bytes", "numbers"]
+"""Several channels, one of 8 bits, or one of more bits or of floats."""
+
+
+def stored_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
+    """What a picture or .npy file holds, by its header, and width and height.
+
+    Raises:
+        ClipError: the file is missing or no picture.
+    """
+    if path.suffix.lower() == ".npy":
+        return _array_kind(path)
+    try:
+        with Image.open(path) as picture:
+            mode, size = picture.mode, picture.size
+    except BROKEN as error:
+        raise _unreadable(path, error) from error
+    if mode.startswith(("I", "F")):
+        return "numbers", size
+    return ("bytes" if mode in ("1", "L") else "colour"), size
+
+
+def _array_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
+    try:
+        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise ClipError(f"expected a numpy array, got an unreadable file: {path}") from error
+    sides = [side for side in array.shape if side > 1]
+    if len(sides) != 2:
+        return "colour", (1, 1)
+    return ("bytes" if array.dtype.itemsize == 1 else "numbers"), (sides[1], sides[0])
 
 
 def read_rgb(path: Path) -> ByteImage:
@@ -53,7 +104,7 @@ def read_rgb(path: Path) -> ByteImage:
             if not picture.mode.startswith(("I", "F")):
                 upright = ImageOps.exif_transpose(picture)
                 return np.array(upright.convert("RGB"), dtype=np.uint8)
-    except _BROKEN as error:
+    except BROKEN as error:
         raise _unreadable(path, error) from error
     grey = read_stored(path)
     if grey.dtype.kind == "f" or grey.min() < 0 or grey.max() > 65535:
@@ -66,29 +117,59 @@ def common_size(paths: Iterable[Path]) -> tuple[int, int]:
     """Width and height shared by all the pictures; only their headers are read.
 
     Raises:
-        ClipError: two sizes, or a file that is no picture.
+        SeveralSizes: as the line counts.
+        ClipError: a file that is no picture.
     """
-    first: tuple[Path, tuple[int, int]] | None = None
+    found: dict[tuple[int, int], list[Path]] = {}
     for path in paths:
         try:
             with Image.open(path) as picture:
-                size = _upright_size(picture)
-        except _BROKEN as error:
+                found.setdefault(_upright_size(picture, path), []).append(path)
+        except BROKEN as error:
             raise _unreadable(path, error) from error
-        first = first or (path, size)
-        if size != first[1]:
-            expected = f"{first[1][0]}x{first[1][1]} as {first[0].name}"
-            raise ClipError(f"expected a picture of {expected}, got {size[0]}x{size[1]}: {path}")
-    if first is None:
+    if not found:
         raise ClipError("expected at least one picture, got none")
-    return first[1]
+    (size, usual), *others = sorted(found.items(), key=lambda each: -len(each[1]))
+    if others:
+        raise SeveralSizes(_differing(size, usual, others))
+    return size
 
 
-def _upright_size(picture: Image.Image) -> tuple[int, int]:
+def _differing(
+    size: tuple[int, int], usual: list[Path], others: list[tuple[tuple[int, int], list[Path]]]
+) -> str:
+    """The sentence about pictures of several sizes: which differ, and what to do."""
+    odd = [path for _, paths in others for path in paths]
+    sizes = " and ".join(f"{width}x{height}" for (width, height), _ in others)
+    count = f"{len(odd)} of {len(odd) + len(usual)} pictures ({listed([path.name for path in odd])})"
+    wanted = f"expected one size, {size[0]}x{size[1]} as {usual[0].name}"
+    return f"{wanted}, got {sizes}: {count}; move these elsewhere, or make all of one size: {odd[0]}"
+
+
+def _upright_size(picture: ImageFile.ImageFile, path: Path) -> tuple[int, int]:
     """As `read_rgb` turns it: EXIF orientations 5 to 8 lie on their side."""
     width, height = picture.size
-    lies = picture.getexif().get(ExifTags.Base.Orientation, 1) >= 5
+    # Of a PNG, Pillow decodes all pixels before it tells the EXIF, which may, but hardly does, follow them.
+    whole = picture.format != "PNG" or _tells_more_after_pixels(path)
+    exif = picture.getexif() if whole else Image.Image.getexif(picture)
+    lies = exif.get(ExifTags.Base.Orientation, 1) >= 5
     return (height, width) if lies else (width, height)
+
+
+def _tells_more_after_pixels(path: Path) -> bool:
+    """Whether a PNG has anything between its pixels and its end; only the heads of its chunks are read."""
+    seen = False
+    with path.open("rb", buffering=0) as file:
+        file.seek(8)
+        while len(head := file.read(8)) == 8:
+            length, kind = struct.unpack(">I4s", head)
+            if kind == b"IEND":
+                return False
+            if seen and kind != b"IDAT":
+                return True
+            seen = seen or kind == b"IDAT"
+            file.seek(length + 4, os.SEEK_CUR)
+    return True
 
 
 def _unreadable(path: Path, error: Exception) -> ClipError:

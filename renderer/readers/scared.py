@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +18,7 @@ from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.depth_maps import DepthMap, read_map, within
 from renderer.readers.numbered_files import beside, numbered, strays
 from renderer.readers.pictures import common_size, read_rgb
+from renderer.readers.poses import nearest_rotations
 
 NEAREST, FARTHEST = 30.0, 300.0
 """Depth in mm outside of which it is no measurement, as EndoSurf takes it (Zha et al., MICCAI 2023)."""
@@ -64,7 +65,7 @@ def open_scared(path: Path) -> Clip:
     data = path if (path / _POSES).is_dir() else path / "data"
     images = numbered(data / _PICTURES)
     lenses = tuple(_lens(file) for file in beside(images, data / _MATRICES, _is_json))
-    poses = [_pose(file) for file in beside(images, data / _POSES, _is_json)]
+    poses, mended = _poses(beside(images, data / _POSES, _is_json))
     folder = next((name for name in (_DISPARITY, _POINTS) if (data / name).is_dir()), None)
     depth = beside(images, data / folder) if folder else ()
     size = common_size((*images.values(), *(depth if folder == _DISPARITY else ())))
@@ -85,7 +86,7 @@ def open_scared(path: Path) -> Clip:
         labels=tuple(entry.name for entry in images.values()),
         has_depth=bool(depth),
         unit="mm",
-        notices=(*loose, *_said_of_depth(folder)),
+        notices=(*loose, *mended, *_said_of_depth(folder)),
         baseline=lenses[0].baseline,
     )
 
@@ -171,14 +172,21 @@ def _lens(path: Path) -> _Lens:
     return _Lens(float(q[2, 3]), float(0.5 - q[0, 3]), float(0.5 - q[1, 3]), float(abs(1 / q[3, 2])))
 
 
-def _pose(path: Path) -> FloatArray:
-    pose = _matrix(path, "camera-pose")
-    spin = pose[:3, :3]
-    if np.abs(spin @ spin.T - np.eye(3)).max() > 1e-3 or np.abs(pose[3] - (0, 0, 0, 1)).max() > 1e-6:
+def _poses(paths: Sequence[Path]) -> tuple[FloatArray, tuple[str, ...]]:
+    """World-to-camera matrices (N, 4, 4), and what was mended of them."""
+    poses = np.stack([_matrix(path, "camera-pose") for path in paths])
+    last = np.abs(poses[:, 3] - (0, 0, 0, 1)).max(axis=1)
+    if last.max() > 1e-6:
+        worst = paths[int(np.argmax(last))]
         raise ClipError(
-            f"expected camera-pose to be a rotation and a shift, got a matrix that is none: {path}"
+            f"expected camera-pose to be a rotation and a shift above 0 0 0 1, got another: {worst}"
         )
-    return pose
+    try:
+        spins = nearest_rotations(poses[:, :3, :3], [path.name for path in paths])
+    except ValueError as error:
+        raise ClipError(f"camera-pose: {error}: {paths[0].parent}") from error
+    poses[:, :3, :3] = spins.matrices
+    return poses, tuple(f"{_POSES}/: {said}" for said in spins.notices)
 
 
 def _left_points(path: Path, height: int) -> FloatArray:

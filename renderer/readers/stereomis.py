@@ -11,9 +11,10 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted
+from renderer.readers.listing import listed
+from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted, require_shapes
 from renderer.readers.number_tables import read_table
-from renderer.readers.numbered_files import listed, numbered
+from renderer.readers.numbered_files import numbered
 from renderer.readers.pictures import common_size, is_picture, read_rgb
 from renderer.readers.poses import pose_matrix
 from renderer.readers.rectification import read_rectified
@@ -48,6 +49,7 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     if not kept:
         raise ClipError(f"expected a mask of the number of a picture, got none: {path / 'masks'}")
     size = common_size(images[number] for number in kept)
+    require_shapes((masks[number] for number in kept if masks), size)
     rectified = read_rectified(path / CALIBRATION, size)
     poses = _poses(path / TRAJECTORY, kept) if (path / TRAJECTORY).is_file() else []
     cameras = tuple(rectified.camera.moved(pose) for pose in poses) or (rectified.camera,) * len(kept)

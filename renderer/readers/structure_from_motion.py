@@ -11,8 +11,9 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.field_of_view import is_displaced, lit_field
+from renderer.readers.listing import listed
 from renderer.readers.number_tables import read_table
-from renderer.readers.numbered_files import listed, numbered
+from renderer.readers.numbered_files import numbered
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.point_ply import read_points
 from renderer.readers.poses import pose_matrix
@@ -41,8 +42,8 @@ def open_structure_from_motion(path: Path) -> Clip:
 
     motion.yaml has the camera-to-world pose (position, quaternion xyzw, OpenCV axes) of each view
     that was registered, in the order of the picture numbers in visible_view_indexes; pictures that
-    were not registered are left out. camera_intrinsics_per_view has fx, fy, cx, cy for all views or
-    for each, the principal point from the centre of the first pixel. undistorted_mask is set where
+    were not registered are left out. camera_intrinsics_per_view has fx, fy, cx, cy, or f, cx, cy, for all
+    views or for each, the principal point from the centre of the first pixel. undistorted_mask is set where
     the endoscope sees; one that lies beside the light of the pictures gives way to it. The scale is
     arbitrary and there is no dense depth.
 
@@ -138,13 +139,15 @@ def _pose(words: tuple[str, ...], number: int, path: Path) -> FloatArray:
 
 
 def _intrinsics(path: Path, count: int) -> list[tuple[float, ...]]:
-    """fx, fy, cx, cy of each view."""
+    """fx, fy, cx, cy of each view; three numbers are f, cx, cy."""
     values = read_table(path)
-    if values.size not in (4, 4 * count):
-        raise ClipError(
-            f"expected fx, fy, cx, cy once or for {count} views, got {values.size} numbers: {path}"
-        )
-    rows = [tuple(map(float, row)) for row in values.reshape(-1, 4)]
+    width = next((each for each in (4, 3) if values.size in (each, each * count)), None)
+    if width is None or (values.shape[1] > 1 and values.shape[1] != width and values.shape[0] > 1):
+        wanted = f"fx, fy, cx, cy or f, cx, cy once or for {count} views"
+        raise ClipError(f"expected {wanted}, got {values.size} numbers: {path}")
+    rows = [tuple(map(float, row if width == 4 else row[[0, 0, 1, 2]])) for row in values.reshape(-1, width)]
+    if min(min(row[:2]) for row in rows) <= 0:
+        raise ClipError(f"expected focal lengths above 0, got {min(min(row[:2]) for row in rows):g}: {path}")
     return rows if len(rows) == count else rows * count
 
 

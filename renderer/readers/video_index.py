@@ -158,10 +158,15 @@ def start_of(path: Path) -> Fraction:
         return first.pts * stream.time_base
 
 
-def nominal_rate(stream: VideoStream) -> Fraction:
-    """Frames a second as the file says it."""
+def rate_of(stream: VideoStream) -> Fraction | None:
+    """Frames a second as the file says it, if it does."""
     told = (rate for rate in (stream.guessed_rate, stream.average_rate) if rate and 0 < rate < 1000)
-    return next(told, Fraction(25))
+    return next(told, None)
+
+
+def nominal_rate(stream: VideoStream) -> Fraction:
+    """The same, or as usual in Europe."""
+    return rate_of(stream) or Fraction(25)
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,21 @@ class Omission:
 
 
 @dataclass(frozen=True)
+class Preparing:
+    """What is done before training starts, where that takes a while."""
+
+    stage: str
+    """In a few words, such as "read frames"."""
+    done: int
+    total: int
+    """0: not known."""
+    seconds: float
+    """Of this stage, so far."""
+    seconds_left: float | None
+    """Of this stage; None: not known yet."""
+
+
+@dataclass(frozen=True)
 class Started:
     iteration: int
     """0, or the iteration of the checkpoint that is resumed."""
@@ -77,4 +92,4 @@ class Finished:
     """What the end of training found to be unneeded."""
 
 
-TrainEvent = Started | Progress | Snapshot | Evaluated | Warned | Finished
+TrainEvent = Preparing | Started | Progress | Snapshot | Evaluated | Warned | Finished

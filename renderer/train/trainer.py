@@ -127,10 +127,10 @@ def train(
 def require_depth(clip: Clip) -> None:
     """Raises ClipError before any frame is read in vain."""
     if not clip.has_depth and clip.points is None:
-        raise ClipError(
-            "reconstruction expects depth, and this clip has none "
-            f"(--depth brightness guesses it, without a scale): {clip.path}"
-        )
+        way = "--depth brightness guesses it, without a scale"
+        if clip.why_no_depth:
+            raise ClipError(f"reconstruction expects depth; {clip.why_no_depth} ({way})")
+        raise ClipError(f"reconstruction expects depth, and this clip has none ({way}): {clip.path}")
 
 
 def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
+from app import preparing
 from app.__main__ import main
 from app.training import TrainRequest, run_training
 from renderer.phantom import PhantomParams, write_phantom
@@ -77,6 +78,12 @@ def tissue(seed: int, brightness: int = 160) -> np.ndarray:
     noise = np.random.default_rng(seed).normal(0, 20, (40, 60, 3))
     smooth = cv2.GaussianBlur(noise, (9, 9), 2) * 4
     return np.clip(np.array([60, 70, brightness]) + smooth, 0, 255).astype(np.uint8)
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However busy the machine: what comes before training says nothing, unless a test wants it."""
+    monkeypatch.setattr(preparing, "SECONDS_BETWEEN", 600.0)
 
 
 @pytest.fixture

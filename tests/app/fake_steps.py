@@ -15,7 +15,7 @@ from app.training import TrainRequest
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
-from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent
+from renderer.train.events import Finished, Preparing, Progress, Snapshot, Started, TrainEvent
 
 Steps = Generator[TrainEvent, None, None]
 
@@ -84,3 +84,9 @@ def killed(request: TrainRequest) -> Steps:
 def exited(request: TrainRequest) -> Steps:
     yield Started(0, 1, 1, ())
     os._exit(3)
+
+
+def preparing(request: TrainRequest) -> Steps:
+    """Tells what it prepares, and then goes on endlessly."""
+    yield Preparing("match left and right pictures", 3, 27, 2.0, 16.0)
+    yield from endless(request)

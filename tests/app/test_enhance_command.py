@@ -14,7 +14,7 @@ import pytest
 from app.__main__ import main
 from app.pictures import read_image
 from app.provenance import NOTICE, digest, read_provenance
-from app.series import Series
+from app.series import Series, open_series
 from app.video import Timing
 from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import BASELINES
@@ -191,6 +191,71 @@ def test_a_folder_of_folders_says_which_it_holds(tmp_path: Path, vesselsplat: Cl
     assert call.code == 2
     assert "which holds the folders input: name one of these" in call.error
     assert not (tmp_path / "out").exists()
+
+
+def with_maps(folder: Path) -> Path:
+    """Depth and masks beside the pictures of a folder."""
+    for index in range(3):
+        depth = np.full((40, 60), 1000 + index, np.uint16)
+        assert cv2.imwrite(str(folder / f"depthmap_{index}.png"), depth)
+        assert cv2.imwrite(str(folder / f"{index}_mask.png"), tissue(index)[:, :, 0])
+    return folder
+
+
+def test_maps_beside_pictures_are_not_enhanced_and_it_is_said(
+    folder: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    call = vesselsplat("enhance", with_maps(folder), tmp_path / "out")
+    assert call.code == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["0.png", "1.png", "2.png"]
+    assert "left out, depth maps beside the pictures: depthmap_0.png, depthmap_1.png" in call.error
+    assert "left out, masks beside the pictures: 0_mask.png" in call.error
+
+
+def test_train_and_enhance_take_the_same_pictures(folder: Path, vesselsplat: Cli) -> None:
+    with_maps(folder)
+    names = [Path(label).stem for label in open_clip(folder).labels]
+    assert list(open_series(folder).names) == names == ["0", "1", "2"]
+    inside = folder.parent / "case"
+    inside.mkdir()
+    folder.rename(inside / "input")
+    (inside / "mask").mkdir()
+    assert list(open_series(inside).names) == [Path(label).stem for label in open_clip(inside).labels]
+
+
+def test_a_batch_passes_over_folders_of_maps(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    case = tmp_path / "cases" / "one"
+    case.mkdir(parents=True)
+    folder.rename(case / "input")
+    for name in ("mask", "depth maps"):
+        (case / name).mkdir()
+        cv2.imwrite(str(case / name / "0.png"), tissue(1))
+    call = vesselsplat("enhance", tmp_path / "cases", tmp_path / "out", "--recursive")
+    assert call.code == 0
+    written = [path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*.png")]
+    assert sorted(written) == ["one/input/0.png", "one/input/1.png", "one/input/2.png"]
+    assert "left out, masks beside the pictures: mask/" in call.error
+    alone = vesselsplat("enhance", case / "mask", tmp_path / "alone")
+    assert (alone.code, alone.error) == (0, "")
+
+
+def test_a_video_of_several_sizes_is_refused_before_it_is_begun(
+    folder: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    cv2.imwrite(str(folder / "9.png"), np.zeros((30, 60, 3), np.uint8))
+    call = vesselsplat("enhance", folder, tmp_path / "out.mp4")
+    assert call.code == 2
+    assert "60x40" in call.error
+    assert "1 of 4 pictures (9.png)" in call.error
+
+
+def test_a_folder_of_videos_says_what_to_do(tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "a.mp4").write_bytes(b"x")
+    call = vesselsplat("enhance", tmp_path / "in", tmp_path / "out")
+    assert call.code == 2
+    assert "a.mp4" in call.error
+    assert "--recursive" in call.error
 
 
 def test_two_pictures_of_one_output_name_are_refused(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:

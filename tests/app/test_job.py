@@ -19,7 +19,7 @@ from app.job import Cancelled, Failed, JobEvent, Paused, Resumed, TrainingJob
 from app.training import TrainRequest
 from app.worker import Steps
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Progress, Started
+from renderer.train.events import Finished, Preparing, Progress, Started
 from tests.app import fake_steps
 
 PATIENCE = 30.0
@@ -82,6 +82,13 @@ def test_a_run_tells_its_events_in_order_and_ends_with_the_model(tmp_path: Path)
         assert job.latest_model() is newest
         assert len(blocks_of(job)) == 1
     assert blocks_of(job) == []
+
+
+def test_what_comes_before_the_start_is_told(tmp_path: Path) -> None:
+    with job_of(fake_steps.preparing, tmp_path) as job:
+        events = events_until(job, is_a(Started))
+        assert events[0] == Preparing("match left and right pictures", 3, 27, 2.0, 16.0)
+        assert isinstance(events[1], Started)
 
 
 def test_pause_stops_the_flow_and_resume_continues_it(tmp_path: Path) -> None:

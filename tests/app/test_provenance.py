@@ -139,6 +139,21 @@ def test_a_source_tells_neither_path_nor_user(tmp_path: Path) -> None:
     assert '"clip.bin"' in text
 
 
+@pytest.mark.parametrize("names", [("left", "right"), ("input", "mask"), ("input", "depth")])
+def test_the_digest_of_pictures_in_folders_is_of_those(tmp_path: Path, names: tuple[str, str]) -> None:
+    for name in names:
+        (tmp_path / name).mkdir()
+        Image.new("RGB", (3, 3)).save(tmp_path / name / "1.png")
+    found = [digest(tmp_path)]
+    for name in names:
+        Image.new("RGB", (3, 4)).save(tmp_path / name / "1.png")
+        found.append(digest(tmp_path))
+    assert len(set(found)) == 3
+    (tmp_path / "exports").mkdir()
+    (tmp_path / "exports" / "notes.txt").write_text("not of the clip")
+    assert digest(tmp_path) == found[-1]
+
+
 def test_the_digest_of_a_scared_folder_is_of_all_that_it_holds(tmp_path: Path) -> None:
     folder = tmp_path / "clip"
     write_phantom(folder, PhantomParams(n_frames=2, width=64, height=48), layout="scared")

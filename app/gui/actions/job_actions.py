@@ -9,6 +9,7 @@ from datetime import datetime
 from pathlib import Path
 
 from app.gui.actions.actions import latest, leave, say
+from app.gui.legible import capital, legible
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Job, Reconstruction, Waiting
 from app.gui.work.opening import finished_model
@@ -187,5 +188,7 @@ def why_not_reconstruct(state: AppState) -> str:
     if state.clip is None:
         return "Open a clip first."
     if not state.clip.has_depth and state.clip.points is None:
-        return "This clip has no depth to start from. Started with --depth brightness, the app guesses it."
+        way = "Started with --depth brightness, the app guesses it."
+        why = state.clip.why_no_depth
+        return f"{capital(legible(why))}. {way}" if why else f"This clip has no depth to start from. {way}"
     return ""

@@ -18,7 +18,7 @@ from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import InputKind, Reconstruction
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
-from renderer.train.events import Omission
+from renderer.train.events import Omission, Preparing
 
 METHODS: tuple[Method, ...] = get_args(Method)
 INPUTS: tuple[InputKind, ...] = get_args(InputKind)
@@ -183,12 +183,24 @@ def _draw_status(run: Reconstruction) -> None:
     if run.request is not None:
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}")
     if progress is None:
+        if run.is_alive and run.preparing is not None:
+            _draw_preparing(run.preparing)
         return
     left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
     imgui.same_line()
     imgui.text_colored(theme.now().muted, f"{seconds(progress.seconds)}{left}")
     done = f"{grouped(progress.iteration)} / {grouped(progress.iterations)}"
     imgui.progress_bar(progress.iteration / progress.iterations, ImVec2(-1, em(1.25)), done)
+
+
+def _draw_preparing(stage: Preparing) -> None:
+    """What is done before the first step, and how far it is where that is known."""
+    left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
+    with imgui_ctx.push_text_wrap_pos(0):
+        imgui.text_colored(theme.now().muted, f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
+    if stage.total:
+        done = f"{grouped(stage.done)} / {grouped(stage.total)}"
+        imgui.progress_bar(stage.done / stage.total, ImVec2(-1, em(1.25)), done)
 
 
 def _draw_omissions(state: AppState) -> None:

@@ -12,7 +12,7 @@ from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
-from renderer.train.events import Omission, Progress, Started
+from renderer.train.events import Omission, Preparing, Progress, Started
 
 JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
 InputKind = Literal["original", "enhanced", "both in turn"]
@@ -64,6 +64,8 @@ class Reconstruction:
     """The part that it is trained on."""
     request: TrainRequest | None = None
     """What the run was begun with."""
+    preparing: Preparing | None = None
+    """What is done before it starts."""
     started: Started | None = None
     progress: Progress | None = None
     told: Told = NOTHING_TOLD

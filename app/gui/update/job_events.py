@@ -8,7 +8,7 @@ from app.gui.actions import actions, job_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.job import Cancelled, Failed, Paused, Resumed
 from app.run_folder import RunFolder
-from renderer.train.events import Evaluated, Finished, Progress, Started, Warned
+from renderer.train.events import Evaluated, Finished, Preparing, Progress, Started, Warned
 
 
 def follow_job(state: AppState) -> None:
@@ -33,8 +33,10 @@ def _hear(state: AppState, event: object) -> None:
     """What one message of the job changes."""
     run = state.reconstruction
     match event:
+        case Preparing():
+            run.preparing = event
         case Started():
-            run.started, run.status = event, "running"
+            run.started, run.status, run.preparing = event, "running", None
             # What was done after the checkpoint is done again.
             run.told = run.told.until(event.iteration)
         case Progress():

@@ -18,7 +18,7 @@ from app.gui.state.app_state import AppState
 from app.gui.work.told import Told
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
-from renderer.train.events import Evaluated, Progress, Started
+from renderer.train.events import Evaluated, Preparing, Progress, Started
 from tests.app.gui.conftest import FakeJob, start_live
 from tests.app.gui.ui import (
     Draw,
@@ -81,6 +81,22 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     run.warnings = ["a warning"]
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))
+
+
+@pytest.mark.parametrize("total", [0, 27])
+def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) -> None:
+    run, shown = opened.reconstruction, []
+    run.status, run.preparing = "starting", Preparing("match left and right pictures", 3, total, 2.0, None)
+
+    def draw() -> None:
+        top = imgui.get_cursor_pos_y()
+        draw_reconstruction(opened, FakeJob)
+        shown.append(imgui.get_cursor_pos_y() - top)
+
+    ui.frame(draw)
+    run.preparing = None
+    ui.frame(draw)
+    assert shown[0] > shown[1]
 
 
 def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:

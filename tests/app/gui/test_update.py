@@ -19,7 +19,7 @@ from app.job import Cancelled, Failed, Paused, Resumed
 from enhance import EnhanceParams
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
-from renderer.train.events import Evaluated, Finished, Omission, Progress, Started, Warned
+from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
 from tests.app.gui.conftest import FakeJob, make_clip, photo
 from tests.app.gui.settling import settle
 
@@ -227,6 +227,10 @@ def test_a_job_is_followed_from_start_to_end(
     job, run = state.reconstruction.job, state.reconstruction
     assert isinstance(job, FakeJob)
     progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
+    stage = Preparing("match left and right pictures", 3, 27, 2.0, 16.0)
+    job.inbox = [stage]
+    update(state, channels, 0.1)
+    assert (run.status, run.preparing) == ("starting", stage)
     job.inbox = [STARTED, progress]
     update(state, channels, 0.1)
     assert (run.status, run.told.progress, run.omitted) == ("running", (progress,), STARTED.omitted)

@@ -13,6 +13,7 @@ from renderer.depth.stereo_pairs import open_stereo_folder
 from renderer.readers.clip_options import ClipOptions, DepthSource
 from renderer.readers.endonerf import open_endonerf
 from renderer.readers.frames import open_image, open_images
+from renderer.train.trainer import require_depth
 from tests.renderer.eyes import BASELINE, write_eyes
 
 
@@ -69,6 +70,8 @@ def test_auto_says_why_pairs_are_not_matched(pairs, tmp_path):
     clip = with_depth(opened, ClipOptions())
     assert not clip.has_depth
     assert clip.notices[-1].startswith("no stereo depth: expected a rectified pair")
+    with pytest.raises(ClipError, match=r"expects depth; no stereo depth: .* rows .* got 5\.\d px .*rectify"):
+        require_depth(clip)
     with pytest.raises(ClipError, match="rectified"):
         with_depth(opened, ClipOptions(depth="stereo"))
 

@@ -13,6 +13,7 @@ from PIL import Image
 
 from renderer.clip import Clip, ClipError
 from renderer.depth.stereo_pairs import (
+    eye_folders,
     is_stereo_folder,
     open_stereo_folder,
     right_name,
@@ -34,6 +35,9 @@ LAYOUTS = {
     "both names": ("left/left_{:06d}.png", "right/right_{:06d}.png"),
     "suffix": ("{:06d}_left.png", "{:06d}_right.png"),
     "letter": ("{:06d}l.png", "{:06d}r.png"),
+    "letters": ("l/{:06d}.png", "r/{:06d}.png"),
+    "img": ("img_left/{:06d}.png", "img_right/{:06d}.png"),
+    "kitti": ("image_02/{:06d}.png", "image_03/{:06d}.png"),
 }
 
 
@@ -70,6 +74,14 @@ def change(path: Path, by: object) -> None:
         ("view_L.jpg", "view_R.jpg"),
         ("left_finalpass", "right_finalpass"),
         ("images", "images_right"),
+        ("img_left", "img_right"),
+        ("l", "r"),
+        ("L_003.png", "R_003.png"),
+        ("image_02", "image_03"),
+        ("cam0", "cam1"),
+        ("image_02.png", None),
+        ("left_depth", None),
+        ("left_disparity_3.png", None),
         ("signal.png", None),
         ("right.png", None),
         ("0012r.png", None),
@@ -170,10 +182,14 @@ def test_without_a_baseline_lengths_are_in_units_of_it(written):
 def test_strays_are_reported(written, tmp_path):
     for eye in ("left", "right"):
         shutil.copy(written[0] / eye / "000000.png", tmp_path / f"{eye}.png")
-    shutil.copy(written[0] / "left/000000.png", tmp_path / "occ_left.png")
+    for name in ("occ_left", "other"):
+        shutil.copy(written[0] / "left/000000.png", tmp_path / f"{name}.png")
     clip = open_stereo_folder(tmp_path, FIELD_OF_VIEW)
     assert clip.labels == ("left.png",)
-    assert clip.notices == ("left out, of no stereo pair: occ_left.png",)
+    assert clip.notices == (
+        "left out, masks beside the pictures: occ_left.png",
+        "left out, of no stereo pair: other.png",
+    )
 
 
 def test_rows_that_differ_are_refused_with_the_figure(written, tmp_path):
@@ -183,6 +199,18 @@ def test_rows_that_differ_are_refused_with_the_figure(written, tmp_path):
         opened(folder)
     change(folder / "right/000000.png", lambda pixels: np.roll(pixels, -3, axis=0))
     assert opened(folder).has_depth
+
+
+def test_maps_of_both_eyes_are_no_eyes(written, tmp_path):
+    """depth_left/ sorts before left/."""
+    folder = copied(written, tmp_path)
+    for eye in ("left", "right"):
+        shutil.copytree(folder / eye, folder / f"depth_{eye}")
+    assert [path.name for path in eye_folders(folder)] == ["left", "right"]
+    np.testing.assert_array_equal(
+        open_stereo_folder(folder, FIELD_OF_VIEW).read_image(0),
+        np.asarray(Image.open(written[0] / "left/000000.png")),
+    )
 
 
 def test_swapped_eyes_are_refused(written, tmp_path):

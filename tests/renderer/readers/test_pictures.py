@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import ExifTags, Image
+from PIL import ExifTags, Image, ImageFile
 
-from renderer.readers.pictures import common_size, read_rgb
+from renderer.readers.pictures import SeveralSizes, common_size, read_rgb
 
 ORIENTATIONS = {
     1: lambda image: image,
@@ -35,3 +38,47 @@ def test_a_turned_photo_stands_upright_in_pixels_and_in_size(tmp_path: Path, ori
     upright = read_rgb(path)
     assert np.array_equal(upright, expected)
     assert common_size([path]) == (upright.shape[1], upright.shape[0])
+
+
+def png(path: Path, chunks: bytes = b"") -> Path:
+    """A picture of 30x20 with more chunks between its pixels and its end."""
+    buffer = io.BytesIO()
+    noise = np.random.default_rng(0).integers(0, 255, (20, 30, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(buffer, "png")
+    whole = buffer.getvalue()
+    path.write_bytes(whole[:-12] + chunks + whole[-12:])
+    return path
+
+
+def test_sizes_are_told_by_headers_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pillow decodes a PNG to tell its EXIF: of a folder in 4K that takes minutes."""
+
+    def load(picture: ImageFile.ImageFile) -> None:
+        raise AssertionError("the pixels are decoded")
+
+    paths = [png(tmp_path / "1.png")]
+    for suffix in ("jpg", "tiff", "bmp"):
+        Image.open(paths[0]).save(tmp_path / f"1.{suffix}")
+        paths.append(tmp_path / f"1.{suffix}")
+    monkeypatch.setattr(ImageFile.ImageFile, "load", load)
+    assert common_size(paths) == (30, 20)
+
+
+def test_a_png_that_tells_its_orientation_after_its_pixels_is_turned(tmp_path: Path) -> None:
+    exif = Image.Exif()
+    exif[ExifTags.Base.Orientation] = 6
+    content = exif.tobytes().removeprefix(b"Exif\0\0")
+    chunk = struct.pack(">I", len(content)) + b"eXIf" + content
+    chunk += struct.pack(">I", zlib.crc32(chunk[4:]))
+    path = png(tmp_path / "1.png", chunk)
+    assert read_rgb(path).shape == (30, 20, 3)
+    assert common_size([path]) == (20, 30)
+
+
+def test_the_pictures_that_differ_are_named_and_counted(tmp_path: Path) -> None:
+    for name, size in (("1", (40, 20)), ("2", (30, 20)), ("3", (30, 20)), ("4", (9, 9))):
+        Image.new("RGB", size).save(tmp_path / f"{name}.png")
+    with pytest.raises(
+        SeveralSizes, match=r"30x20 as 2\.png, got 40x20 and 9x9: 2 of 4 pictures \(1\.png, 4\.png\)"
+    ):
+        common_size(sorted(tmp_path.iterdir()))

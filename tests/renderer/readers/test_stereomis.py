@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 
 from renderer.camera import Camera
+from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.converted_stereomis import is_converted_stereomis
 from renderer.readers.rectification import read_rectified
@@ -103,6 +104,13 @@ def test_masks_of_half_the_size_fit(sequence):
         Image.fromarray(np.asarray(Image.open(path))[::2, ::2]).save(path)
     for frame, wanted in zip(read_all(sequence), small_frames(SMALL), strict=True):
         np.testing.assert_array_equal(frame.tissue_mask[::2, ::2], wanted.tissue_mask[::2, ::2])
+
+
+def test_a_mask_of_another_shape_is_refused_when_the_clip_is_opened(sequence):
+    last = sorted((sequence / "masks").iterdir())[-1]
+    Image.new("L", (9, 9)).save(last)
+    with pytest.raises(ClipError, match=last.name):
+        open_clip(sequence)
 
 
 def test_without_masks_and_trajectory_the_camera_stands_still(sequence):

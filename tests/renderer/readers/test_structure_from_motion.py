@@ -91,6 +91,17 @@ def test_every_view_may_have_its_own_intrinsics(folder):
     assert [camera.fx for camera in open_clip(folder).cameras] == [50 + index for index in range(COUNT)]
 
 
+def test_three_numbers_are_one_focal_length_and_the_principal_point(folder):
+    whole = [camera.intrinsics for camera in open_clip(folder).cameras]
+    for rows in ([55, LENS.cx - 0.5, LENS.cy - 0.5], COUNT * [[55, LENS.cx - 0.5, LENS.cy - 0.5]]):
+        np.savetxt(folder / "camera_intrinsics_per_view", np.ravel(rows))
+        np.testing.assert_array_equal([camera.intrinsics for camera in open_clip(folder).cameras], whole)
+        np.savetxt(folder / "camera_intrinsics_per_view", np.atleast_2d(rows))
+        np.testing.assert_array_equal([camera.intrinsics for camera in open_clip(folder).cameras], whole)
+    (folder / "camera_intrinsics_per_view").write_text("0 32 24\n")
+    assert "above 0" in refusal(folder)
+
+
 def test_without_a_mask_every_pixel_is_tissue(folder):
     (folder / "undistorted_mask.bmp").unlink()
     clip = open_clip(folder)
@@ -132,7 +143,7 @@ def test_what_does_not_agree_is_refused(folder, tmp_path):
         "visible_view_indexes": lambda path: (path / "visible_view_indexes").unlink(),
         "poses 0 to 9": rewrite("motion.yaml", "poses[3]:", "poses[33]:"),
         "pose 2": rewrite("motion.yaml", f"x: {x_of_pose_2}", "x: 1e999"),
-        "fx, fy, cx, cy": lambda path: (path / "camera_intrinsics_per_view").write_text("1\n2\n3\n"),
+        "fx, fy, cx, cy": lambda path: (path / "camera_intrinsics_per_view").write_text("1\n2\n3\n4\n5\n"),
         "as many numbers": rewrite("camera_intrinsics_per_view", "55.0", "wide"),
         "each once": rewrite("visible_view_indexes", "4585", "4584"),
         "64x48": lambda path: Image.new("L", (9, 9)).save(path / "undistorted_mask.bmp"),

@@ -1,0 +1,240 @@
+"""What a folder of pictures, a layout of a data set, a picture or a video is read as."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from app.described.fact import Fact, count, next_steps
+from app.pictures import photos_in
+from app.provenance import LAYOUTS as LAYOUTS_OF_FILES
+from renderer.camera import Camera
+from renderer.clip import Clip, ClipError, Frame
+from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
+from renderer.depth.monocular import monocular_maps
+from renderer.depth.stereo_pairs import eye_folders, right_pictures
+from renderer.readers.clip_options import DEFAULTS
+from renderer.readers.endonerf import is_endonerf
+from renderer.readers.listing import listed
+from renderer.readers.pictures import SeveralSizes
+from renderer.readers.video_header import read_video_header
+from renderer.sources import open_clip
+
+LAYOUTS = {
+    "endonerf": "EndoNeRF",
+    "scared": "SCARED",
+    "hamlyn": "Hamlyn",
+    "stereomis": "StereoMIS",
+    "structure-from-motion": "structure from motion",
+    "images": "pictures",
+    "image": "one picture",
+}
+UNCALIBRATED = ("images", "image", "video")
+LOOKED_AT = 3
+"""Frames, while they take no longer than SECONDS all together."""
+SECONDS = 0.4
+
+
+def of_clip(path: Path) -> tuple[Fact, ...]:
+    """A folder or a picture. Raises ClipError: it cannot be read as a clip."""
+    try:
+        return tuple(_facts(path, open_clip(path)))
+    except SeveralSizes as error:
+        if is_endonerf(path) or any(is_layout(path) for is_layout in LAYOUTS_OF_FILES):
+            raise
+        return (
+            Fact("what", "pictures of several sizes: no clip to train on", {"kind": "pictures"}),
+            Fact(
+                "frames",
+                count(len(photos_in(path).photos), "picture"),
+                {"count": len(photos_in(path).photos)},
+            ),
+            Fact("missing", str(error), [str(error)]),
+            next_steps(path, ("enhance", "PATH", "OUT")),
+        )
+
+
+INTERLACED = "interlaced; deinterlaced when read (--deinterlacing field or off: otherwise)"
+
+
+def of_video(path: Path) -> tuple[Fact, ...]:
+    """By its header. Raises ClipError: it is none."""
+    header = read_video_header(path)
+    rate, frames = header.frames_per_second, header.frames
+    length = f", {header.seconds:.1f} s" if header.seconds else ""
+    width, height = header.size
+    shape = "square" if header.pixel_aspect == 1 else f"{header.pixel_aspect:.3g} times as wide as high"
+    return (
+        Fact("what", "clip: video", "video"),
+        Fact("frames", f"{frames or 'unknown number'}, as announced{length}", {"count": frames}),
+        Fact("frame rate", f"{rate:g} a second" if rate else "unknown", {"frames_per_second": rate}),
+        Fact("size", f"{width}x{height}", [width, height]),
+        Fact("pixels", shape, header.pixel_aspect),
+        Fact("codec", header.codec or "unknown", header.codec),
+        Fact("fields", INTERLACED if header.is_interlaced else "none", header.is_interlaced),
+        Fact("sound", header.sound or "none", header.sound),
+        Fact("depth", "none", {"origin": None}),
+        Fact("camera", _assumed(), {"field_of_view": DEFAULTS.field_of_view, "assumed": True}),
+        Fact("unit", "scene units"),
+        Fact("missing", ("depth, and poses of a camera that moves",), ["depth", "poses"]),
+        next_steps(
+            path,
+            ("enhance", "PATH", "OUT.mp4"),
+            ("train", "PATH", "--run", "RUN", "--depth", "brightness"),
+        ),
+    )
+
+
+def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
+    eyes = eye_folders(path) if path.is_dir() else ()
+    stereo = _has_right(clip)
+    # Matching a pair takes its time: of those, only the photos are looked at.
+    matched = clip.has_depth and clip.depth_origin == "stereo"
+    frames = _looked_at(open_clip(path, replace(DEFAULTS, depth="off")) if matched else clip)
+    layout = LAYOUTS.get(clip.format, clip.format) + (", left and right" if stereo else "")
+    yield Fact("what", f"clip: {layout}", {"layout": clip.format, "stereo": stereo})
+    yield _numbers(clip)
+    yield Fact("size", f"{clip.size[0]}x{clip.size[1]}", list(clip.size))
+    yield _depth(clip, frames)
+    yield _masks(clip, frames)
+    yield _camera(clip)
+    yield Fact("unit", clip.unit)
+    yield Fact("held out", count(len(clip.test_indices), "frame"), len(clip.test_indices))
+    missing = list(_missing(clip))
+    yield Fact("missing", tuple(missing) or "nothing", missing)
+    notices = tuple(said for said in clip.notices if said != clip.why_no_depth)
+    if notices:
+        yield Fact("notices", notices, list(notices))
+    pictures = str(eyes[0]) if eyes and clip.format == "images" else "PATH"
+    output = "OUT.png" if clip.format == "image" else "OUT"
+    train = _train(clip)
+    steps = [
+        ("enhance", pictures, output),
+        *([("train", "PATH", "--run", "RUN", *train)] if train is not None else []),
+    ]
+    yield next_steps(path, *steps)
+
+
+def _has_right(clip: Clip) -> bool:
+    try:
+        return bool(right_pictures(clip))
+    except ClipError:
+        return True
+
+
+def _looked_at(clip: Clip) -> list[Frame]:
+    """A few frames from all over the clip, the fewer the slower they are read."""
+    found: list[Frame] = []
+    began = time.perf_counter()
+    for place in np.unique(np.linspace(0, len(clip) - 1, LOOKED_AT).round().astype(int)):
+        found.append(clip.read_frame(int(place)))
+        if time.perf_counter() - began > SECONDS:
+            break
+    return found
+
+
+def _numbers(clip: Clip) -> Fact:
+    """How many, and which numbers are left out between the first and the last."""
+    found = [re.findall(r"\d+", Path(label).stem)[-1:] for label in clip.labels]
+    numbers = sorted({int(each[0]) for each in found if each})
+    if len(numbers) < len(clip) or len(clip) == 1:
+        return Fact(
+            "frames",
+            f"{len(clip)}, {clip.labels[0]}" if len(clip) == 1 else str(len(clip)),
+            {"count": len(clip)},
+        )
+    steps = np.diff(numbers)
+    step = int(np.median(steps))
+    gaps = [(int(one) + step, int(two) - step) for one, two in pairwise(numbers) if two - one > step]
+    missing = [number for first, last in gaps for number in range(first, last + 1, max(step, 1))]
+    said = f"{len(clip)}, numbers {numbers[0]} to {numbers[-1]}" + (f" by {step}" if step > 1 else "")
+    spans = [str(first) if first == last else f"{first} to {last}" for first, last in gaps]
+    lacking = f"; missing {len(missing)}: {listed(spans)}" if missing else ""
+    value = {"count": len(clip), "first": numbers[0], "last": numbers[-1], "step": step, "missing": missing}
+    return Fact("frames", said + lacking, value)
+
+
+def _depth(clip: Clip, frames: Sequence[Frame]) -> Fact:
+    if not clip.has_depth:
+        points = "" if clip.points is None else f", but {len(clip.points.positions)} sparse points"
+        why = f": {clip.why_no_depth}" if clip.why_no_depth else points
+        return Fact("depth", f"none{why}", {"origin": None, "why": clip.why_no_depth or None})
+    origin = clip.depth_origin
+    told = {
+        "measured": "measured, of the clip's files",
+        "beside": "of files beside the pictures",
+        "stereo": "matched between left and right pictures",
+        "monocular": BY_MAPS,
+        "brightness": BY_BRIGHTNESS,
+    }[origin]
+    share = _share([(frame.depth > 0) for frame in frames if frame.depth is not None])
+    seen = "" if share is None else f", {share:.0%} of the pixels"
+    return Fact("depth", told + seen, {"origin": origin, "share": share})
+
+
+def _masks(clip: Clip, frames: Sequence[Frame]) -> Fact:
+    share = _share([frame.tissue_mask for frame in frames])
+    if share is None:
+        return Fact("masks", "not looked at", {"tissue_share": None})
+    text = "none used: every pixel counts as tissue" if share == 1 else f"tissue is {share:.0%} of the pixels"
+    return Fact("masks", text, {"tissue_share": share})
+
+
+def _share(masks: Sequence[np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]) -> float | None:
+    return float(np.mean([mask.mean() for mask in masks])) if masks else None
+
+
+def _camera(clip: Clip) -> Fact:
+    camera = clip.cameras[0]
+    lens = _assumed() if clip.format in UNCALIBRATED else f"focal length {camera.fx:.1f} px"
+    value = {
+        "fixed": clip.camera_is_fixed,
+        "fx": camera.fx,
+        "fy": camera.fy,
+        "cx": camera.cx,
+        "cy": camera.cy,
+        "assumed": clip.format in UNCALIBRATED,
+    }
+    if clip.camera_is_fixed:
+        still = "no poses: taken to stand still" if clip.format in UNCALIBRATED else "stands still"
+        return Fact("camera", f"{still}, {lens}", value)
+    way = _way(clip.cameras)
+    return Fact("camera", f"moves along {way:.3g} {clip.unit}, with poses; {lens}", value | {"way": way})
+
+
+def _way(cameras: Sequence[Camera]) -> float:
+    places = np.array([camera.position for camera in cameras])
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+
+def _assumed() -> str:
+    return f"field of view {DEFAULTS.field_of_view:g} degrees assumed (--field-of-view)"
+
+
+def _missing(clip: Clip) -> Iterator[str]:
+    if not clip.has_depth and clip.points is None:
+        yield "depth"
+    if clip.format in UNCALIBRATED and len(clip) > 1:
+        yield "poses, if the camera moves"
+    if clip.depth_origin == "stereo" and clip.has_depth and clip.unit != "mm":
+        yield "the baseline (--baseline), for lengths in mm"
+
+
+def _train(clip: Clip) -> tuple[str, ...] | None:
+    """Flags with which it can be trained on; None: it cannot."""
+    if clip.has_depth or clip.points is not None:
+        return ()
+    if not clip.camera_is_fixed:
+        return None
+    try:
+        if clip.path.is_dir() and monocular_maps(clip):
+            return ("--depth", "monocular")
+    except ClipError:
+        return ("--depth", "brightness")
+    return ("--depth", "brightness")

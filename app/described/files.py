@@ -1,0 +1,225 @@
+"""What a run, a file of splats, a session, a report or an exported file holds."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from app.arguments import problem
+from app.described.fact import Fact, count, next_steps
+from app.errors import UserError
+from app.replay.recorded import recorded
+from app.report.saved import holds_report, read_report
+from app.run_folder import RunFolder
+from app.run_holder import holder
+from app.sessions import SESSION, SessionSource
+from renderer.splat_files import SplatFileError, read_splats
+from renderer.splat_files.splat_records import RECORD
+
+READ_WHOLE = 64 << 20
+"""Bytes: a larger file of splats is told by its header."""
+Facts = tuple[Fact, ...]
+
+
+def of_run(path: Path) -> Facts:
+    """Raises UserError: run.json is damaged."""
+    run = RunFolder(path)
+    record, events = run.record(), run.events()
+    clip, config = record.clip, record.config
+    there = Path(clip.path).exists()
+    told = {event["event"]: event for event in events}
+    done = told.get("Finished", told.get("Progress", {})).get("iteration", 0)
+    process = holder(path)
+    state = "finished" if run.is_finished else "being trained" if process else "not finished"
+    size = told.get("Progress", {}).get("n_gaussians", told.get("Started", {}).get("n_gaussians"))
+    quality = told.get("Evaluated", {}).get("psnr")
+    facts = [
+        Fact("what", f"run, {state}", {"kind": "run", "state": state}),
+        Fact(
+            "clip",
+            clip.path if there else f"{clip.path}, which is not there any more",
+            {"path": clip.path, "there": there},
+        ),
+        Fact(
+            "frames",
+            f"{clip.frames}, {len(record.test_indices)} of them held out",
+            {"count": clip.frames, "held_out": len(record.test_indices)},
+        ),
+        Fact(
+            "method",
+            f"{config.method}, {record.input} frames, on {record.device}",
+            {"method": config.method, "input": record.input, "device": record.device},
+        ),
+        Fact("iterations", f"{done} of {config.iterations}", {"done": done, "wanted": config.iterations}),
+        Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
+        Fact("unit", clip.unit),
+        Fact(
+            "made",
+            f"{record.created} by version {record.version}",
+            {"utc": record.created, "version": record.version},
+        ),
+    ]
+    if quality is not None:
+        facts.append(Fact("quality", f"{quality:.2f} dB on held-out frames", {"psnr": quality}))
+    if run.edits_path.exists():
+        facts.append(Fact("edits", "edited by hand in the app", True))
+    warnings = [event["message"] for event in events if event["event"] == "Warned"]
+    if warnings:
+        facts.append(Fact("notices", tuple(dict.fromkeys(warnings)), list(dict.fromkeys(warnings))))
+    if run.is_finished:
+        steps = [
+            ("render", "PATH", "--out", "OUT"),
+            *([("evaluate", "PATH")] if there else []),
+            ("export", "PATH", "--ply", "OUT"),
+        ]
+    elif process:
+        steps = [("gui", "PATH")]
+    else:
+        steps = [("train", clip.path, "--run", "PATH", "--resume")] if there else []
+    return (*facts, next_steps(path, *steps))
+
+
+def of_splats(path: Path) -> Facts:
+    """Raises UserError: it cannot be read."""
+    size = path.stat().st_size
+    notices: tuple[str, ...] = ()
+    if size <= READ_WHOLE:
+        try:
+            file = read_splats(path)
+        except SplatFileError as error:
+            raise UserError(str(error)) from error
+        number, notices = len(file.raw), file.notices
+        told = f"{count(number, 'Gaussian')}, harmonics of {file.raw.harmonics.shape[1]} functions"
+    else:
+        found = _announced(path)
+        number, told = found, f"{found} Gaussians, as announced"
+    return (
+        Fact(
+            "what", f"splats: {path.suffix.lower()} file", {"kind": "splats", "format": path.suffix.lower()}
+        ),
+        Fact("model", told, {"gaussians": number}),
+        Fact("size", f"{size / 1e6:.1f} MB", size),
+        Fact("unit", "scene units"),
+        *((Fact("notices", notices, list(notices)),) if notices else ()),
+        *_origin(path),
+        next_steps(path, ("render", "PATH", "--out", "OUT", "--time", "0"), ("gui", "PATH")),
+    )
+
+
+def _announced(path: Path) -> int:
+    if path.suffix.lower() == ".splat":
+        return path.stat().st_size // RECORD.itemsize
+    with path.open("rb") as file:
+        found = re.search(rb"element vertex (\d+)", file.read(1 << 16))
+    if found is None:
+        raise UserError(f"expected a file of splats of less than {READ_WHOLE >> 20} MB, or a PLY: {path}")
+    return int(found[1])
+
+
+def of_session(path: Path) -> Facts:
+    """Raises UserError: it is damaged; unlike opening, this leaves the file alone."""
+    try:
+        session = SESSION.validate_json(path.read_bytes())
+    except ValidationError as error:
+        raise UserError(f"the session is damaged ({problem(error)}): {path}") from error
+    facts = [Fact("what", "session", {"kind": "session"})]
+    for name, source in (("source", session.source), ("run", session.run)):
+        if source is not None:
+            facts.append(_place(name, source, path))
+    facts.append(Fact("frame", str(session.frame), session.frame))
+    facts.append(
+        Fact(
+            "made",
+            f"{session.saved} by version {session.version}",
+            {"utc": session.saved, "version": session.version},
+        )
+    )
+    if session.notes:
+        facts.append(Fact("notes", tuple(session.notes.splitlines()), session.notes))
+    return (*facts, next_steps(path, ("gui", "PATH")))
+
+
+def _place(name: str, source: SessionSource, path: Path) -> Fact:
+    found = source.found(path)
+    text = str(found) if found else f"{source.path}, which is not there any more"
+    return Fact(name, text, {"path": source.path, "there": found is not None})
+
+
+def of_report(path: Path) -> Facts:
+    """Raises UserError: it is damaged."""
+    report = read_report(path)
+    return (
+        Fact("what", "report", {"kind": "report"}),
+        Fact("clip", report.clip),
+        Fact("made", report.utc),
+        Fact("parts", ", ".join(report.sections), list(report.sections)),
+        next_steps(path, ("gui", "PATH")),
+    )
+
+
+def of_json(path: Path) -> Facts:
+    """A report, or what lies beside an exported file. Raises UserError: neither."""
+    if holds_report(path):
+        return of_report(path)
+    export = path.with_suffix("")
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8", errors="replace"))
+    except ValueError:
+        facts = None
+    if not isinstance(facts, dict) or facts.get("app") != "VesselSplat":
+        raise UserError(f"expected a report or a provenance, got another JSON file: {path}")
+    there = f"of {export.name}" if export.is_file() else f"of {export.name}, which is not there any more"
+    return (
+        Fact("what", f"provenance {there}", {"kind": "provenance"}),
+        *_told(facts),
+        *((next_steps(export, ("replay", "PATH")),) if export.is_file() else ()),
+    )
+
+
+def of_export(path: Path) -> Facts:
+    """What a file that this program wrote says of itself. Raises UserError: it says nothing."""
+    return (Fact("what", "exported by VesselSplat", {"kind": "export"}), *_told(recorded(path)))
+
+
+def is_export(path: Path) -> bool:
+    return bool(_origin(path))
+
+
+def _origin(path: Path) -> Facts:
+    if path.suffix.lower() == ".ply" and path.stat().st_size > READ_WHOLE:
+        return ()
+    try:
+        return _told(recorded(path))
+    except UserError:
+        return ()
+
+
+def _told(facts: dict[str, Any]) -> Facts:
+    """Where an export comes from, of its provenance."""
+    first = next(iter(facts.get("pictures") or [facts]))
+    found = [Fact("export", str(facts.get("kind", "of an unknown kind")))]
+    for name in ("source", "clip", "run", "splats"):
+        origin = first.get(name)
+        if isinstance(origin, dict) and "name" in origin:
+            sha = origin.get("sha256") or origin.get("model_sha256")
+            found.append(Fact(name, f"{origin['name']}" + (f", SHA-256 {sha[:16]}…" if sha else ""), origin))
+    for name in ("method", "frame", "time", "view", "renderer", "input"):
+        if first.get(name) is not None:
+            found.append(Fact(name, str(first[name]), first[name]))
+    params = first.get("params")
+    if isinstance(params, dict):
+        text = ", ".join(f"{name} {value}" for name, value in params.items() if value is not None)
+        found.append(Fact("parameters", text, params))
+    when = facts.get("utc", "at an hour that is not recorded")
+    found.append(
+        Fact(
+            "made",
+            f"{when} by version {facts.get('version')}",
+            {"utc": facts.get("utc"), "version": facts.get("version")},
+        )
+    )
+    return tuple(found)

@@ -1,0 +1,99 @@
+"""Any path, whatever it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.described.clips import of_clip, of_video
+from app.described.fact import Fact, count, next_steps
+from app.described.files import is_export, of_export, of_json, of_run, of_session, of_splats
+from app.errors import UserError
+from app.provenance import LAYOUTS
+from app.run_folder import RunFolder
+from app.scene import is_splat_file
+from app.sessions import SUFFIX
+from renderer.depth.stereo_pairs import is_stereo_folder
+from renderer.readers.endonerf import is_endonerf
+from renderer.readers.listing import listed
+from renderer.readers.picture_kinds import photo_folder
+from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
+
+
+def described(path: Path) -> tuple[Fact, ...]:
+    """What it is read as, what is missing, and what to do next.
+
+    Reads headers and a handful of frames, and writes nothing.
+
+    Raises:
+        UserError, ClipError: nothing there, or nothing that can be read.
+    """
+    if not path.exists():
+        raise UserError(
+            f"expected a clip, picture, video, run, splat file or session, got no such path: {path}"
+        )
+    return (
+        (Fact("path", str(path)), *_folder(path))
+        if path.is_dir()
+        else (Fact("path", str(path)), *_file(path))
+    )
+
+
+def _file(path: Path) -> tuple[Fact, ...]:
+    if path.suffix == SUFFIX:
+        return of_session(path)
+    if path.suffix == ".safetensors":
+        return of_run(path.parent)
+    if is_splat_file(path):
+        return of_splats(path)
+    if path.suffix == ".json":
+        return of_json(path)
+    own = of_clip(path) if is_picture(path) else of_video(path)
+    if not is_export(path):
+        return own
+    # An export is told as such first, then what it is like any picture or video.
+    replay = next_steps(path, ("replay", "PATH"), *_commands(own))
+    return (
+        *of_export(path),
+        *(fact for fact in own if fact.name in ("frames", "frame rate", "size")),
+        replay,
+    )
+
+
+def _commands(facts: tuple[Fact, ...]) -> tuple[tuple[str, ...], ...]:
+    return (
+        ("enhance", "PATH", "OUT.png" if not any(fact.name == "frame rate" for fact in facts) else "OUT.mp4"),
+    )
+
+
+def _folder(path: Path) -> tuple[Fact, ...]:
+    if RunFolder(path).is_run:
+        return of_run(path)
+    known = is_endonerf(path) or any(is_layout(path) for is_layout in LAYOUTS) or is_stereo_folder(path)
+    pictures = any(is_picture(entry) for entry in photo_folder(path).iterdir())
+    return of_clip(path) if known or pictures else _other(path)
+
+
+def _other(path: Path) -> tuple[Fact, ...]:
+    """A folder that is no clip itself: of folders, or of videos. Raises UserError: of neither."""
+    inside = sorted((entry for entry in path.iterdir() if is_visible(entry)), key=natural_key)
+    folders = [entry for entry in inside if entry.is_dir()]
+    videos = [entry for entry in inside if entry.is_file() and entry.suffix.lower() in VIDEOS]
+    if not folders and not videos:
+        files = f", with {listed([entry.name for entry in inside])}" if inside else ", which is empty"
+        raise UserError(f"expected pictures, videos or folders of them, got a folder of none{files}: {path}")
+    parts = [count(len(each), one) for each, one in ((folders, "folder"), (videos, "video")) if each]
+    first = (videos or folders)[0]
+    return (
+        Fact("what", f"folder of {' and '.join(parts)}, no clip itself", {"kind": "folder"}),
+        *(
+            (Fact("folders", listed([entry.name for entry in folders]), [entry.name for entry in folders]),)
+            if folders
+            else ()
+        ),
+        *(
+            (Fact("videos", listed([entry.name for entry in videos]), [entry.name for entry in videos]),)
+            if videos
+            else ()
+        ),
+        next_steps(path, ("info", str(first)), ("enhance", "PATH", "OUT", "--recursive")),
+    )

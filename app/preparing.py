@@ -1,0 +1,136 @@
+"""Work before the first step of a training, done in a thread of its own while it is told how far it is."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+import time
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import replace
+from typing import Generic, TypeVar
+
+from renderer.clip import Clip, ClipError, Frame
+from renderer.train.events import Preparing
+
+SECONDS_BETWEEN = 0.5
+STAGES = {"stereo": "match left and right pictures", "brightness": "guess depth from brightness"}
+"""What reading frames is, by where their depth comes from."""
+PROBED = 3
+"""Pairs that are matched before all others, to see that anything matches, of clips of more."""
+
+Result = TypeVar("Result")
+Told = Callable[[int, int], None]
+"""Called with how much is done, and of how much."""
+
+
+def told_meanwhile(stage: str, work: Callable[[Told], Result]) -> Generator[Preparing, None, Result]:
+    """The result of `work`; twice a second how far it is. Work that is quick says nothing.
+
+    Raises what the work raises. Closed or interrupted before its end, it ends the work.
+    """
+    task = _Task(work)
+    try:
+        yield from _watched(stage, task)
+    finally:
+        task.end()
+    return task.result()
+
+
+def _watched(stage: str, task: _Task[Result]) -> Generator[Preparing, None, None]:
+    began = time.monotonic()
+    while not task.wait(SECONDS_BETWEEN):
+        passed = time.monotonic() - began
+        done, total, when = task.told
+        ahead = (when - began) / done * (total - done) if done else None
+        left = None if ahead is None else max(ahead - (began + passed - when), 0.0)
+        yield Preparing(stage, done, total, passed, left)
+
+
+class _Ended(BaseException):
+    """Nobody waits for the work any more."""
+
+
+class _Task(Generic[Result]):
+    """One call in a thread."""
+
+    def __init__(self, work: Callable[[Told], Result]) -> None:
+        self.told = (0, 0, time.monotonic())
+        self._work, self._ended = work, threading.Event()
+        self._results: list[Result] = []
+        self._failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def wait(self, seconds: float) -> bool:
+        """Whether it has ended, after so many seconds at most."""
+        return self._ended.wait(seconds)
+
+    def end(self) -> None:
+        """Stop it at the next line of Python, unless it has ended: a process must not go while a decoder or a
+        kernel works in a thread."""
+        if self._thread.is_alive() and not self._ended.is_set():
+            number = ctypes.c_ulong(self._thread.ident or 0)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(_Ended))
+        self._thread.join()
+
+    def result(self) -> Result:
+        if self._failure is not None:
+            raise self._failure
+        return self._results[0]
+
+    def _tell(self, done: int, total: int) -> None:
+        self.told = (done, total, time.monotonic())
+
+    def _run(self) -> None:
+        try:
+            self._results.append(self._work(self._tell))
+        except BaseException as error:
+            self._failure = error
+        finally:
+            self._ended.set()
+
+
+class ReadAhead:
+    """A clip whose training frames are read once, before training, and then handed over."""
+
+    def __init__(self, clip: Clip) -> None:
+        self.clip = replace(clip, read_frame=self._read)
+        self._source, self._frames, self._handing = clip, dict[int, Frame](), False
+
+    def fill(self, told: Told) -> None:
+        """Raises ClipError: a frame cannot be read, or none of a few pairs that are looked at first match."""
+        indices = self._source.train_indices
+        probes = _probes(indices) if self._source.depth_origin == "stereo" else []
+        ordered = probes + [index for index in indices if index not in probes]
+        for done, index in enumerate(ordered):
+            told(done, len(ordered))
+            if probes and done == len(probes):
+                self._require_match(probes)
+            self._frames[index] = self._source.read_frame(index)
+
+    def _require_match(self, probes: Sequence[int]) -> None:
+        if any(self._frames[index].depth_mask.any() for index in probes):
+            return
+        labels = ", ".join(self._source.labels[index] for index in probes)
+        way = "--depth brightness guesses it, without a scale"
+        wanted = "expected left and right pictures of one scene"
+        raise ClipError(f"{wanted}, got none that match in {labels} ({way}): {self._source.path}")
+
+    def hand_over(self) -> None:
+        """From now on a frame that is read is no longer kept here."""
+        self._handing = True
+
+    def _read(self, index: int) -> Frame:
+        index = range(len(self._source))[index]
+        frame = self._frames.pop(index, None) if self._handing else self._frames.get(index)
+        return self._source.read_frame(index) if frame is None else frame
+
+
+def _probes(indices: Sequence[int]) -> list[int]:
+    last = len(indices) - 1
+    return [indices[place] for place in (0, last // 2, last)] if last >= PROBED else []
+
+
+def reading(clip: Clip) -> str:
+    """What the reading of its frames is called."""
+    return STAGES.get(clip.depth_origin, "read frames") if clip.has_depth else "read frames"

@@ -1,0 +1,266 @@
+"""Depth maps and masks beside the pictures of a folder whose layout does not say what they hold."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import BoolImage, Clip, ClipError, Frame
+from renderer.depth.monocular import FOLDERS as MONOCULAR
+from renderer.depth.monocular import read_array
+from renderer.readers.clip_options import ClipOptions
+from renderer.readers.depth_maps import plane_of, plausible
+from renderer.readers.nonzero_masks import read_nonzero, require_shapes
+from renderer.readers.picture_kinds import WORDS, Kind, is_named_array, kinds_of, left_out, map_folders
+from renderer.readers.pictures import is_picture, is_visible, natural_key, read_stored, stored_kind
+from renderer.readers.tool_masks import marked_pixels
+
+USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
+USES_BYTES: Final = "of 8 bits, which may be inverse or stretched: --depth measured takes them as distances"
+USES_NAMES: Final = "named _depth or _disparity, they are taken for that"
+
+Plane = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class _Offer:
+    """Files of one kind, and the frames that they belong to."""
+
+    kind: Kind
+    name: str
+    """Of the first file, or of their folder."""
+    files: dict[int, Path]
+    """By the place of the frame; empty: of none."""
+    seen: int
+    """Files, of any frame or none."""
+
+    @property
+    def told(self) -> str:
+        return (
+            self.name
+            if self.name.endswith("/") or self.seen == 1
+            else f"{self.name} and {self.seen - 1} more"
+        )
+
+
+def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
+    """The clip with what lies beside its pictures in `photos`, or in folders of the clip of such names.
+
+    A map belongs to the picture of its name without the word that says its kind, else of its last number.
+    Maps called depth hold distances along the axis, those called disparity the inverse, where they are of
+    16 bits or floats; 8 bits are taken when `options.depth` is "measured". Their unit is not known, but for
+    the word mm in a name, and a factor such as x64 of disparities, with `options.baseline`: else lengths
+    are in scene units. Masks are used when `options.mask_polarity` says what they mark. What is left out,
+    and what was assumed, is said in notices.
+
+    Raises:
+        ClipError: masks of another shape than the pictures; or, when its frame is read, a map or mask that
+            cannot be.
+    """
+    offers = list(_offers(clip, photos))
+    if not offers:
+        return clip
+    kept = tuple(
+        said
+        for said in clip.notices
+        if not said.startswith("left out, ") or " beside the pictures" not in said
+    )
+    depth, used = _chosen(offers, clip, options) if options.depth in ("auto", "measured") else (None, [])
+    masks = _chosen_masks(offers, clip) if options.mask_polarity != "auto" else None
+    others = [offer for offer in offers if offer not in (depth, masks)]
+    said = tuple(left_out(offer.kind, [offer.told], _way(offer, clip, options)) for offer in others)
+    clip = replace(clip, notices=(*kept, *used, *said))
+    clip = clip if depth is None else _with_depth(clip, depth, options)
+    return (
+        clip
+        if masks is None
+        else _with_masks(clip, masks, marked_is_tissue=options.mask_polarity == "tissue")
+    )
+
+
+def _offers(clip: Clip, photos: Path) -> Iterator[_Offer]:
+    files = [
+        entry for entry in sorted(photos.iterdir(), key=natural_key) if entry.is_file() and is_visible(entry)
+    ]
+    kinds = kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
+    groups: dict[tuple[str, Kind], list[Path]] = defaultdict(list)
+    for path, kind in kinds.others.items():
+        groups[re.sub(r"\d+", "#", path.name), kind].append(path)
+    for (_, kind), paths in groups.items():
+        yield _offer(clip, kind, paths[0].name, paths)
+    for place, kind in map_folders(clip.path).items():
+        inside = [entry for entry in sorted(place.iterdir(), key=natural_key) if _is_map_file(entry)]
+        if inside and place.name not in MONOCULAR and place != photos:
+            yield _offer(clip, kind, f"{place.name}/", inside)
+
+
+def _is_map_file(path: Path) -> bool:
+    return is_picture(path) or (path.suffix.lower() == ".npy" and is_visible(path))
+
+
+def _offer(clip: Clip, kind: Kind, name: str, paths: Sequence[Path]) -> _Offer:
+    """The files, each with the frame that it belongs to; those of the other eye belong to none."""
+    of_right = "right" in _parts(name) and "right" not in _parts(clip.labels[0])
+    files = {} if of_right else _by_stem(clip.labels, paths) or _by_number(clip.labels, paths)
+    if kind == "mask" and not files and len(paths) == 1 and not of_right:
+        files = dict.fromkeys(range(len(clip)), paths[0])
+    return _Offer(kind, name, files, len(paths))
+
+
+def _by_stem(labels: Sequence[str], paths: Sequence[Path]) -> dict[int, Path]:
+    found = {"_".join(_parts(path.stem)): path for path in paths}
+    names = ["_".join(_parts(Path(label).stem)) for label in labels]
+    return {place: found[name] for place, name in enumerate(names) if name and name in found}
+
+
+def _by_number(labels: Sequence[str], paths: Sequence[Path]) -> dict[int, Path]:
+    """Empty where two have one number."""
+    numbers = [re.findall(r"\d+", Path(label).stem)[-1:] for label in labels]
+    theirs = [re.findall(r"\d+", path.stem)[-1:] for path in paths]
+    found = {int(one[0]): path for one, path in zip(theirs, paths, strict=True) if one}
+    known = [int(one[0]) for one in numbers if one]
+    if len(set(known)) < len(labels) or len(found) < len(paths):
+        return {}
+    return {place: found[number] for place, number in enumerate(known) if number in found}
+
+
+def _parts(stem: str) -> list[str]:
+    """Words and numbers of a name, without those that say its kind."""
+    return [part for part in re.findall(r"[^\W\d_]+|\d+", stem.casefold()) if part not in WORDS]
+
+
+def _chosen(offers: list[_Offer], clip: Clip, options: ClipOptions) -> tuple[_Offer | None, list[str]]:
+    """The depth that is clearly meant, and what it was taken for."""
+    usable = [
+        offer
+        for offer in offers
+        if offer.kind in ("depth", "disparity") and offer.files and not _way(offer, clip, options)
+    ]
+    usable.sort(key=lambda offer: (-len(offer.files), offer.kind))
+    if not usable:
+        return None, []
+    first = usable[0]
+    if len(usable) > 1 and (len(usable[1].files), usable[1].kind) == (len(first.files), first.kind):
+        return None, [
+            f"{first.told} and {usable[1].told} are both {first.kind} of the pictures: neither is used"
+        ]
+    return first, _assumed(first, clip, options)
+
+
+def _assumed(offer: _Offer, clip: Clip, options: ClipOptions) -> list[str]:
+    lacking = [label for place, label in enumerate(clip.labels) if place not in offer.files]
+    some = (
+        [f"{len(lacking)} of {len(clip)} pictures have no depth map, such as {lacking[0]}"] if lacking else []
+    )
+    if offer.kind == "depth":
+        unit = "taken in mm" if _unit(offer, options) == "mm" else "of unknown unit: lengths have no scale"
+        return [f"depth is that of {offer.told}, {unit}", *some]
+    step = _steps(offer)
+    pixels = f"1/{step:g} px" if step != 1 else "px"
+    if _unit(offer, options) == "mm":
+        return [
+            f"depth is by the disparity of {offer.told}, taken in {pixels}, {options.baseline:g} mm apart",
+            *some,
+        ]
+    scale = "lengths have no scale (--baseline gives it in mm where they are pixels)"
+    return [f"depth is by the disparity of {offer.told}, taken in {pixels}: {scale}", *some]
+
+
+def _way(offer: _Offer, clip: Clip, options: ClipOptions) -> str:
+    """Why it cannot be used as it stands, and what would help; empty: it can, or nothing helps."""
+    if offer.kind == "mask":
+        return USES_MASKS if options.mask_polarity == "auto" and offer.files else ""
+    if offer.kind == "map":
+        return USES_NAMES if offer.files else ""
+    if not offer.files:
+        return "they belong to none of the pictures"
+    bytes_of = ""
+    for path in offer.files.values():
+        kind, (width, height) = stored_kind(path)
+        if kind == "colour":
+            return f"{path.name} is of colours, not of distances"
+        if abs(width * clip.size[1] - height * clip.size[0]) > 0.01 * width * clip.size[1]:
+            pictures = f"the pictures of {clip.size[0]}x{clip.size[1]}"
+            return f"{path.name} is of {width}x{height}, another shape than {pictures}"
+        bytes_of = USES_BYTES if kind == "bytes" else bytes_of
+    return bytes_of if options.depth != "measured" else ""
+
+
+def _chosen_masks(offers: list[_Offer], clip: Clip) -> _Offer | None:
+    """Those of all pictures, if there is one such."""
+    whole = [offer for offer in offers if offer.kind == "mask" and len(offer.files) == len(clip)]
+    if len(whole) != 1:
+        return None
+    require_shapes(set(whole[0].files.values()), clip.size)
+    return whole[0]
+
+
+def _unit(offer: _Offer, options: ClipOptions) -> str:
+    known = "mm" in _parts(offer.name) if offer.kind == "depth" else options.baseline is not None
+    return "mm" if known else "scene units"
+
+
+def _steps(offer: _Offer) -> float:
+    """Per pixel of disparity, where the name says it: x64."""
+    found = re.search(r"(?<![^\W_])x(\d+)(?![^\W_])", offer.name)
+    return float(found[1]) if found else 1.0
+
+
+def _with_depth(clip: Clip, offer: _Offer, options: ClipOptions) -> Clip:
+    baseline = options.baseline or 1.0
+    factor = clip.cameras[0].fx * baseline * _steps(offer)
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        path = offer.files.get(frame.index)
+        if path is None:
+            return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
+        values = _values(path, clip.size)
+        if offer.kind == "disparity":
+            values = np.where(values > 0, factor / np.where(values > 0, values, 1), 0).astype(np.float32)
+        return replace(frame, depth=plausible(values))
+
+    return replace(
+        clip, read_frame=read_frame, has_depth=True, unit=_unit(offer, options), depth_origin="beside"
+    )
+
+
+def _values(path: Path, size: tuple[int, int]) -> Plane:
+    """(H, W) of `size` (width, height), 0 = none, each pixel the nearest of the file's."""
+    stored = read_array(path) if path.suffix.lower() == ".npy" else read_stored(path)
+    values = plane_of(stored, path)
+    if values.shape == (size[1], size[0]):
+        return values
+    return np.asarray(cv2.resize(values, size, interpolation=cv2.INTER_NEAREST_EXACT), np.float32)
+
+
+def _with_masks(clip: Clip, offer: _Offer, *, marked_is_tissue: bool) -> Clip:
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        tissue = np.equal(_marked(offer.files[frame.index], clip.size), marked_is_tissue)
+        return replace(frame, tissue_mask=tissue, evaluation_mask=tissue.copy())
+
+    marks = "tissue" if marked_is_tissue else "tool"
+    return replace(
+        clip, read_frame=read_frame, notices=(*clip.notices, f"{offer.told} is taken to mark {marks}")
+    )
+
+
+def _marked(path: Path, size: tuple[int, int]) -> BoolImage:
+    """(H, W): what is not 0; of a JPEG, whose 0 is noisy, what is bright."""
+    if path.suffix.lower() not in (".jpg", ".jpeg"):
+        return read_nonzero(path, size)
+    marked = marked_pixels(read_stored(path))
+    if marked.shape != (size[1], size[0]):
+        raise ClipError(
+            f"expected a mask of {size[0]}x{size[1]}, got {marked.shape[1]}x{marked.shape[0]}: {path}"
+        )
+    return marked

@@ -1,0 +1,154 @@
+"""What the pictures of a folder are: photos, or depth maps and masks that lie beside photos.
+
+The one rule for all that takes the pictures of a folder, so that what is enhanced is what is trained on.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final, Literal, get_args
+
+import numpy as np
+from PIL import Image
+
+from renderer.readers.listing import listed
+from renderer.readers.pictures import BROKEN, is_picture, is_visible, read_stored
+
+Kind = Literal["depth", "disparity", "mask", "map"]
+"""A "map" is a picture of numbers that nothing tells more about."""
+
+WORDS: Final[Mapping[str, Kind]] = MappingProxyType(
+    {
+        **dict.fromkeys(("depth", "depths", "depthmap", "depthmaps", "zmap"), "depth"),
+        **dict.fromkeys(("disp", "disparity", "disparities", "disparitymap"), "disparity"),
+        **dict.fromkeys(("mask", "masks", "seg", "segm", "segmentation", "segmentations"), "mask"),
+        **dict.fromkeys(
+            ("label", "labels", "labelmap", "annotation", "annotations", "occ", "occlusion"), "mask"
+        ),
+        **dict.fromkeys(("normals", "flow", "heatmap", "overlay"), "map"),
+    }
+)
+PLURAL: Final[Mapping[Kind, str]] = MappingProxyType(
+    {"depth": "depth maps", "disparity": "disparity maps", "mask": "masks", "map": "maps of numbers"}
+)
+KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
+FEW_VALUES = 16
+"""Of a mask of several labels."""
+
+
+def kind_by_name(stem: str) -> Kind | None:
+    """What the words of a name without suffix say; None: a photo, or nothing."""
+    for words in (_words(stem), _words(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))):
+        found = next((WORDS[word] for word in words if word in WORDS), None)
+        if found:
+            return found
+    return None
+
+
+def is_named_array(path: Path) -> bool:
+    """Whether it is a visible numpy array whose name says what it is."""
+    return path.suffix.lower() == ".npy" and is_visible(path) and kind_by_name(path.stem) is not None
+
+
+@dataclass(frozen=True)
+class PictureKinds:
+    """The pictures of a folder."""
+
+    photos: tuple[Path, ...]
+    others: dict[Path, Kind] = field(default_factory=dict)
+    """What lies beside the photos."""
+
+    def notices(self) -> tuple[str, ...]:
+        """One sentence for each kind that is not a photo."""
+        return tuple(
+            left_out(kind, [path.name for path in paths])
+            for kind in KINDS
+            if (paths := [path for path, own in self.others.items() if own == kind])
+        )
+
+
+def left_out(kind: Kind, names: Sequence[str], why: str = "") -> str:
+    """The sentence about files that are no photos; `why`, and what would help, where that is known."""
+    return f"left out, {PLURAL[kind]} beside the pictures: {listed(names)}" + (f" ({why})" if why else "")
+
+
+def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
+    """Photos and others among the picture files of one folder, in their order.
+
+    A name says it by a whole word of the stem (WORDS). Where names do not, the content does, but only beside
+    photos in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
+    are a few grey levels where the name goes on from that of a photo. Files whose names differ in
+    numbers alone are of one kind: the header of the first tells. Where no photo would be left, all are.
+    """
+    pictures = tuple(pictures)
+    groups: dict[str, list[Path]] = defaultdict(list)
+    for path in pictures:
+        groups[re.sub(r"\d+", "#", path.stem) + path.suffix.lower()].append(path)
+    others: dict[Path, Kind] = {}
+    modes: dict[str, str] = {}
+    for name, paths in groups.items():
+        kind = kind_by_name(paths[0].stem)
+        if kind is not None:
+            others |= dict.fromkeys(paths, kind)
+        elif len(groups) > 1:
+            modes[name] = _mode(paths[0])
+    if any(mode in ("RGB", "RGBA", "CMYK", "YCbCr") for mode in modes.values()):
+        colour = {path.stem for name, mode in modes.items() if mode[0] in "RCY" for path in groups[name]}
+        for name, mode in modes.items():
+            kind = _kind_by_content(groups[name][0], mode, colour)
+            others |= dict.fromkeys(groups[name], kind) if kind else {}
+    photos = tuple(path for path in pictures if path not in others)
+    if not photos:
+        return PictureKinds(tuple(path for path in pictures if is_picture(path)))
+    return PictureKinds(photos, {path: others[path] for path in pictures if path in others})
+
+
+def photo_folder(path: Path) -> Path:
+    """Where the photos of a folder lie: in itself, in images/, or in the one folder beside maps and masks."""
+    if not path.is_dir() or _holds_pictures(path):
+        return path
+    if (path / "images").is_dir():
+        return path / "images"
+    folders = [entry for entry in sorted(path.iterdir()) if is_visible(entry) and entry.is_dir()]
+    photos = [entry for entry in folders if kind_by_name(entry.name) is None and _holds_pictures(entry)]
+    beside = [entry for entry in folders if kind_by_name(entry.name) is not None]
+    return photos[0] if len(photos) == 1 and beside else path
+
+
+def map_folders(path: Path) -> dict[Path, Kind]:
+    """The folders in a folder whose names say that they hold no photos."""
+    folders = [entry for entry in sorted(path.iterdir()) if is_visible(entry) and entry.is_dir()]
+    return {entry: kind for entry in folders if (kind := kind_by_name(entry.name)) is not None}
+
+
+def _words(stem: str) -> list[str]:
+    return [word.casefold() for word in re.findall(r"[^\W\d_]+", stem)]
+
+
+def _holds_pictures(folder: Path) -> bool:
+    return any(is_picture(entry) and entry.is_file() for entry in folder.iterdir())
+
+
+def _mode(path: Path) -> str:
+    """As Pillow calls it, by the header; of a file that is none, that of a photo, whose reader says so."""
+    try:
+        with Image.open(path) as picture:
+            return picture.mode
+    except BROKEN:
+        return "?"
+
+
+def _kind_by_content(path: Path, mode: str, colour: set[str]) -> Kind | None:
+    if mode.startswith(("I", "F")):
+        return "map"
+    if mode == "1":
+        return "mask"
+    goes_on = any(path.stem != stem and path.stem.startswith(stem) for stem in colour)
+    if mode in ("L", "P") and goes_on and len(np.unique(read_stored(path))) <= FEW_VALUES:
+        return "mask"
+    return None

@@ -1,0 +1,72 @@
+"""What a video file says of itself, with its first frame alone decoded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from renderer.clip import ClipError
+
+
+@dataclass(frozen=True)
+class VideoHeader:
+    """As announced: what decodes may be less."""
+
+    size: tuple[int, int]
+    """Width and height in pixels of a picture that stands upright."""
+    frames: int | None
+    frames_per_second: float | None
+    seconds: float | None = None
+    codec: str | None = None
+    """As FFmpeg calls it; None where PyAV is not installed, which tells it and what follows."""
+    sound: str | None = None
+    """Codec of the first sound track."""
+    is_interlaced: bool = False
+    pixel_aspect: float = 1.0
+    """Width of a pixel by its height."""
+
+
+def read_video_header(path: Path) -> VideoHeader:
+    """Raises ClipError: the file is no video, or its path is not UTF-8, which the decoder cannot take."""
+    return _by_pyav(path) if find_spec("av") is not None else _by_opencv(path)
+
+
+def _by_pyav(path: Path) -> VideoHeader:
+    from renderer.readers.video_index import decoded, open_container, rate_of, video_stream
+
+    with open_container(path) as container:
+        stream = video_stream(container, path)
+        first = next(decoded(container, stream), None)
+        if first is None:
+            raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
+        lies = round(first.rotation / 90) % 2 == 1
+        aspect = float(stream.sample_aspect_ratio or 1)
+        rate, sounds = rate_of(stream), container.streams.audio
+        return VideoHeader(
+            size=(first.height, first.width) if lies else (first.width, first.height),
+            frames=stream.frames or None,
+            frames_per_second=None if rate is None else float(rate),
+            seconds=container.duration / 1e6 if container.duration else None,
+            codec=stream.codec_context.codec.canonical_name,
+            sound=sounds[0].codec_context.codec.canonical_name if sounds else None,
+            is_interlaced=first.interlaced_frame,
+            pixel_aspect=1 / aspect if lies else aspect,
+        )
+
+
+def _by_opencv(path: Path) -> VideoHeader:
+    import cv2
+
+    from renderer.readers.opencv_video import open_capture
+
+    capture = open_capture(path)
+    try:
+        names = cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT, cv2.CAP_PROP_FRAME_COUNT
+        width, height, frames = (int(capture.get(name)) for name in names)
+        rate = float(capture.get(cv2.CAP_PROP_FPS))
+    finally:
+        capture.release()
+    told = rate if 0 < rate < 1000 else None
+    seconds = frames / rate if told and frames > 0 else None
+    return VideoHeader((width, height), frames if frames > 0 else None, told, seconds)

@@ -1,0 +1,241 @@
+"""`vesselsplat info PATH` tells what a path is read as, what is missing and what to do; it writes nothing."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from app.run_folder import RunFolder
+from app.sessions import Session, SessionSource, write_session
+from app.training import run_training
+from renderer.phantom import PhantomParams, write_phantom
+from tests.app.conftest import CONFIG, Call, request_of, tissue
+from tests.renderer.eyes import write_eyes
+
+Cli = Callable[..., Call]
+
+
+@pytest.fixture
+def told(vesselsplat: Cli) -> Callable[[Path], dict[str, Any]]:
+    """What is told of a path as JSON, after a look at the text."""
+
+    def tell(path: Path) -> dict[str, Any]:
+        before = sorted((entry, entry.stat().st_mtime_ns) for entry in path.parent.rglob("*"))
+        text, values = vesselsplat("info", path), vesselsplat("info", path, "--json")
+        assert (text.code, text.error, values.code, values.error) == (0, "", 0, "")
+        assert all(line[12] == " " and line[13] != " " for line in text.out.splitlines())
+        assert sorted((entry, entry.stat().st_mtime_ns) for entry in path.parent.rglob("*")) == before
+        facts: dict[str, Any] = json.loads(values.out)
+        assert [name.replace(" ", "_") for name in _names(text.out)] == list(facts)
+        return facts
+
+    return tell
+
+
+def _names(text: str) -> list[str]:
+    return [line[:13].strip() for line in text.splitlines() if line[:13].strip()]
+
+
+def test_a_clip_with_everything(clip_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+    facts = told(clip_path)
+    assert facts["what"] == {"layout": "endonerf", "stereo": False}
+    assert facts["frames"] == {"count": 10, "first": 0, "last": 9, "step": 1, "missing": []}
+    assert facts["size"] == [64, 48]
+    assert facts["depth"]["origin"] == "measured"
+    assert 0.5 < facts["depth"]["share"] <= 1
+    assert 0.5 < facts["masks"]["tissue_share"] < 1
+    assert facts["camera"]["fixed"]
+    assert (facts["unit"], facts["held_out"], facts["missing"]) == ("mm", 2, [])
+    assert facts["next"] == [
+        f"vesselsplat enhance {clip_path} OUT",
+        f"vesselsplat train {clip_path} --run RUN",
+    ]
+
+
+def test_a_camera_that_moves(tmp_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+    write_phantom(
+        tmp_path / "clip", PhantomParams(n_frames=4, width=48, height=32, seed=1, camera="moving"), "scared"
+    )
+    facts = told(tmp_path / "clip")
+    assert facts["what"]["layout"] == "scared"
+    assert not facts["camera"]["fixed"]
+    assert facts["camera"]["way"] > 0
+
+
+def test_pictures_lack_depth_and_some_numbers(
+    folder: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    for number in (7, 8, 12):
+        cv2.imwrite(str(folder / f"{number}.png"), tissue(number))
+    cv2.imwrite(str(folder / "2_mask.png"), tissue(1))
+    facts = told(folder)
+    assert facts["frames"]["missing"] == [3, 4, 5, 6, 9, 10, 11]
+    assert "missing 7: 3 to 6, 9 to 11" in vesselsplat("info", folder).out
+    assert facts["depth"]["origin"] is None
+    assert "depth" in facts["missing"]
+    assert "2_mask.png" in facts["notices"][0]
+    assert facts["camera"]["assumed"]
+    assert facts["next"][1].endswith("--depth brightness")
+
+
+def test_every_other_frame_is_not_missing(tmp_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+    path = tmp_path / "in"
+    path.mkdir()
+    for number in range(0, 40, 10):
+        cv2.imwrite(str(path / f"{number}.png"), tissue(number))
+    facts = told(path)
+    assert (facts["frames"]["step"], facts["frames"]["missing"]) == (10, [])
+
+
+def test_pairs_that_match_and_pairs_that_do_not(
+    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    path = tmp_path / "clip"
+    write_eyes(
+        path, "left/{:06d}.png", "right/{:06d}.png", count=2, width=192, height=144, seed=41, noise=0.5
+    )
+    facts = told(path)
+    assert facts["what"]["stereo"]
+    assert facts["depth"]["origin"] == "stereo"
+    assert any("--baseline" in each for each in facts["missing"])
+    assert facts["next"][0] == f"vesselsplat enhance {path / 'left'} OUT"
+    for eye in (path / "right").iterdir():
+        cv2.imwrite(str(eye), np.roll(cv2.imread(str(eye)), 4, axis=0))
+    facts = told(path)
+    assert facts["what"]["stereo"]
+    assert "rows at most 1.5 px apart" in facts["depth"]["why"]
+    assert facts["next"][1].endswith("--depth brightness")
+
+
+def test_the_commands_that_come_next_work(
+    clip_path: Path, folder: Path, tmp_path: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    odd = tmp_path / "Jürgen Groß (3)"
+    folder.rename(odd)
+    for path in (clip_path, odd):
+        for number, line in enumerate(told(path)["next"]):
+            place = str(tmp_path / f"{path.name}-{number}")
+            words = [place if word in ("OUT", "RUN") else word for word in shlex.split(line)]
+            extra = ("--iterations", 2) if words[1] == "train" else ()
+            assert vesselsplat(*words[1:], *extra).code == 0
+
+
+def test_a_video_by_its_header(tmp_path: Path, vesselsplat: Cli) -> None:
+    path = tmp_path / "v.mp4"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
+    for index in range(5):
+        writer.write(cv2.resize(tissue(index), (64, 48)))
+    writer.release()
+    facts = json.loads(vesselsplat("info", path, "--json").out)
+    assert facts["frames"] == {"count": 5}
+    assert facts["frame_rate"] == {"frames_per_second": 10.0}
+    assert facts["size"] == [64, 48]
+    assert facts["next"][0] == f"vesselsplat enhance {path} OUT.mp4"
+
+
+def test_a_finished_run_and_one_that_was_cut_short(
+    runs: dict[str, Path], clip_path: Path, tmp_path: Path, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    facts = told(runs["enhanced"])
+    assert facts["what"] == {"kind": "run", "state": "finished"}
+    assert facts["clip"] == {"path": str(clip_path), "there": True}
+    assert facts["method"]["input"] == "enhanced"
+    assert facts["iterations"] == {"done": 40, "wanted": 40}
+    assert facts["model"]["gaussians"] > 0
+    assert told(runs["enhanced"] / "model.safetensors")["what"] == facts["what"]
+    cut = tmp_path / "cut"
+    events = run_training(request_of(clip_path, cut, config=replace(CONFIG, iterations=4000)))
+    while not RunFolder(cut).has_checkpoint:
+        next(events)
+    events.close()
+    facts = told(cut)
+    assert facts["what"]["state"] == "not finished"
+    assert facts["next"] == [f"vesselsplat train {clip_path} --run {cut} --resume"]
+
+
+def test_splats_and_exports_say_what_they_were_made_from(
+    runs: dict[str, Path],
+    folder: Path,
+    tmp_path: Path,
+    vesselsplat: Cli,
+    told: Callable[[Path], dict[str, Any]],
+) -> None:
+    assert vesselsplat("export", runs["original"], "--ply", tmp_path / "ply", "--frames", 3).code == 0
+    (ply,) = (tmp_path / "ply").glob("*.ply")
+    facts = told(ply)
+    assert facts["what"] == {"kind": "splats", "format": ".ply"}
+    assert facts["model"]["gaussians"] > 0
+    assert facts["run"]["name"] == "original"
+    (tmp_path / "made").mkdir()
+    for suffix in ("png", "jpg"):
+        assert vesselsplat("enhance", folder / "1.png", tmp_path / f"made/out.{suffix}").code == 0
+        facts = told(tmp_path / f"made/out.{suffix}")
+        assert facts["what"] == {"kind": "export"}
+        assert facts["export"] == "enhanced picture"
+        assert facts["source"]["name"] == "1.png"
+        assert len(facts["source"]["sha256"]) == 64
+        assert facts["next"][0] == f"vesselsplat replay {tmp_path / 'made'}/out.{suffix}"
+    assert told(tmp_path / "made/out.jpg.json")["what"] == {"kind": "provenance"}
+
+
+def test_a_session_also_one_whose_source_is_gone(
+    clip_path: Path, tmp_path: Path, told: Callable[[Path], dict[str, Any]], vesselsplat: Cli
+) -> None:
+    path = tmp_path / "s.vesselsplat"
+    write_session(path, Session(source=SessionSource(str(clip_path)), frame=3, notes="look here"))
+    facts = told(path)
+    assert facts["what"] == {"kind": "session"}
+    assert facts["source"] == {"path": str(clip_path), "there": True}
+    assert (facts["frame"], facts["notes"]) == (3, "look here")
+    write_session(path, Session(source=SessionSource("gone")))
+    assert not told(path)["source"]["there"]
+    path.write_text("{")
+    call = vesselsplat("info", path)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["s.vesselsplat"]
+
+
+def test_folders_that_are_no_clip_themselves(
+    folder: Path, tmp_path: Path, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    cases = tmp_path / "cases"
+    for name in ("anna", "bert"):
+        shutil.copytree(folder, cases / name)
+    facts = told(cases)
+    assert facts["what"] == {"kind": "folder"}
+    assert facts["folders"] == ["anna", "bert"]
+    assert facts["next"][1] == f"vesselsplat enhance {cases} OUT --recursive"
+    videos = tmp_path / "videos"
+    videos.mkdir()
+    (videos / "a.mp4").write_bytes(b"x")
+    assert told(videos)["videos"] == ["a.mp4"]
+    cv2.imwrite(str(folder / "9.png"), np.zeros((20, 20, 3), np.uint8))
+    facts = told(folder)
+    assert facts["what"] == {"kind": "pictures"}
+    assert "(9.png)" in facts["missing"][0]
+    assert facts["next"] == [f"vesselsplat enhance {folder} OUT"]
+
+
+@pytest.mark.parametrize("name", ["nothing", "empty", "text.png", "text.mp4", "other.json", "cut.ply"])
+def test_what_cannot_be_read_is_one_line(tmp_path: Path, vesselsplat: Cli, name: str) -> None:
+    (tmp_path / "empty").mkdir()
+    for each in ("text.png", "text.mp4", "cut.ply"):
+        (tmp_path / each).write_text("ply\n")
+    (tmp_path / "other.json").write_text("{}")
+    call = vesselsplat("info", tmp_path / name)
+    assert (call.code, call.out, call.error.count("\n")) == (2, "", 1)
+    assert name in call.error
+
+
+def test_without_a_path_it_tells_the_versions(vesselsplat: Cli) -> None:
+    facts = json.loads(vesselsplat("info", "--json").out)
+    assert "packages" in facts

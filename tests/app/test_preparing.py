@@ -1,0 +1,198 @@
+"""What comes before the first step is told while it lasts, is done once, and refuses what cannot be."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Generator
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app import preparing
+from app.errors import UserError
+from app.preparing import ReadAhead, Told, told_meanwhile
+from app.training import TrainRequest, run_training
+from renderer.clip import Clip, ClipError, Frame
+from renderer.readers.clip_options import ClipOptions
+from renderer.sources import open_clip
+from renderer.train.events import Finished, Preparing, Started, TrainEvent
+from tests.app.conftest import CONFIG, Call, request_of
+
+Cli = Callable[..., Call]
+
+
+def ended(work: Generator[Preparing, None, object]) -> tuple[list[Preparing], object]:
+    said = []
+    while True:
+        try:
+            said.append(next(work))
+        except StopIteration as end:
+            return said, end.value
+
+
+@pytest.fixture
+def eager(patient: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever lasts is told."""
+    monkeypatch.setattr(preparing, "SECONDS_BETWEEN", 0.001)
+
+
+def test_work_that_lasts_is_told_with_the_time_left(eager: None) -> None:
+    def work(told: Told) -> str:
+        for done in range(4):
+            told(done, 4)
+            time.sleep(0.03)
+        return "result"
+
+    said, result = ended(told_meanwhile("count", work))
+    assert result == "result"
+    assert {each.stage for each in said} == {"count"}
+    counts = [each.done for each in said]
+    assert counts == sorted(counts)
+    assert {1, 2, 3} <= set(counts)
+    last = said[-1]
+    assert (last.done, last.total) == (3, 4)
+    assert last.seconds_left is not None
+    assert 0 <= last.seconds_left < last.seconds
+    assert said[0].seconds_left is None
+
+
+def test_work_that_fails_says_so(eager: None) -> None:
+    def work(told: Told) -> None:
+        raise ClipError("no such thing")
+
+    with pytest.raises(ClipError, match="no such thing"):
+        ended(told_meanwhile("fail", work))
+
+
+def test_work_that_nobody_waits_for_ends(eager: None) -> None:
+    rounds = [0]
+
+    def endless(told: Told) -> None:
+        while True:
+            rounds[0] += 1
+            time.sleep(0.001)
+
+    work = told_meanwhile("run", endless)
+    assert isinstance(next(work), Preparing)
+    work.close()
+    done = rounds[0]
+    time.sleep(0.05)
+    assert rounds[0] == done
+
+
+def counting(clip: Clip, read: list[int]) -> Clip:
+    def read_frame(index: int) -> Frame:
+        read.append(range(len(clip))[index])
+        return clip.read_frame(index)
+
+    return replace(clip, read_frame=read_frame)
+
+
+def test_frames_are_read_once_and_handed_over(clip_path: Path) -> None:
+    read: list[int] = []
+    clip = counting(open_clip(clip_path), read)
+    ahead = ReadAhead(clip)
+    ahead.fill(lambda done, total: None)
+    for index in clip.train_indices:
+        assert ahead.clip.read_frame(index) is ahead.clip.read_frame(index)
+    assert sorted(read) == list(clip.train_indices)
+    ahead.hand_over()
+    kept = ahead.clip.read_frame(0)
+    assert sorted(read) == list(clip.train_indices)
+    assert ahead.clip.read_frame(0) is not kept
+
+
+def test_training_reads_each_frame_once_before_it_starts(
+    clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[int] = []
+    monkeypatch.setattr(
+        "app.training.open_clip", lambda path, options: counting(open_clip(path, options), read)
+    )
+    request = request_of(clip_path, tmp_path / "run", input="enhanced")
+    for event in run_training(request):
+        if isinstance(event, Started):
+            assert sorted(read) == list(open_clip(clip_path).train_indices)
+
+
+def test_training_tells_what_it_prepares(eager: None, clip_path: Path, tmp_path: Path) -> None:
+    events: list[TrainEvent] = list(run_training(request_of(clip_path, tmp_path / "run")))
+    before = events[: [isinstance(event, Started) for event in events].index(True)]
+    assert before
+    assert all(isinstance(event, Preparing) for event in before)
+    assert isinstance(events[-1], Finished)
+    assert "Preparing" not in (tmp_path / "run" / "events.jsonl").read_text()
+
+
+def test_the_command_prints_it(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def slowly(request: TrainRequest) -> Generator[TrainEvent, None, None]:
+        for done in range(3):
+            now[0] += 3.0
+            yield Preparing("match left and right pictures", done, 3, now[0], None)
+        now[0] += 3.0
+        yield Preparing("find out what the clip needs", 0, 0, 3.0, None)
+        now[0] += 3.0
+        yield Preparing("find out what the clip needs", 0, 0, 6.0, None)
+        yield from run_training(request)
+
+    now = [0.0]
+    monkeypatch.setattr("app.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("app.commands.train.run_training", slowly)
+    call = vesselsplat("train", clip_path, "--run", tmp_path / "run", "--iterations", 2)
+    assert call.code == 0
+    assert "match left and right pictures 1/3, 6 s left" in call.error
+    assert "match left and right pictures 2/3, 3 s left" in call.error
+    assert "find out what the clip needs, 6 s so far" in call.error
+
+
+def no_clip(path: Path, options: ClipOptions) -> Clip:
+    raise AssertionError("the clip is opened in vain")
+
+
+def test_a_video_without_depth_is_refused_by_its_header(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "long.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 25.0, (32, 24))
+    for _ in range(3):
+        writer.write(np.zeros((24, 32, 3), np.uint8))
+    writer.release()
+    monkeypatch.setattr("app.training.open_clip", no_clip)
+    request = TrainRequest(clip_path=path, run_path=tmp_path / "run", config=CONFIG)
+    with pytest.raises(ClipError, match=r"a video has none \(--depth brightness"):
+        next(run_training(request))
+    (tmp_path / "text.mp4").write_text("none")
+    with pytest.raises(ClipError, match="neither"):
+        next(run_training(replace(request, clip_path=tmp_path / "text.mp4")))
+    with pytest.raises(AssertionError, match="in vain"):
+        next(run_training(replace(request, clip_options=ClipOptions(depth="brightness"))))
+
+
+def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
+    clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.training.open_clip", no_clip)
+    # The superuser may write everywhere.
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path)
+    with pytest.raises(UserError, match=r"can be written for the run.*test_a_run"):
+        next(run_training(request_of(clip_path, tmp_path / "deep" / "run")))
+
+
+def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path) -> None:
+    read: list[int] = []
+    clip = open_clip(clip_path)
+
+    def unmatched(index: int) -> Frame:
+        read.append(index)
+        frame = clip.read_frame(index)
+        return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
+
+    with pytest.raises(ClipError, match="none that match in"):
+        ReadAhead(replace(clip, read_frame=unmatched, depth_origin="stereo")).fill(lambda done, total: None)
+    assert len(read) == 3
