@@ -9,12 +9,13 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from app.atomic import write_bytes
 from app.errors import UserError
 from app.provenance import encode_png, write_sidecar
 from renderer.readers.listing import listed
+from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of, photo_folder
 from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, natural_key
 
@@ -105,6 +106,8 @@ def _check_whole(path: Path) -> None:
         with Image.open(path) as picture:
             picture.load()
     except BROKEN as error:
+        if isinstance(error, UnidentifiedImageError) and (kind := what_it_is(path)):
+            raise UserError(f"expected a picture, got {kind}: {path}") from error
         reason = str(error).replace(str(path), path.name)
         raise UserError(f"expected a whole picture, got a damaged one ({reason}): {path}") from error
 

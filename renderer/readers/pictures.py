@@ -15,6 +15,7 @@ from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.listing import listed
+from renderer.readers.misnamed import what_it_is
 
 
 class SeveralSizes(ClipError):
@@ -176,5 +177,5 @@ def _unreadable(path: Path, error: Exception) -> ClipError:
     if not path.exists():
         return ClipError(f"expected a picture, got no such file: {path}")
     if isinstance(error, UnidentifiedImageError):
-        return ClipError(f"expected a picture, got a file that is none: {path}")
+        return ClipError(f"expected a picture, got {what_it_is(path) or 'a file that is none'}: {path}")
     return ClipError(f"expected a whole picture, got a damaged or truncated file ({error}): {path}")

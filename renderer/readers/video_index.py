@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from renderer.clip import ClipError
+from renderer.readers.misnamed import neither
 
 if TYPE_CHECKING:
     from av import Packet, VideoFrame
@@ -64,7 +65,7 @@ def open_container(path: Path) -> InputContainer:
     try:
         return av.open(address, metadata_errors="replace", container_options=local)
     except (av.error.FFmpegError, OSError, ValueError) as error:
-        raise ClipError(_neither(path)) from error
+        raise ClipError(neither(path)) from error
 
 
 def video_stream(container: InputContainer, path: Path) -> VideoStream:
@@ -84,13 +85,9 @@ def video_stream(container: InputContainer, path: Path) -> VideoStream:
     if stream.codec_context is None:
         raise ClipError(f"expected a video that FFmpeg decodes, got codec {stream.codec_tag!r}: {path}")
     if stream.codec_context.name in NO_VIDEO:
-        raise ClipError(_neither(path))
+        raise ClipError(neither(path))
     stream.thread_type = "AUTO"
     return stream
-
-
-def _neither(path: Path) -> str:
-    return f"expected a picture or a video, got a file that is neither, or damaged: {path}"
 
 
 def decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:

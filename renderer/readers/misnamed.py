@@ -1,0 +1,56 @@
+"""What a file is that its name does not tell: of use in a refusal, which then says what to do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+HEAD: Final = 256
+"""Bytes that tell."""
+VIDEO: Final = "a video: rename it to its own suffix, such as .mp4"
+BRANDS: Final = MappingProxyType(
+    {
+        b"heic": "a HEIC picture",
+        b"heix": "a HEIC picture",
+        b"mif1": "a HEIC picture",
+        b"avif": "an AVIF picture",
+    }
+)
+"""Of ISO media files that are pictures."""
+STARTS: Final = MappingProxyType(
+    {
+        b"\x1a\x45\xdf\xa3": VIDEO,
+        b"\x00\x00\x01\xba": VIDEO,
+        b"\x00\x00\x01\xb3": VIDEO,
+        b"\x30\x26\xb2\x75\x8e\x66\xcf\x11": VIDEO,
+        b"%PDF": "a PDF document: export its pictures first",
+        b"PK\x03\x04": "a zip archive: unpack it first",
+        b"7z\xbc\xaf\x27\x1c": "a 7z archive: unpack it first",
+        b"Rar!": "a RAR archive: unpack it first",
+        b"\x1f\x8b": "a file zipped by gzip: unzip it first",
+        b"version https://git-lfs": "a Git LFS pointer: fetch the file itself with git lfs pull",
+        b"<!DOCTYPE html": "a web page: download the file itself",
+        b"<html": "a web page: download the file itself",
+    }
+)
+"""First bytes of what is met under names of pictures and videos."""
+
+
+def what_it_is(path: Path) -> str | None:
+    """The kind of a file by its first bytes, and what can be done about it; None where nothing tells."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+    except OSError:
+        return None
+    if not head:
+        return "an empty file"
+    if head[128:132] == b"DICM":
+        return "a DICOM file: export it as pictures or video first"
+    if head[4:8] == b"ftyp":
+        picture = BRANDS.get(head[8:12])
+        return VIDEO if picture is None else f"{picture}: convert it to PNG or JPEG first"
+    if head[:4] == b"RIFF" and head[8:12] == b"AVI ":
+        return VIDEO
+    return next((kind for start, kind in STARTS.items() if head.startswith(start)), None)

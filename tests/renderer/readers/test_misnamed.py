@@ -1,0 +1,64 @@
+"""Files under wrong names: the refusal says what they are."""
+
+from __future__ import annotations
+
+import gzip
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.errors import UserError
+from app.pictures import read_image
+from renderer.clip import ClipError
+from renderer.readers.misnamed import VIDEO, what_it_is
+from renderer.sources import open_clip
+from tests.renderer.readers.numbered import encoded, opencv_video
+
+PICTURE = [np.zeros((16, 16, 3), np.uint8)]
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Real files of each kind, and what a word of the refusal is."""
+    for name in ("a.mp4", "a.mkv", "a.mov", "a.mpg"):
+        encoded(folder / name, PICTURE, "mpeg2video" if name == "a.mpg" else "libx264")
+    opencv_video(folder / "a.avi", "MJPG", 1)
+    with zipfile.ZipFile(folder / "a.zip", "w") as archive:
+        archive.writestr("1.png", b"")
+    return {
+        **{
+            VIDEO + suffix: (folder / f"a.{suffix}").read_bytes()
+            for suffix in ("mp4", "mkv", "mov", "mpg", "avi")
+        },
+        "a zip archive": (folder / "a.zip").read_bytes(),
+        "a file zipped by gzip": gzip.compress(b"picture"),
+        "a DICOM file": bytes(128) + b"DICM" + bytes(100),
+        "a HEIC picture": b"\0\0\0\x18ftypheic" + bytes(100),
+        "a PDF document": b"%PDF-1.7" + bytes(100),
+        "an empty file": b"",
+    }
+
+
+def test_a_refusal_names_what_came_under_the_name_of_a_picture(tmp_path: Path) -> None:
+    for kind, content in contents(tmp_path).items():
+        path = tmp_path / "frame.png"
+        path.write_bytes(content)
+        said = VIDEO if kind.startswith(VIDEO) else kind
+        for reads, error in ((open_clip, ClipError), (read_image, UserError)):
+            with pytest.raises(error, match=f"expected a picture, got {said}"):
+                reads(path)
+
+
+@pytest.mark.parametrize("kind", ["a zip archive", "a DICOM file", "a PDF document", "an empty file"])
+def test_and_of_a_video(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "case.mp4"
+    path.write_bytes(contents(tmp_path)[kind])
+    with pytest.raises(ClipError, match=f"expected a picture or a video, got {kind}"):
+        open_clip(path)
+
+
+def test_what_nothing_tells_is_left_open(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"anything else")
+    assert what_it_is(tmp_path / "a") is None
+    assert what_it_is(tmp_path / "not there") is None
