@@ -9,14 +9,8 @@ from typing import Final
 HEAD: Final = 256
 """Bytes that tell."""
 VIDEO: Final = "a video: rename it to its own suffix, such as .mp4"
-BRANDS: Final = MappingProxyType(
-    {
-        b"heic": "a HEIC picture",
-        b"heix": "a HEIC picture",
-        b"mif1": "a HEIC picture",
-        b"avif": "an AVIF picture",
-    }
-)
+HEIC: Final = "a HEIC picture"
+BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF picture"})
 """Of ISO media files that are pictures."""
 STARTS: Final = MappingProxyType(
     {
@@ -54,3 +48,10 @@ def what_it_is(path: Path) -> str | None:
     if head[:4] == b"RIFF" and head[8:12] == b"AVI ":
         return VIDEO
     return next((kind for start, kind in STARTS.items() if head.startswith(start)), None)
+
+
+def neither(path: Path) -> str:
+    """The refusal of a file that is neither a picture nor a video."""
+    kind = what_it_is(path)
+    got = "a file that is neither, or damaged" if kind in (None, VIDEO) else kind
+    return f"expected a picture or a video, got {got}: {path}"

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.misnamed import neither
 
 STEP_LIMIT = 32
 """Frames that are cheaper to decode in passing than to seek over."""
@@ -152,7 +153,7 @@ def open_capture(path: Path) -> cv2.VideoCapture:
     # Of its own, since a name with a colon would be taken for an address.
     capture = cv2.VideoCapture(str(path.absolute()), cv2.CAP_FFMPEG)
     if not capture.isOpened():
-        raise ClipError(f"expected a picture or a video, got a file that is neither, or damaged: {path}")
+        raise ClipError(neither(path))
     return capture
 
 

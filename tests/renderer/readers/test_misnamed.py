@@ -16,21 +16,19 @@ from renderer.readers.misnamed import VIDEO, what_it_is
 from renderer.sources import open_clip
 from tests.renderer.readers.numbered import encoded, opencv_video
 
+VIDEOS = ("a.mp4", "a.mkv", "a.mov", "a.mpg", "a.avi")
 PICTURE = [np.zeros((16, 16, 3), np.uint8)]
 
 
 def contents(folder: Path) -> dict[str, bytes]:
     """Real files of each kind, and what a word of the refusal is."""
-    for name in ("a.mp4", "a.mkv", "a.mov", "a.mpg"):
+    for name in VIDEOS[:-1]:
         encoded(folder / name, PICTURE, "mpeg2video" if name == "a.mpg" else "libx264")
     opencv_video(folder / "a.avi", "MJPG", 1)
     with zipfile.ZipFile(folder / "a.zip", "w") as archive:
         archive.writestr("1.png", b"")
     return {
-        **{
-            VIDEO + suffix: (folder / f"a.{suffix}").read_bytes()
-            for suffix in ("mp4", "mkv", "mov", "mpg", "avi")
-        },
+        **{VIDEO + name: (folder / name).read_bytes() for name in VIDEOS},
         "a zip archive": (folder / "a.zip").read_bytes(),
         "a file zipped by gzip": gzip.compress(b"picture"),
         "a DICOM file": bytes(128) + b"DICM" + bytes(100),

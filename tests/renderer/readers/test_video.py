@@ -171,7 +171,13 @@ def test_a_video_of_one_frame(tmp_path, decoder):
     assert number_of(clip.read_image(0)) == 0
 
 
-@pytest.mark.parametrize("content", [b"", b"not a video\n" * 40, b"\x00\x00\x00\x18ftypisom" + bytes(300)])
+def test_an_empty_file_is_refused(tmp_path, decoder):
+    (tmp_path / "empty.mp4").touch()
+    with pytest.raises(ClipError, match=r"got an empty file: .*empty\.mp4$"):
+        open_video(tmp_path / "empty.mp4")
+
+
+@pytest.mark.parametrize("content", [b"not a video\n" * 40, b"\x00\x00\x00\x18ftypisom" + bytes(300)])
 def test_what_is_no_video_is_refused(tmp_path, decoder, content):
     path = tmp_path / "text.mp4"
     path.write_bytes(content)
