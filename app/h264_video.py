@@ -26,7 +26,9 @@ HD = 720
 """Rows from which on players take BT.709 where nothing is said."""
 TICKS = 90_000
 """Units of a second for frames that do not come evenly, as in broadcasting."""
-QUALITY = {"crf": "16", "preset": "veryfast"}
+# Macroblock-tree rate control reads stray memory in x264 165 (its AVX code, where the blocks in a row are no
+# multiple of 16): one video would not become the same bytes twice.
+QUALITY = {"crf": "16", "preset": "veryfast", "x264-params": "mbtree=0"}
 # Without these, swscale rounds down: whole pictures become darker by a grey level.
 EXACT = (
     Interpolation.BICUBIC

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -247,3 +250,27 @@ def test_interlaced_video_is_enhanced_and_made_again(tmp_path: Path, vesselsplat
     assert (len(open_clip(out)), open_clip(out).frames_per_second) == (12, 50.0)
     assert json.loads((tmp_path / "out.mp4.json").read_text())["pictures"][0]["deinterlacing"] == "field"
     assert "identical" in vesselsplat("replay", out).out
+
+
+WRITES = """
+import sys
+from pathlib import Path
+import cv2
+import numpy as np
+from app.video import Timing, write_video
+rough = np.random.default_rng(0).integers(0, 255, (37, 82, 3), np.uint8)
+picture = cv2.resize(rough, (648, 290), interpolation=cv2.INTER_CUBIC)
+write_video(Path(sys.argv[1]), (np.roll(picture, 3 * shift, 1) for shift in range(24)), Timing(15.0))
+"""
+
+
+def test_one_video_becomes_the_same_bytes_whatever_lay_in_memory(tmp_path: Path) -> None:
+    """glibc fills what it hands out with the byte that is asked for; elsewhere this writes it three times."""
+    written = []
+    for byte in ("1", "85", "170"):
+        path = tmp_path / f"{byte}.mp4"
+        environment = {**os.environ, "MALLOC_PERTURB_": byte}
+        root = Path(__file__).resolve().parents[2]
+        subprocess.run([sys.executable, "-c", WRITES, path], env=environment, cwd=root, check=True)
+        written.append(path.read_bytes())
+    assert written[0] == written[1] == written[2]
