@@ -1,9 +1,10 @@
 # Each target makes .venv when it is missing or out of date, so each is the only command needed.
 PYTHON ?= python3
 VENV := .venv
+BUNDLE := $(VENV)-bundle
 BIN := $(VENV)/bin
 
-.PHONY: demo app test lint format clean
+.PHONY: demo app test lint format clean bundle system
 
 demo: $(VENV)/.installed
 	$(BIN)/vesselsplat demo --out out/demo
@@ -24,13 +25,26 @@ format: $(VENV)/.installed-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# A folder that runs without Python: dist/vesselsplat. uv leaves out what the bundle goes without.
+bundle: install/bundle/overrides.txt pyproject.toml constraints.txt | system
+	test -x $(BUNDLE)/bin/pip || $(PYTHON) -m venv $(BUNDLE)
+	$(BUNDLE)/bin/python -m pip install --quiet --constraint constraints.txt uv
+	$(BUNDLE)/bin/uv pip install --quiet --python $(BUNDLE)/bin/python --constraint constraints.txt \
+		--overrides install/bundle/overrides.txt '.[bundle]'
+	$(BUNDLE)/bin/pyinstaller --log-level WARN --noconfirm --workpath $(BUNDLE)/work install/bundle/vesselsplat.spec
+	$(BUNDLE)/bin/python -m install.bundle.finish dist/vesselsplat
+
 # Compiled kernels lie in __pycache__; numba does not see that a function inlined from another file has changed.
 clean:
-	rm -rf $(VENV) out
+	rm -rf $(VENV) $(BUNDLE) out dist
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-$(VENV)/.installed: pyproject.toml constraints.txt
-	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
+# What the system lacks for the targets asked for, before anything is downloaded.
+system:
+	@PYTHON=$(PYTHON) VENV=$(VENV) install/system-packages $(or $(MAKECMDGOALS),demo)
+
+$(VENV)/.installed: pyproject.toml constraints.txt | system
+	test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
 	touch $@
 

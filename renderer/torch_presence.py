@@ -1,0 +1,13 @@
+"""Whether torch is there. Only autograd needs it, and the float64 oracle, LPIPS and cards."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Final
+
+NO_TORCH: Final = "torch is not installed (pip install torch)"
+
+
+def has_torch() -> bool:
+    """Without loading it."""
+    return find_spec("torch") is not None
