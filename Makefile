@@ -32,7 +32,7 @@ bundle: install/bundle/overrides.txt pyproject.toml constraints.txt | system
 	$(BUNDLE)/bin/uv pip install --quiet --python $(BUNDLE)/bin/python --constraint constraints.txt \
 		--overrides install/bundle/overrides.txt '.[bundle]'
 	$(BUNDLE)/bin/pyinstaller --log-level WARN --noconfirm --workpath $(BUNDLE)/work install/bundle/vesselsplat.spec
-	$(BUNDLE)/bin/python -m install.bundle.finish dist/vesselsplat
+	$(BUNDLE)/bin/python -m install.bundle.finish dist/vesselsplat $(BUNDLE)/work/vesselsplat/COLLECT-00.toc
 
 # Compiled kernels lie in __pycache__; numba does not see that a function inlined from another file has changed.
 clean:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from importlib.util import find_spec
 from typing import Final
 
-NO_TORCH: Final = "torch is not installed (pip install torch)"
+NO_TORCH: Final = (
+    "torch is not part of this bundle (see Start in the README)"
+    if getattr(sys, "frozen", False)
+    else "torch is not installed (pip install torch)"
+)
 
 
 def has_torch() -> bool:
