@@ -1,8 +1,15 @@
 # Each target makes .venv when it is missing or out of date, so each is the only command needed.
+# `make demo TORCH=no` and `make app TORCH=no` install without torch, gigabytes less; the tests need it.
 PYTHON ?= python3
 VENV := .venv
 BUNDLE := $(VENV)-bundle
 BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install
+ifeq ($(TORCH),no)
+# pip cannot leave out a dependency.
+INSTALL := $(INSTALL) --quiet --constraint constraints.txt uv && \
+	$(BIN)/uv pip install --python $(BIN)/python --overrides install/without-torch.txt
+endif
 
 .PHONY: demo app test lint format clean bundle system
 
@@ -45,7 +52,7 @@ system:
 
 $(VENV)/.installed: pyproject.toml constraints.txt | system
 	test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	$(INSTALL) --quiet --constraint constraints.txt --editable .
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed

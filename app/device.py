@@ -59,7 +59,7 @@ def missing() -> str:
         lacks.append("the NVIDIA driver finds no card")
     if not has_torch():
         lacks.append(NO_TORCH)
-    if find_spec("gsplat") is None:
+    elif find_spec("gsplat") is None:
         lacks.append("gsplat is not installed (pip install 'vesselsplat[cuda]')")
     return " and ".join(lacks)
 
