@@ -8,6 +8,7 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Sequence
+from importlib.metadata import distributions
 from pathlib import Path
 
 from install.bundle.contents import BundleError, check, libraries
@@ -33,7 +34,7 @@ def finish(folder: Path, collected: Path) -> None:
     from_system = {library.origin for library in found} & {
         path.name for path in Path("/usr/share/doc").glob("*")
     }
-    collect(folder / "licenses", from_system)
+    collect(folder / "licenses", distributions(), from_system)
     lines = [f"{library.place}\t{library.origin or 'the system it was built on'}\n" for library in found]
     (folder / "licenses" / "libraries.txt").write_text("".join(lines), encoding="utf-8")
     if sys.platform.startswith("linux"):

@@ -7,7 +7,7 @@ import shutil
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator
-from importlib.metadata import Distribution, distributions
+from importlib.metadata import Distribution
 from pathlib import Path
 from typing import Final
 
@@ -19,19 +19,18 @@ TOOLS: Final = frozenset({"altgraph", "pip", "pyinstaller-hooks-contrib", "setup
 """In the environment that builds, and not in the bundle; PyInstaller's own bootloader is."""
 
 
-def collect(folder: Path, system_packages: Iterable[str]) -> list[str]:
-    """Copy them to `folder`/NAME/; returns the names whose licence is not in a file, but in metadata.
+def collect(folder: Path, carried: Iterable[Distribution], system_packages: Iterable[str]) -> list[str]:
+    """Copy them to `folder`/NAME/, but for tools; returns the names of those whose licence is not
+    in a file, but in metadata.
 
     Raises:
         BundleError: something without any word on its licence.
     """
-    said = [
-        name for each in distributions() if name_of(each).lower() not in TOOLS and (name := _of(each, folder))
-    ]
+    said = [_of(each, folder) for each in carried if name_of(each).lower() not in TOOLS]
     _copy([_pythons()], folder / f"Python {sys.version.split()[0]}")
     for package in sorted(set(system_packages)):
         _copy([Path("/usr/share/doc") / package / "copyright"], folder / package)
-    return sorted(said)
+    return sorted(name for name in said if name)
 
 
 def _of(distribution: Distribution, folder: Path) -> str:
