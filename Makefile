@@ -37,7 +37,7 @@ bundle: install/bundle/overrides.txt pyproject.toml constraints.txt | system
 	test -x $(BUNDLE)/bin/pip || $(PYTHON) -m venv $(BUNDLE)
 	$(BUNDLE)/bin/python -m pip install --quiet --constraint constraints.txt uv
 	$(BUNDLE)/bin/uv pip install --quiet --python $(BUNDLE)/bin/python --constraint constraints.txt \
-		--overrides install/bundle/overrides.txt '.[bundle]'
+		--overrides install/bundle/overrides.txt --reinstall-package vesselsplat '.[bundle]'
 	$(BUNDLE)/bin/pyinstaller --log-level WARN --noconfirm --workpath $(BUNDLE)/work install/bundle/vesselsplat.spec
 	$(BUNDLE)/bin/python -m install.bundle.finish dist/vesselsplat $(BUNDLE)/work/vesselsplat/COLLECT-00.toc
 
