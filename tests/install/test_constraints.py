@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,7 @@ def resolve(
 @pytest.fixture(scope="module")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Of an index that answers."""
+    assert find_spec("uv") is not None, "expected uv of the extra test: make test installs it"
     folder = tmp_path_factory.mktemp("resolved")
     (folder / "one.txt").write_text("iniconfig\n")
     asked = resolve(str(folder / "one.txt"), folder / "cache", UV_HTTP_TIMEOUT="10", UV_HTTP_RETRIES="0")
