@@ -1,9 +1,17 @@
 # Each target makes .venv when it is missing or out of date, so each is the only command needed.
+# `make demo TORCH=no` and `make app TORCH=no` install without torch, gigabytes less; the tests need it.
 PYTHON ?= python3
 VENV := .venv
+BUNDLE := $(VENV)-bundle
 BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install
+ifeq ($(TORCH),no)
+# pip cannot leave out a dependency.
+INSTALL := $(INSTALL) --quiet --constraint constraints.txt uv && \
+	$(BIN)/uv pip install --python $(BIN)/python --overrides install/without-torch.txt
+endif
 
-.PHONY: demo app test lint format clean
+.PHONY: demo app test lint format clean bundle system
 
 demo: $(VENV)/.installed
 	$(BIN)/vesselsplat demo --out out/demo
@@ -24,14 +32,27 @@ format: $(VENV)/.installed-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# A folder that runs without Python: dist/vesselsplat. uv leaves out what the bundle goes without.
+bundle: install/bundle/overrides.txt pyproject.toml constraints.txt | system
+	test -x $(BUNDLE)/bin/pip || $(PYTHON) -m venv $(BUNDLE)
+	$(BUNDLE)/bin/python -m pip install --quiet --constraint constraints.txt uv
+	$(BUNDLE)/bin/uv pip install --quiet --python $(BUNDLE)/bin/python --constraint constraints.txt \
+		--overrides install/bundle/overrides.txt --reinstall-package vesselsplat '.[bundle]'
+	$(BUNDLE)/bin/pyinstaller --log-level WARN --noconfirm --workpath $(BUNDLE)/work install/bundle/vesselsplat.spec
+	$(BUNDLE)/bin/python -m install.bundle.finish dist/vesselsplat $(BUNDLE)/work/vesselsplat/COLLECT-00.toc
+
 # Compiled kernels lie in __pycache__; numba does not see that a function inlined from another file has changed.
 clean:
-	rm -rf $(VENV) out
+	rm -rf $(VENV) $(BUNDLE) out dist
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-$(VENV)/.installed: pyproject.toml constraints.txt
-	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+# What the system lacks for the targets asked for, before anything is downloaded.
+system:
+	@PYTHON=$(PYTHON) VENV=$(VENV) install/system-packages $(or $(MAKECMDGOALS),demo)
+
+$(VENV)/.installed: pyproject.toml constraints.txt | system
+	test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
+	$(INSTALL) --quiet --constraint constraints.txt --editable .
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed

@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Literal
 
 from app.errors import UserError
+from renderer.torch_presence import NO_TORCH, has_torch
 
 if TYPE_CHECKING:
     from renderer.train.pictures import Pictures
@@ -56,7 +57,9 @@ def missing() -> str:
     lacks = []
     if not cuda_devices():
         lacks.append("the NVIDIA driver finds no card")
-    if find_spec("gsplat") is None:
+    if not has_torch():
+        lacks.append(NO_TORCH)
+    elif find_spec("gsplat") is None:
         lacks.append("gsplat is not installed (pip install 'vesselsplat[cuda]')")
     return " and ".join(lacks)
 

@@ -11,6 +11,7 @@ from app.errors import UserError
 from app.supersampling import supersampled
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats
+from renderer.torch_presence import NO_TORCH, has_torch
 
 Renderer = Literal["gl", "cpu", "reference"]
 
@@ -20,6 +21,8 @@ def drawer(renderer: Renderer) -> tuple[Draw, str]:
     if renderer == "gl":
         return _gl()
     if renderer == "reference":
+        if not has_torch():
+            raise UserError(f"the float64 reference draws by torch: {NO_TORCH}. Or draw with --with cpu.")
         return _reference, "float64 reference"
     return draw_on_cpu, "numba on the CPU"
 

@@ -28,13 +28,10 @@ from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
 from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
 from renderer.sources import open_clip
+from renderer.torch_presence import NO_TORCH, has_torch
 
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
 LPIPS = "AlexNet, version 0.1, in [-1, 1], both pictures times the evaluation mask; less is nearer"
-NO_LPIPS = (
-    f"not measured: put {WEIGHT_FILES}, into {{folder}}, "
-    f"or name their folder by --lpips-weights or {LPIPS_VARIABLE}"
-)
 DEFINITIONS = {
     "psnr": "dB, both pictures times the evaluation mask, mean over all pixels, render rounded to 8 bits",
     "psnr_masked": "dB, mean over the evaluated pixels only: less by -10 log10(evaluated_share)",
@@ -132,7 +129,6 @@ class Evaluation:
 
     def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
         """The JSON of `evaluate`."""
-        no_lpips = NO_LPIPS.format(folder="vesselsplat/lpips of the user's caches")
         constant = {"n_gaussians": len(self.model), "train_seconds": self.run.train_seconds()}
         return {
             "run": self.run.path.absolute().name,
@@ -155,7 +151,8 @@ class Evaluation:
             "timed_with": {"threads": get_num_threads(), "load": float(psutil.getloadavg()[0])},
             "peak_memory_mb": {"training": self._training_memory(), "evaluation": peak_memory_mb()},
             "frames": list(frames),
-            "definitions": DEFINITIONS | {"lpips": LPIPS if self.lpips else no_lpips},
+            "definitions": DEFINITIONS
+            | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips of the user's caches")},
         }
 
     def _training_memory(self) -> float | None:
@@ -194,15 +191,28 @@ def lpips_folder() -> Path:
     return platformdirs.user_cache_path("vesselsplat", False) / "lpips"
 
 
+def no_lpips(folder: object) -> str:
+    """Why it was not measured; `folder`: how the one of `lpips_folder` is called."""
+    if not has_torch():
+        return f"not measured: {NO_TORCH}"
+    return (
+        f"not measured: put {WEIGHT_FILES}, into {folder}, "
+        f"or name their folder by --lpips-weights or {LPIPS_VARIABLE}"
+    )
+
+
 def find_lpips(weights: Path | None) -> Lpips | None:
     """LPIPS with the weights in the folder given, else in that of the environment's VESSELSPLAT_LPIPS, else
-    in the cache folder; None when there are none in the last. Raises UserError for any others that fail."""
+    in the cache folder; None when there are none in the last, or they are not asked for and torch is not
+    there. Raises UserError for any others that fail."""
     said = os.environ.get(LPIPS_VARIABLE)
     folder = weights or (Path(said) if said else None)
     if folder is None:
         folder = lpips_folder()
-        if not weight_files(folder):
+        if not weight_files(folder) or not has_torch():
             return None
+    elif not has_torch():
+        raise UserError(f"LPIPS of the weights in {folder}: {NO_TORCH}")
     try:
         return read_lpips(folder)
     except LpipsWeightsError as error:

@@ -13,7 +13,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from app.errors import UserError
-from app.evaluate import LPIPS, NO_LPIPS, Evaluation, FrameMeasures, lpips_folder, open_evaluation
+from app.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
 from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.report.paper_rows import PAPER
@@ -176,7 +176,7 @@ def _visibility(group: Mapping[str, float | None]) -> str:
 def _cautions(report: dict[str, Any]) -> list[str]:
     cautions = ["DV, BV: inferred definition. Visibility only, neither detection nor diagnosis."]
     if report["definitions"]["lpips"] != LPIPS:
-        cautions.append(f"LPIPS: {NO_LPIPS.format(folder=lpips_folder())}")
+        cautions.append(f"LPIPS: {no_lpips(lpips_folder())}")
     if report["edits"]:
         measured = (
             "as edited by hand" if report["edits"]["measured"] else "as trained, without its edits (--edited)"

@@ -17,6 +17,7 @@ from renderer.rasterize.exp2 import exp2
 from renderer.splats import Float32Array, Splats
 from renderer.stability.row import Row
 from renderer.stability.scenes import CAMERA, NEAR, SCENES, joined, ordinary, stacked
+from renderer.torch_presence import has_torch
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -32,11 +33,12 @@ CUT: Final = 1.0
 
 
 def rows() -> Iterator[Row]:
-    """Of the CPU rasteriser."""
+    """Of the CPU rasteriser; without torch, those that need no float64 oracle."""
     yield _exponential()
-    yield from pictures("blending (16): picture", lambda *scene: render(*scene[:2], near=scene[2]).image)
-    yield from _depths()
-    yield from _gradients()
+    if has_torch():
+        yield from pictures("blending (16): picture", lambda *scene: render(*scene[:2], near=scene[2]).image)
+        yield from _depths()
+        yield from _gradients()
     yield from _overlapping()
     yield from _poisoned()
 

@@ -10,6 +10,7 @@ import numpy as np
 from imgui_bundle import ImVec2
 
 from app.gui.actions import actions, clip_actions, edit_actions, queue_actions, second_actions, tuning_actions
+from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.work.tuning import Choice
 from app.job import Failed
@@ -20,7 +21,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.train.events import Evaluated, Finished, Omission, Progress, Started, Warned
 from tests.app.gui.conftest import FakeJob
-from tests.benchmarks.soak_deeds import CTRL, SHIFT, K, Person
+from tests.benchmarks.soak_deeds import K, Person
 
 STEPS = 3000
 OMITTED = (
@@ -55,10 +56,10 @@ def start(person: Person, model: Model) -> Iterator[str]:
     yield "recovery"
     person.state.recoverable = None
     person.ctx.popup_close_all()
-    person.press(CTRL | K.i)
+    person.press(chord("Ctrl+I"))
     yield "open file"
     person.press(K.escape)
-    person.press(CTRL | SHIFT | K.p)
+    person.press(chord("Ctrl+Shift+P"))
     person.ctx.key_chars("open")
     yield "palette"
     person.press(K.escape)
@@ -104,7 +105,7 @@ def enhancement(person: Person, model: Model) -> Iterator[str]:
     person.choose("//Enhancement", "##preset", "Vessel (ours)")
     person.wait(person.settled, "the preset")
     yield "enhancement vessel"
-    person.press(CTRL | K.z)
+    person.press(chord("Ctrl+Z"))
     person.wait(person.settled, "undo")
 
 
@@ -127,7 +128,7 @@ def clip(person: Person, model: Model) -> Iterator[str]:
 
 
 def tuning(person: Person, model: Model) -> Iterator[str]:
-    person.press(CTRL | K.t)
+    person.press(chord("Ctrl+T"))
     person.ctx.yield_(3)
     yield "tuning empty"
     tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, 4.0, 3))
@@ -140,7 +141,7 @@ def tuning(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: person.state.tuning.request is None, "the cell")
     yield "tuning one"
     tuning_actions.look_at(person.state, None)
-    person.press(CTRL | K.t)
+    person.press(chord("Ctrl+T"))
 
 
 def reconstruction(person: Person, model: Model) -> Iterator[str]:
@@ -155,7 +156,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: bool(state.omissions and state.omissions.kept), "what is left out with that kept")
     person.ctx.sleep_no_skip(1.0, 0.1)
     yield "reconstruction kept"
-    person.press(CTRL | K.z)
+    person.press(chord("Ctrl+Z"))
     person.click("//Reconstruction/What will be left out")
     person.choose("//Reconstruction", "##input", "Both in turn")
     person.click("//Reconstruction/###start")
@@ -255,10 +256,10 @@ def cameras(person: Person, model: Model) -> Iterator[str]:
 
 def editing(person: Person, model: Model) -> Iterator[str]:
     state = person.state
-    person.press(CTRL | K.e)
+    person.press(chord("Ctrl+E"))
     person.wait(lambda: state.editing.active and state.editing.wish is None, "edit mode")
     yield "edit"
-    person.press(SHIFT | K.r)
+    person.press(chord("Shift+R"))
     person.drag("//3D view/view", (0.3, 0.2), (0.55, 0.9))
     person.wait(lambda: state.editing.wish is None and not state.editing.stroke, "the selection")
     yield "edit selected"
@@ -267,13 +268,13 @@ def editing(person: Person, model: Model) -> Iterator[str]:
     yield "question edits"
     person.ctx.item_click("//Unsaved edits/Stay")
     while state.editing.history.past:
-        person.press(CTRL | K.z)
+        person.press(chord("Ctrl+Z"))
     edit_actions.toggle(state)
 
 
 def windows(person: Person, model: Model) -> Iterator[str]:
     state = person.state
-    person.press(CTRL | SHIFT | K.e)
+    person.press(chord("Ctrl+Shift+E"))
     yield "export"
     state.exports.supersampling = FACTORS[-1]
     person.click("//Export/###video through time")
@@ -283,7 +284,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: not state.exports.is_busy, "the end of the export")
     state.exports.supersampling = FACTORS[0]
     yield "toast"
-    person.press(CTRL | SHIFT | K.e)
+    person.press(chord("Ctrl+Shift+E"))
     for panel in ("Log", "Notes"):
         dockings.toggle(panel)
         state.notes = "Left ureter crosses at frame 14; compare d 2 against d 1."
@@ -301,9 +302,9 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.ctx.scroll_to_bottom("//Report")
     yield "report table"
     dockings.toggle("Report")
-    person.press(CTRL | SHIFT | K.b)
+    person.press(chord("Ctrl+Shift+B"))
     yield "files and folders"
-    person.press(CTRL | SHIFT | K.b)
+    person.press(chord("Ctrl+Shift+B"))
     for menu in ("File", "Picture", "Compare", "Clip", "Reconstruct", "Camera", "View", "Help"):
         person.ctx.set_ref("//##MainMenuBar")
         person.ctx.menu_click(menu)

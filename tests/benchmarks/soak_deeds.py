@@ -12,6 +12,7 @@ from pathlib import Path
 from imgui_bundle import ImVec2, imgui
 
 from app.gui.actions import actions, edit_actions, job_actions, second_actions, tuning_actions
+from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places
@@ -29,7 +30,6 @@ RESTING = 2.0
 """Seconds in which what waits for rest is done: measuring, giving memory back."""
 KEEP_FILES = 12
 K = imgui.Key
-CTRL, SHIFT = K.mod_ctrl, K.mod_shift
 
 
 @dataclass
@@ -162,8 +162,8 @@ def slide(person: Person) -> None:
             person.ctx.item_input_value(f"//Enhancement/##{name}", round(person.rng.uniform(0.1, 0.9), 2))
             person.pace()
     person.wait(person.settled, "the new setting")
-    person.press(CTRL | K.z)
-    person.press(CTRL | K.y)
+    person.press(chord("Ctrl+Z"))
+    person.press(chord("Ctrl+Y"))
     for tab in ("Curves", "Measures", "###windows"):
         person.click(f"//Enhancement/details/{tab}")
     person.press(K.r)
@@ -171,7 +171,7 @@ def slide(person: Person) -> None:
 
 def compare(person: Person) -> None:
     sides = person.rng.sample(["Method: CLAHE", "Stored setting A", "Enhanced (this setting)", "Original"], 2)
-    person.press(SHIFT | K.a)
+    person.press(chord("Shift+A"))
     for side, entry in zip(("left", "right"), sides, strict=True):
         person.choose("//Pictures", f"##{side}", entry)
     for key in person.rng.sample([K.v, K.w, K.t, K.d, K.z, K.x], 6):
@@ -203,8 +203,8 @@ def play(person: Person) -> None:
     person.press(K.p)
     for key in (K.comma, K.period, K.f, K.f):
         person.press(key)
-    person.press(SHIFT | K.m)
-    person.press(SHIFT | K.m)
+    person.press(chord("Shift+M"))
+    person.press(chord("Shift+M"))
 
 
 def look_around(person: Person) -> None:
@@ -264,25 +264,25 @@ def edit(person: Person) -> None:
         return
     state = person.state
     idle = lambda: state.editing.wish is None and not state.editing.stroke  # noqa: E731
-    person.press(CTRL | K.e)
+    person.press(chord("Ctrl+E"))
     person.wait(lambda: state.editing.active and idle(), "edit mode")
-    for key in (K.r, K.l):
-        person.press(SHIFT | key)
+    for keys in ("Shift+R", "Shift+L"):
+        person.press(chord(keys))
         person.drag("//3D view/view", (0.1, 0.1), (person.rng.uniform(0.3, 0.9), 0.9))
         person.wait(idle, "the selection")
     person.press(K.delete)
-    person.press(CTRL | K.a)
+    person.press(chord("Ctrl+A"))
     person.press(K.h)
     while state.editing.history.past:
-        person.press(CTRL | K.z)
+        person.press(chord("Ctrl+Z"))
         person.wait(idle, "an edit undone")
-    person.press(CTRL | K.e)
+    person.press(chord("Ctrl+E"))
 
 
 def tune(person: Person) -> None:
     if not isinstance(person.state.params, EnhanceParams):
         return  # What is varied here is of the paper's method.
-    person.press(CTRL | K.t)
+    person.press(chord("Ctrl+T"))
     tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, person.rng.uniform(1, 4), 3))
     tuning_actions.choose_axis(person.state, 1, Choice("p", 0.2, person.rng.uniform(0.5, 1), 3))
     person.pace()
@@ -295,12 +295,12 @@ def tune(person: Person) -> None:
     person.wait(lambda: person.state.tuning.request is None, "the cell")
     person.click("//Tuning/###back")
     person.choose("//Tuning", "##order", "As varied")
-    person.press(CTRL | K.t)
+    person.press(chord("Ctrl+T"))
 
 
 def export(person: Person) -> None:
     person.press(K.s)
-    person.press(CTRL | SHIFT | K.e)
+    person.press(chord("Ctrl+Shift+E"))
     for what in person.rng.sample(["left pane", "right pane", "both panes"], 2):
         person.click(f"//Export/###{what}")
         person.wait(lambda: person.state.exports.under_way is None, "the export")
@@ -309,7 +309,7 @@ def export(person: Person) -> None:
     person.wait(lambda: exports.under_way is None or exports.under_way.done > 3, "a few frames")
     person.window.writing.cancel_export()
     person.wait(lambda: person.state.exports.under_way is None, "the cancelled export")
-    person.press(CTRL | SHIFT | K.e)
+    person.press(chord("Ctrl+Shift+E"))
 
 
 def reconstruct(person: Person) -> None:
@@ -343,7 +343,7 @@ def go_elsewhere(person: Person) -> None:
 def keep_session(person: Person) -> None:
     state = person.state
     state.notes = f"after {person.acts} acts"
-    person.press(CTRL | K.s)
+    person.press(chord("Ctrl+S"))
     person.wait(lambda: state.session_path is not None and state.session_path.is_file(), "the session")
     assert state.session_path is not None
     person.open(state.session_path)
@@ -356,7 +356,7 @@ def look_at_panels(person: Person) -> None:
             person.pace()
     person.press(K.f1)
     person.press(K.f1)
-    person.press(CTRL | SHIFT | K.p)
+    person.press(chord("Ctrl+Shift+P"))
     person.ctx.key_chars("theme")
     person.pace()
     person.press(K.escape)

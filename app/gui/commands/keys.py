@@ -28,9 +28,11 @@ MOUSE = (
     ("Double click", "fit the pictures; turn the 3D view around this point; slider back to its default"),
     ("Ctrl+click on a slider", "type a value"),
 )
+# A sum of two keys is a number: as an enum it is a member that Python 3.11.2, Debian 12's, cannot make.
+SHIFT_SLASH = int(imgui.Key.mod_shift) + int(imgui.Key.slash)
 NAMED = {
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
-    "comma": imgui.Key.comma, "full stop": imgui.Key.period, "?": imgui.Key.mod_shift | imgui.Key.slash,
+    "comma": imgui.Key.comma, "full stop": imgui.Key.period, "?": SHIFT_SLASH,
     "plus": imgui.Key.equal, "minus": imgui.Key.minus,
     "keypad plus": imgui.Key.keypad_add, "keypad minus": imgui.Key.keypad_subtract,
     "[": imgui.Key.left_bracket, "]": imgui.Key.right_bracket, "0": imgui.Key._0, "1": imgui.Key._1,

@@ -21,8 +21,11 @@ from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance, near_plane
 from renderer.rasterize.accuracy import exact
 from renderer.splats import Splats
+from renderer.torch_presence import NO_TORCH, has_torch
 
 Row = renderer.rasterize.accuracy.Row | renderer.draw.accuracy.Row
+Group = tuple[str, Sequence[Row], tuple[Column, ...]]
+"""Title, rows and columns of a table."""
 COLUMNS: Final = (
     *(Column(name="what is changed"), Column(name="setting")),
     Column(name="mean error, grey levels", best="low"),
@@ -42,12 +45,14 @@ def measure(bench: Bench, clock: Clock) -> Section:
     size, time = f"{camera.width}x{camera.height}", bench.clip.times[index]
     bench.say(f"drawing of {len(model)} Gaussians at {size} against float64")
     view = _View(model, model.at(time), camera, near_plane(model, camera))
-    truth = exact(view.splats, camera, view.near)
-    rows = list(renderer.rasterize.accuracy.accuracy(view.splats, camera, view.near, truth))
-    groups: list[tuple[str, Sequence[Row], tuple[Column, ...]]] = [
-        ("CPU rasteriser", rows, (*COLUMNS, ENTRIES)),
-    ]
+    truth = exact(view.splats, camera, view.near) if has_torch() else None
+    groups: list[Group] = []
     missing: list[str] = []
+    if truth is None:
+        missing.append(f"drawing against float64: {NO_TORCH}")
+    else:
+        rows = list(renderer.rasterize.accuracy.accuracy(view.splats, camera, view.near, truth))
+        groups.append(("CPU rasteriser", rows, (*COLUMNS, ENTRIES)))
     try:
         groups += _opengl(bench, view, truth)
     except OpenGLUnavailable as error:
@@ -84,18 +89,17 @@ class _View:
     near: float
 
 
-def _opengl(
-    bench: Bench, view: _View, truth: NDArray[np.float64]
-) -> list[tuple[str, Sequence[Row], tuple[Column, ...]]]:
+def _opengl(bench: Bench, view: _View, truth: NDArray[np.float64] | None) -> list[Group]:
+    """Keyframes alone where there is no `truth`."""
     context, model, camera = standalone_context(), view.model, view.camera
     bench.say(f"drawing with {renderer_name(context)}")
-    drawn = list(renderer.draw.accuracy.opengl(context, view.splats, camera, view.near, truth))
+    made: list[Group] = []
+    if truth is not None:
+        drawn = list(renderer.draw.accuracy.opengl(context, view.splats, camera, view.near, truth))
+        made.append((f"OpenGL, {renderer_name(context)}", drawn, (*COLUMNS, PSNR)))
     pixel = middle_distance(model, camera) / camera.fx
     kept = list(renderer.draw.accuracy.keyframes(context, model, camera, bench.clip.times, view.near, pixel))
-    made: list[tuple[str, Sequence[Row], tuple[Column, ...]]] = [
-        (f"OpenGL, {renderer_name(context)}", drawn, (*COLUMNS, PSNR)),
-        ("Keyframes over time", kept, (*COLUMNS, *KEPT)),
-    ]
+    made.append(("Keyframes over time", kept, (*COLUMNS, *KEPT)))
     context.release()
     return made
 

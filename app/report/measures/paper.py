@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from app.evaluate import LPIPS, NO_LPIPS, find_lpips, open_evaluation
+from app.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
 from app.mean import mean_of_finite
 from app.report.bench import Bench, Clock, scene_name
 from app.report.measures.training import INPUTS, schedule
@@ -52,7 +52,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     sets = {name: rows for name, rows in _sets(bench, missing).items() if rows}
     compared = {name: measured(methods(), samples) for name, samples in sets.items()}
     if find_lpips(None) is None:
-        missing.append(f"LPIPS: {NO_LPIPS.format(folder='vesselsplat/lpips of the caches of the user')}")
+        missing.append(f"LPIPS: {no_lpips('vesselsplat/lpips of the caches of the user')}")
     return Section(
         title="The paper's tables",
         sentences=(

@@ -17,6 +17,7 @@ from renderer.draw.context import OpenGLUnavailable, standalone_context
 from renderer.draw.offscreen import render_offscreen
 from renderer.splats import Float32Array, Splats
 from renderer.stability.row import Row
+from renderer.torch_presence import NO_TORCH, has_torch
 
 COLUMNS = (
     *(Column(name="hazard"), Column(name="case"), Column(name="measured", form=".3g")),
@@ -36,7 +37,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     bench.say("stability of the enhancement")
     tables = {"Enhancement": _cells(enhance.stability.stability(photo(bench)[::SMALLER, ::SMALLER].copy()))}
     bench.say("stability of reconstruction and drawing")
-    missing = []
+    missing = [] if has_torch() else [f"pictures, depths and gradients against float64: {NO_TORCH}"]
     try:
         context = standalone_context()
     except OpenGLUnavailable as error:

@@ -11,6 +11,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions, batch_actions, queue_actions
+from app.gui.commands.keys import chord
 from app.gui.frame.dialogs import TITLES
 from app.gui.panels.batches import Asking, draw_batches
 from app.gui.state.app_state import AppState
@@ -186,7 +187,7 @@ def test_from_the_key_to_the_files(places: Places, case: Path, monkeypatch: pyte
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.b)
+        ctx.key_press(chord("Ctrl+Shift+B"))
         ctx.yield_(2)
         ctx.item_click("//Enhance files and folders/###add folder")
         wait(ctx, lambda: driver.window._dialogs.browser is not None, "the dialog")

@@ -12,6 +12,7 @@ import pytest
 from imgui_bundle import glfw_utils, imgui
 
 from app.gui.actions import actions
+from app.gui.commands.keys import chord
 from app.gui.state.settings import Places, Settings
 from app.job import Failed, Paused
 from app.kept_queue import keep_queue, queue_file
@@ -129,13 +130,13 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
         wait(ctx, lambda: bool(jobs), "the first of them")
         jobs[0].inbox = [Started(0, 100, 30, ())]
         wait(ctx, lambda: state.reconstruction.can_pause, "its start")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.p)
+        ctx.key_press(chord("Ctrl+P"))
         wait(ctx, lambda: "pause" in jobs[0].told, "the pause")
         jobs[0].inbox = [Paused()]
         wait(ctx, lambda: state.reconstruction.can_resume, "standing still")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.p)
+        ctx.key_press(chord("Ctrl+P"))
         wait(ctx, lambda: "resume" in jobs[0].told, "going on")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.x)
+        ctx.key_press(chord("Ctrl+Shift+X"))
         wait(ctx, lambda: "cancel" in jobs[0].told, "its end")
         state.closing = "agreed"
 
@@ -155,13 +156,13 @@ def test_a_trim_is_said_before_it_is_trained_on_and_undone_by_its_name(places: P
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
         actions.seek(state, 3)
-        ctx.key_press(imgui.Key.mod_shift | imgui.Key.i)
+        ctx.key_press(chord("Shift+I"))
         wait(ctx, lambda: len(state.past) == 2, "the trim as a step")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.r)
+        ctx.key_press(chord("Ctrl+R"))
         wait(ctx, lambda: bool(jobs), "the job")
         ctx.menu_click("//##MainMenuBar/Picture/Undo trim")
         wait(ctx, lambda: state.clip_settings.trim is None, "the whole clip")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.y)
+        ctx.key_press(chord("Ctrl+Y"))
         wait(ctx, lambda: state.clip_settings.trim == (3, 23), "the trim again")
         state.closing = "agreed"
 

@@ -18,6 +18,7 @@ from app.clip_part import ClipPart
 from app.color_bar import LEAST_HEIGHT
 from app.gui.actions import actions, comparing, export_actions
 from app.gui.actions.export_actions import OFFERS
+from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES
@@ -252,7 +253,7 @@ def test_from_the_key_to_the_file(places: Places) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.e)
+        ctx.key_press(chord("Ctrl+Shift+E"))
         ctx.yield_(2)
         ctx.item_click("//Export/###both panes")
         wait(ctx, lambda: state.exports.under_way is None and state.toast is not None, "the picture")

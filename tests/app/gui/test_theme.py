@@ -6,6 +6,7 @@ import pytest
 from imgui_bundle import ImVec4, imgui
 
 from app.gui.actions import actions
+from app.gui.commands.keys import chord
 from app.gui.frame.dockings import MOST
 from app.gui.look import theme
 from app.gui.state.app_state import AppState
@@ -132,11 +133,11 @@ def test_the_side_grows_with_the_text_and_shrinks_back(places: Places) -> None:
 
         first = width()
         for _ in range(3):
-            ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.equal)
+            ctx.key_press(chord("Ctrl+plus"))
         assert state.settings.text_percent == 150
         most = MOST * imgui.get_main_viewport().size.x
         assert width() == pytest.approx(min(1.5 * first, most), rel=0.02)
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key._0)
+        ctx.key_press(chord("Ctrl+0"))
         assert width() == pytest.approx(first, rel=0.02)
 
     driver.run(drive)
@@ -156,10 +157,10 @@ def test_panels_share_a_place_where_lines_are_few(places: Places) -> None:
 
         assert not share_a_place()
         for _ in range(4):
-            ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.equal)
+            ctx.key_press(chord("Ctrl+plus"))
         assert driver.state.settings.text_percent == 175
         assert share_a_place()
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key._0)
+        ctx.key_press(chord("Ctrl+0"))
         assert not share_a_place()
 
     driver.run(drive)

@@ -7,6 +7,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions, history_actions, tuning_actions
+from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
@@ -179,7 +180,7 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.item_click("//Pictures/**/###phantom")
         wait(ctx, lambda: state.pictures is not None and not state.pictures_are_stale, "the phantom")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.t)
+        ctx.key_press(chord("Ctrl+T"))
         ctx.yield_(3)
         ctx.item_click("//Tuning/###try")
         wait(ctx, lambda: len(state.tuning.cells) == 12 and not state.tuning.running, "the grid")

@@ -10,13 +10,14 @@ import pytest
 from imgui_bundle.immapp import testing
 
 from app.gui.actions import actions
+from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
 from app.replay import replay
 from app.run_folder import RunFolder
 from assets import phantom_path
-from tests.benchmarks.soak_deeds import CTRL, SHIFT, Context, K, Person, compare, reconstruct
+from tests.benchmarks.soak_deeds import Context, K, Person, compare, reconstruct
 
 UNPACED = 1e9
 
@@ -52,7 +53,7 @@ def test_a_case_from_first_start_to_the_session_taken_up_again(places: Places) -
         scrub(person)
         deleted = edit(person)
         export(person)
-        person.press(CTRL | K.s)
+        person.press(chord("Ctrl+S"))
         person.wait(lambda: state.session_path is not None and state.session_path.is_file(), "the session")
 
     run_window(window, drive)
@@ -101,7 +102,7 @@ def edit(person: Person) -> int:
     """How many Gaussians of the left half have been deleted, for good."""
     state = person.state
     idle = lambda: state.editing.wish is None and not state.editing.stroke  # noqa: E731
-    person.press(CTRL | K.e)
+    person.press(chord("Ctrl+E"))
     person.wait(lambda: state.editing.active and idle(), "edit mode")
     person.drag("//3D view/view", (0.02, 0.02), (0.5, 0.98))
     person.wait(idle, "the selection")
@@ -110,15 +111,15 @@ def edit(person: Person) -> int:
     person.wait(lambda: len(state.editing.edits.deleted) == chosen > 0, "the deletion")
     person.click("//Edit/###edit Save")
     person.wait(lambda: not state.editing.is_unsaved, "the saved edits")
-    person.press(CTRL | K.e)
+    person.press(chord("Ctrl+E"))
     return chosen
 
 
 def export(person: Person) -> None:
     """Both panes as a picture, and as a video."""
     exports = person.state.exports
-    person.press(CTRL | SHIFT | K.e)
+    person.press(chord("Ctrl+Shift+E"))
     for what in ("both panes", "video of both panes"):
         person.click(f"//Export/###{what}")
         person.wait(lambda: exports.under_way is None and not person.state.is_busy, what)
-    person.press(CTRL | SHIFT | K.e)
+    person.press(chord("Ctrl+Shift+E"))

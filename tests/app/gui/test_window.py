@@ -17,6 +17,7 @@ from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
 from app.gui.actions import actions
+from app.gui.commands.keys import chord
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport
 from app.gui.state.app_state import AppState
@@ -93,7 +94,7 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
         ctx.item_input_value("//Enhancement/##d_factor", 3.0)
         wait(ctx, lambda: state.params.d_factor == 3.0 and is_settled(state), "the new enhancement")
         assert not np.array_equal(before, enhanced(state))
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.z)
+        ctx.key_press(chord("Ctrl+Z"))
         wait(ctx, lambda: state.params.d_factor == 1.0 and is_settled(state), "undo")
         np.testing.assert_array_equal(before, enhanced(state))
 
@@ -133,7 +134,7 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.key_press(key.mod_shift | key.a)
+        ctx.key_press(chord("Shift+A"))
         wait(ctx, lambda: "A" in state.stored, "the stored setting")
         ctx.set_ref("//Pictures")
         ctx.combo_click("##left/Stored setting A")
@@ -205,7 +206,7 @@ def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> Non
 @pytest.mark.display
 def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
-    state, key = driver.state, imgui.Key
+    state = driver.state
     actions.open_path(state, phantom_path())
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
@@ -226,7 +227,7 @@ def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
         assert state.pictures.statistics != before
         assert state.picture_view.zoom is None  # Drawn, not panned.
         wait(ctx, lambda: state.left_out is not None, "the tint")
-        ctx.key_press(key.mod_shift | key.m)
+        ctx.key_press(chord("Shift+M"))
         wait(ctx, lambda: not state.overlay, "the tint's end")
 
     driver.run(drive)
@@ -350,7 +351,7 @@ def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: state.view is not None, "the view")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.e)
+        ctx.key_press(chord("Ctrl+E"))
         wait(ctx, lambda: state.editing.active and state.editing.wish is None, "edit mode")
         ctx.yield_(3)
         drag_across_left_half(ctx)
@@ -358,9 +359,9 @@ def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path
         assert 0 < chosen < count
         ctx.key_press(imgui.Key.delete)
         wait(ctx, lambda: len(state.editing.edits.deleted) == chosen, "deletion")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.z)
+        ctx.key_press(chord("Ctrl+Z"))
         wait(ctx, lambda: not state.editing.is_unsaved, "undo")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.y)
+        ctx.key_press(chord("Ctrl+Y"))
         wait(ctx, lambda: state.editing.is_unsaved, "redo")
         actions.open_path(state, folder.path)
         ctx.yield_(3)

@@ -11,6 +11,7 @@ import pytest
 from imgui_bundle import hello_imgui, imgui
 
 from app.gui.actions import actions, window_actions
+from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.work.window_shot import save_window
@@ -66,7 +67,7 @@ def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> N
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.mod_shift | imgui.Key.e)
+        ctx.key_press(chord("Ctrl+Shift+E"))
         ctx.yield_(2)
         ctx.item_click("//Export/###window")
         wait(ctx, lambda: len(shots()) == 1, "the first picture")

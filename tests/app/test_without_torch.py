@@ -1,0 +1,153 @@
+"""Without torch all but its own faces works, and those say in one line what to install."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import enhance.stability
+from app.report.bench import Bench, Clock
+from app.report.measures import drawing, stability
+from renderer.stability import harmonics, learning, motion, runs
+from renderer.torch_presence import NO_TORCH
+from tests.app.conftest import CONFIG, ROOT
+
+HIDDEN = "import sys\nsys.modules['torch'] = None\n"
+"""As a sitecustomize it holds in spawned processes, too."""
+WORKING = """
+phantom clip --frames 10 --size 48 40
+enhance clip/images/frame-000001.color.png enhanced.png
+train clip --run run --iterations 6
+train clip --run fdm --iterations 4 --method deform3dgs
+train clip --run planes --iterations 4 --method endogaussian --input enhanced
+render run --out pictures --frames test --depth
+export run --ply ply --video film.mp4 --cameras cameras.json
+metrics enhanced.png --against clip/images/frame-000001.color.png
+replay pictures/frame-000001.png
+info
+"""
+IN_ONE_PROCESS = """
+import sys
+from app.__main__ import main
+
+for line in sys.argv[1:]:
+    if main(line.split()) != 0:
+        sys.exit(line)
+"""
+OF_A_SPAWNED_PROCESS = """
+import sys, time
+from pathlib import Path
+from app.job import TrainingJob
+from app.training import TrainRequest
+from renderer.train.config import TrainConfig
+
+if __name__ == "__main__":
+    job = TrainingJob(
+        TrainRequest(clip_path=Path("clip"), run_path=Path("job"), config=TrainConfig(iterations=4))
+    )
+    job.start()
+    end = time.monotonic() + 120
+    while job.state in ("running", "paused") and time.monotonic() < end:
+        for event in job.poll():
+            print(event)
+        time.sleep(0.05)
+    job.close()
+    sys.exit(job.state != "finished")
+"""
+
+
+class Machine:
+    """One without torch, and a folder on it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        (folder / "hidden").mkdir()
+        (folder / "hidden" / "sitecustomize.py").write_text(HIDDEN)
+
+    def python(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        environment = os.environ | {"PYTHONPATH": f"{self._folder / 'hidden'}{os.pathsep}{ROOT}"}
+        line = [sys.executable, *arguments]
+        return subprocess.run(
+            line, cwd=self._folder, env=environment, capture_output=True, text=True, timeout=300
+        )
+
+    def vesselsplat(self, line: str) -> subprocess.CompletedProcess[str]:
+        return self.python("-m", "app", *line.split())
+
+
+@pytest.fixture(scope="module")
+def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
+    """On which the working commands have worked."""
+    machine = Machine(tmp_path_factory.mktemp("without_torch"))
+    assert machine.python("-c", "import torch").returncode == 1
+    done = machine.python("-c", IN_ONE_PROCESS, *WORKING.strip().splitlines())
+    assert done.returncode == 0, done.stderr[-2000:]
+    return machine
+
+
+@pytest.mark.slow
+def test_commands_work_and_lpips_says_why_it_is_missing(machine: Machine) -> None:
+    assert NO_TORCH in machine.vesselsplat("info").stdout
+    evaluated = machine.vesselsplat("evaluate run")
+    assert evaluated.returncode == 0
+    assert f"LPIPS: not measured: {NO_TORCH}" in evaluated.stdout
+
+
+@pytest.mark.slow
+def test_a_spawned_process_trains(machine: Machine) -> None:
+    done = machine.python("-c", OF_A_SPAWNED_PROCESS)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "line",
+    [
+        "render run --out reference --frames test --with reference",
+        "evaluate run --lpips-weights clip",
+        "train clip --run card --iterations 4 --device cuda",
+    ],
+)
+def test_where_torch_is_needed_one_line_says_so(machine: Machine, line: str) -> None:
+    done = machine.vesselsplat(line)
+    assert done.returncode == 2
+    assert NO_TORCH in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
+@pytest.fixture
+def hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+    """None in sys.modules is how a module is hidden."""
+    monkeypatch.setitem(sys.modules, "torch", None)
+
+
+@pytest.mark.usefixtures("hidden")
+def test_the_report_keeps_the_stability_rows_that_need_no_oracle(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for part in (harmonics, motion, learning, runs, enhance.stability):
+        monkeypatch.setattr(part, "stability" if part is enhance.stability else "rows", lambda *_: ())
+    section = stability.measure(bench, Clock.of(600))
+    assert any(NO_TORCH in line for line in section.not_measured)
+    hazards = {row[0] for table in section.tables for row in table.rows}
+    assert "overlap" in hazards
+    assert "blending (16): picture" not in hazards
+
+
+@pytest.mark.usefixtures("hidden")
+def test_the_report_draws_without_an_oracle_what_needs_none(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawing, "schedule", lambda clip: CONFIG)
+    section = drawing.measure(bench, Clock.of(600))
+    assert any(NO_TORCH in line for line in section.not_measured)
+    assert "CPU rasteriser" not in {table.title for table in section.tables}
+
+
+@pytest.fixture
+def bench(clip_path: Path, tmp_path: Path) -> Bench:
+    return Bench(clip_path, (), tmp_path, lambda _: None)
