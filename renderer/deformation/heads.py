@@ -1,9 +1,9 @@
 """The small network that turns features of a HexPlane into offsets of position, log-scale and quaternion.
 
 One linear layer of 32, shared; then for each of the three a ReLU, a linear layer of 32, a ReLU and a
-linear layer (EndoGaussian, after Wu et al. 2023). Rows pass in blocks that are small enough for the
-matrix library to stay on one thread: so results repeat bit for bit, and it does not stand in the way of
-the threads of the kernels.
+linear layer (EndoGaussian, after Wu et al. 2023). A row's result depends on that row alone, so that what is
+kept moves as before where others are deleted. Gradients by the weights are summed over blocks that are small
+enough for the matrix library to stay on one thread: so results repeat bit for bit.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.deformation.row_products import row_products
 from renderer.splats import Float32Array
 
 WIDTH = 32
@@ -70,9 +71,9 @@ class Heads:
 
     def offsets(self, features: Float32Array) -> tuple[Float32Array, Activations]:
         """Offsets (P, OFFSETS) of features (P, F), P a multiple of ROWS."""
-        trunk = _rectified(_times(features, self.trunk_weight) + self.trunk_bias)
-        hidden = _rectified(_times(trunk, self.hidden_weight) + self.hidden_bias)
-        parts = [_times(hidden[:, own], self.output_weight[:, part]) for own, part in _pairs()]
+        trunk = _rectified(row_products(features, self.trunk_weight) + self.trunk_bias)
+        hidden = _rectified(row_products(trunk, self.hidden_weight) + self.hidden_bias)
+        parts = [row_products(hidden[:, own], self.output_weight[:, part]) for own, part in _pairs()]
         return np.concatenate(parts, axis=1) + self.output_bias, Activations(features, trunk, hidden)
 
     def backward(self, by_offsets: Float32Array, seen: Activations) -> tuple[Self, Float32Array]:
@@ -80,10 +81,10 @@ class Heads:
         features, trunk, hidden = seen
         by_output = [_across(hidden[:, own], by_offsets[:, part]) for own, part in _pairs()]
         by_hidden = np.concatenate(
-            [_times(by_offsets[:, part], self.output_weight[:, part].T) for part in PARTS], axis=1
+            [row_products(by_offsets[:, part], self.output_weight[:, part].T) for part in PARTS], axis=1
         )
         by_hidden *= hidden > 0
-        by_trunk = _times(by_hidden, self.hidden_weight.T)
+        by_trunk = row_products(by_hidden, self.hidden_weight.T)
         by_trunk *= trunk > 0
         gradients = type(self)(
             trunk_weight=_across(features, by_trunk),
@@ -93,7 +94,7 @@ class Heads:
             output_weight=np.concatenate(by_output, axis=1),
             output_bias=by_offsets.sum(axis=0),
         )
-        return gradients, _times(by_trunk, self.trunk_weight.T)
+        return gradients, row_products(by_trunk, self.trunk_weight.T)
 
     def arrays(self) -> dict[str, Float32Array]:
         """By field name, in a fixed order."""
@@ -111,10 +112,6 @@ def _rectified(values: Float32Array) -> Float32Array:
 
 def _blocks(rows: Float32Array) -> Float32Array:
     return rows.reshape(-1, ROWS, rows.shape[1])
-
-
-def _times(rows: Float32Array, matrix: Float32Array) -> Float32Array:
-    return (_blocks(rows) @ matrix).reshape(len(rows), matrix.shape[1])
 
 
 def _across(left: Float32Array, right: Float32Array) -> Float32Array:
