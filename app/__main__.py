@@ -1,4 +1,4 @@
-"""`vesselsplat`: exit code 0 on success, 2 with one line on bad input, 130 when interrupted."""
+"""`vesselsplat`: exit code 0 on success, 2 with one line on bad input; 130, 143 or 129 when interrupted."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from app.cli import run
+from app.ending import EndingSignals
 from app.errors import UserError
 
 # A damaged file is one line of ours, none of the decoders'. OpenCV reads these once, when it loads.
@@ -19,15 +20,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.update(QUIET_DECODERS)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # As stderr does: a file may have any name.
+    signals = EndingSignals()
     try:
-        run(sys.argv[1:] if arguments is None else arguments)
-        sys.stdout.flush()
+        with signals:
+            run(sys.argv[1:] if arguments is None else arguments)
+            sys.stdout.flush()
     except BrokenPipeError:
         # The reader of stdout left (`| head`); a second flush at exit must not complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt as interrupt:
-        return _fail(str(interrupt) or "interrupted", 130)
+        return _fail(str(interrupt) or "interrupted", signals.code)
     except UserError as error:
         return _fail(str(error), 2)
     except MemoryError:

@@ -1,0 +1,66 @@
+"""Signals that end a command: one line, an exit code that names the signal, nothing half-written."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.ending import EndingSignals
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def pictures(folder: Path, count: int = 400) -> Path:
+    """Enough of them that enhancing takes longer than a signal needs."""
+    folder.mkdir()
+    noise = np.random.default_rng(0).integers(0, 255, (480, 640, 3), np.uint8)
+    cv2.imwrite(str(folder / "0.jpg"), noise)
+    for number in range(1, count):
+        (folder / f"{number}.jpg").hardlink_to(folder / "0.jpg")
+    return folder
+
+
+def ended_by(number: int, given: Path, out: Path) -> tuple[int, str]:
+    """Exit code and stderr of an enhancement that is under way when the signal comes."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "app", "enhance", str(given), str(out)],
+        stderr=subprocess.PIPE,
+        cwd=ROOT,
+        text=True,
+    )
+    until = time.monotonic() + 60
+    while not list(given.parent.glob(".out-*/2.png")) and time.monotonic() < until:
+        time.sleep(0.01)
+    process.send_signal(number)
+    error = process.communicate(timeout=60)[1]
+    return process.returncode, error
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signals")
+@pytest.mark.parametrize(("name", "code"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_a_command_ends_in_one_line_and_leaves_nothing(tmp_path: Path, name: str, code: int) -> None:
+    given, out = pictures(tmp_path / "given"), tmp_path / "out"
+    returned, error = ended_by(getattr(signal, name), given, out)
+    assert (returned, error.splitlines()[-1]) == (code, "vesselsplat: interrupted")
+    assert "Traceback" not in error
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["given"]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signals")
+def test_a_signal_that_was_ignored_stays_so() -> None:
+    """As nohup leaves it."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with EndingSignals():
+            assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+            assert signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGHUP, before)
