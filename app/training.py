@@ -28,6 +28,7 @@ from renderer.camera_motion import camera_notice
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip, require_depth_source
+from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
 from renderer.train.pictures import Pictures
@@ -215,6 +216,12 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
 
 
 def _finished_before(run: RunFolder) -> Finished:
+    """As the log tells; of a run that was killed after its model was written, the log is completed."""
     events = [event for event in run.events() if event["event"] == "Finished"]
-    iteration = int(events[-1]["iteration"]) if events else 0
-    return Finished(iteration, run.train_seconds() or 0.0, run.model())
+    if events:
+        return Finished(int(events[-1]["iteration"]), run.train_seconds() or 0.0, run.model())
+    last = read_newest_checkpoint(run.path)
+    iteration, seconds = (last.iteration, last.seconds) if last else (run.record().config.iterations, 0.0)
+    finished = Finished(iteration, seconds, run.model())
+    run.log(finished)
+    return finished

@@ -131,6 +131,22 @@ def test_a_killed_run_goes_on_to_the_same_model(clip_path: Path, tmp_path: Path)
     assert killed.model_path.read_bytes() == whole.model_path.read_bytes()
 
 
+def test_a_log_that_was_cut_off_behind_the_model_is_completed(
+    tmp_path: Path, runs: dict[str, Path], clip_path: Path
+) -> None:
+    """Killed after the model was written, before that was logged."""
+    whole = RunFolder(runs["original"])
+    run = RunFolder(shutil.copytree(whole.path, tmp_path / "run"))
+    lines = run.events_path.read_text().splitlines(keepends=True)
+    run.events_path.write_text("".join(line for line in lines if '"Finished"' not in line))
+    for _ in range(2):
+        (finished,) = run_training(request_of(clip_path, run.path, resume=True))
+        assert isinstance(finished, Finished)
+        assert finished.iteration == CONFIG.iterations
+        assert finished.seconds == pytest.approx(whole.train_seconds(), rel=0.2)
+    assert [event["event"] for event in run.events()].count("Finished") == 1
+
+
 def test_resuming_what_is_finished_gives_it_back_unchanged(runs: dict[str, Path], clip_path: Path) -> None:
     run = RunFolder(runs["original"])
     before = {path.name: path.read_bytes() for path in run.path.iterdir()}
