@@ -6,6 +6,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from typing import TextIO
 
 from app.cli import run
 from app.ending import EndingSignals
@@ -18,6 +19,9 @@ QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command. A mistake of the user is one line on stderr; a bug keeps its traceback."""
     os.environ.update(QUIET_DECODERS)
+    # A shell may have closed them (`>&-`), and a program without a console has none.
+    sys.stdout = sys.stdout or _nowhere()
+    sys.stderr = sys.stderr or _nowhere()
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # As stderr does: a file may have any name.
     signals = EndingSignals()
@@ -43,6 +47,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         return _fail(line, 2)
     return 0
+
+
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")
 
 
 def mistake(error: ValueError) -> str | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
@@ -58,6 +59,17 @@ def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) ->
     place = ".".join(str(part) for part in first["loc"])
     shown = flag_of[str(first["loc"][0])] if flag_of else place
     return f"{shown}: {wanted}, got {first['input']!r}"
+
+
+def positive(text: str) -> float:
+    """Of a flag whose number is above 0, and one. Raises ArgumentTypeError."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
+    return number
 
 
 def _fields(kind: Any) -> dict[str, FieldInfo]:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
+from annotated_types import Interval
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
 from renderer.clip import BoolImage
 
 Box = tuple[float, float, float, float]
-Circle = tuple[float, float, float]
+Circle = tuple[float, float, Annotated[float, Interval(ge=0)]]
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))

@@ -9,6 +9,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.arguments import positive
 from app.atomic import filled
 from app.errors import UserError
 from app.provenance import provenance, source, strict_json
@@ -32,9 +33,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="further clips, pictures and videos, for what they leave out and for Table 3",
     )  # fmt: skip
     parser.add_argument("--parts", metavar="NAMES", default=names, help=f"of {names}, separated by commas")
-    parser.add_argument("--minutes", type=float, metavar="F", help="time to share (27; with --clip 54)")
+    parser.add_argument("--minutes", type=positive, metavar="F", help="time to share (27; with --clip 54)")
     parser.add_argument("--budget", metavar="TIME", help="print the settings for this time, such as 10ms")
-    parser.add_argument("--error", type=float, metavar="F", help="print the settings for this error")
+    parser.add_argument("--error", type=positive, metavar="F", help="print the settings for this error")
 
 
 def run(flags: argparse.Namespace) -> None:

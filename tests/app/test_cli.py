@@ -230,6 +230,27 @@ def test_a_reader_that_leaves_is_no_error(tmp_path: Path, arguments: str) -> Non
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+def test_streams_that_are_closed_are_no_error(closed: str) -> None:
+    shell = f"'{sys.executable}' -m app --version {closed}"
+    done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("minutes", ["nan", "0", "-1", "inf", "soon"])
+def test_a_time_that_is_none_is_refused(minutes: str, tmp_path: Path, vesselsplat: Cli) -> None:
+    call = vesselsplat("report", "--out", tmp_path / "report", "--minutes", minutes)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert f"expected a number above 0, got '{minutes}'" in call.error
+    assert not (tmp_path / "report").exists()
+
+
+def test_a_circle_without_inside_is_refused(tmp_path: Path, vesselsplat: Cli) -> None:
+    call = vesselsplat("train", ROOT, "--run", tmp_path / "run", "--view-circle", "0", "0", "-5")
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert "--view-circle" in call.error
+
+
 @pytest.mark.parametrize(
     ("module", "absent"),
     [
