@@ -28,6 +28,8 @@ def replaced(path: Path) -> Iterator[Path]:
     temporary = path.with_name(f".{path.stem}-{os.getpid()}.partial{path.suffix}")
     try:
         with _told_as(path, temporary):
+            # A link that somebody has laid under this name is not followed.
+            temporary.unlink(missing_ok=True)
             yield temporary
             # Windows syncs no file that is open for reading alone.
             with temporary.open("rb+") as file:

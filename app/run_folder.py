@@ -172,6 +172,8 @@ class RunFolder:
     def log(self, event: TrainEvent, **facts: Any) -> None:
         """Append one event to events.jsonl: its name and plain fields, without the model, and `facts`."""
         line = strict_json({"event": type(event).__name__} | _plain_fields(event) | facts)
+        if self.events_path.is_symlink():
+            raise UserError(f"expected the run's own log, got a link to another file: {self.events_path}")
         # A killed run can leave half a line behind: start on a new one.
         with self.events_path.open("ab+") as file:
             end = file.seek(0, 2)

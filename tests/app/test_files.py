@@ -220,3 +220,14 @@ def test_what_is_no_jpeg_keeps_its_alpha_whatever_its_name(tmp_path: Path) -> No
     picture = np.random.default_rng(0).integers(0, 255, (8, 9, 4), np.uint8)
     (tmp_path / "picture.jpg").write_bytes(cv2.imencode(".png", picture)[1].tobytes())
     assert np.array_equal(read_image(tmp_path / "picture.jpg")[..., 3], picture[..., 3])
+
+
+def test_a_link_under_the_temporary_name_is_not_followed(tmp_path: Path) -> None:
+    outside, folder = tmp_path / "outside", tmp_path / "run"
+    folder.mkdir()
+    outside.write_bytes(b"precious")
+    (folder / f".run-{os.getpid()}.partial.json").symlink_to(outside)
+    write_bytes(folder / "run.json", b"new")
+    assert outside.read_bytes() == b"precious"
+    assert [path.name for path in folder.iterdir()] == ["run.json"]
+    assert not (folder / "run.json").is_symlink()
