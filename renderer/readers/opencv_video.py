@@ -14,6 +14,7 @@ from renderer.readers.misnamed import neither
 
 STEP_LIMIT = 32
 """Frames that are cheaper to decode in passing than to seek over."""
+MORE = "an installation with PyAV reads more"
 SAMPLES = 8
 """Frames that are compared with each other at opening."""
 LOST = 0.5
@@ -97,7 +98,7 @@ class OpenCvVideo:
     def _keep_decodable(self) -> None:
         """Drops stamps that no decoded frame bears: before the first frame, and among the last."""
         if not self._capture.grab():
-            raise ClipError(f"expected a video, got a file without a frame that decodes: {self._path}")
+            raise ClipError(f"expected a video, got no frame that OpenCV decodes ({MORE}): {self._path}")
         first = int(self._capture.get(cv2.CAP_PROP_PTS))
         if first not in self._stamps:
             self._stamps = sorted(set(_stamps(open_capture(self._path))))
@@ -139,7 +140,7 @@ class OpenCvVideo:
         if len(frames) > 1 and all(np.array_equal(frame, frames[0]) for frame in frames[1:]):
             raise ClipError(
                 "expected a video whose frames differ, got the same picture throughout, as OpenCV reads "
-                f"interlaced video; install PyAV (pip install av) or deinterlace it first: {self._path}"
+                f"interlaced video; {MORE}, or deinterlace it first: {self._path}"
             )
 
 

@@ -296,7 +296,7 @@ def test_opencv_alone_refuses_what_it_does_not_decode(tmp_path, monkeypatch):
         tmp_path / "a.mp4", [woven(moment) for moment in range(20)], options=INTERLACED, interlaced=True
     )
     monkeypatch.setattr("renderer.readers.video.find_spec", lambda name: None)
-    with pytest.raises(ClipError, match="install PyAV"):
+    with pytest.raises(ClipError, match="interlaced video; an installation with PyAV reads more"):
         open_video(path)
 
 
