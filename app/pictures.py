@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import ExifTags, Image, UnidentifiedImageError
 
 from app.atomic import write_bytes
 from app.errors import UserError
@@ -24,6 +26,19 @@ ArrayImage = NDArray[Any]
 TIFF = frozenset({".tif", ".tiff"})
 JPEG = b"\xff\xd8"
 """How such a file begins, whatever its name."""
+UPRIGHT = 1
+TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = MappingProxyType(
+    {
+        2: np.fliplr,
+        3: lambda picture: np.rot90(picture, 2),
+        4: np.flipud,
+        5: lambda picture: np.swapaxes(picture, 0, 1),
+        6: lambda picture: np.rot90(picture, -1),
+        7: lambda picture: np.swapaxes(np.rot90(picture, 2), 0, 1),
+        8: np.rot90,
+    }
+)
+"""What makes a picture upright, by its EXIF orientation."""
 BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
 
 
@@ -64,7 +79,7 @@ def _videos(files: list[Path]) -> str:
 def read_image(path: Path) -> ArrayImage:
     """(H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA with the values and type that the file stores.
 
-    A JPEG is turned as its EXIF orientation says: H and W are those of the picture as it is looked at.
+    It is turned as its EXIF orientation says: H and W are those of the picture as it is looked at.
 
     Raises:
         UserError: missing, truncated, or no picture. The values are for the caller to judge.
@@ -73,13 +88,13 @@ def read_image(path: Path) -> ArrayImage:
         raise UserError(f"expected a picture, got no such file: {path}")
     if path.suffix.lower() == ".npy":
         return _read_array(path)
-    if path.suffix.lower() not in TIFF:
-        _check_whole(path)
+    orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)
     if stored is None:
         raise UserError(f"expected a whole picture, got a damaged file or one of another kind: {path}")
     order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
-    return cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
+    colored = cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
+    return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
 
 
 def _decoded(path: Path) -> ArrayImage | None:
@@ -100,11 +115,16 @@ def _decoded(path: Path) -> ArrayImage | None:
         cv2.utils.logging.setLogLevel(level)
 
 
-def _check_whole(path: Path) -> None:
-    """OpenCV fills what a truncated file lacks without a word; Pillow tells."""
+def _checked(path: Path) -> int:
+    """OpenCV fills what a truncated file lacks without a word; Pillow tells. The orientation that is left.
+
+    OpenCV turns JPEG and TIFF itself, and passes over what PNG and WebP say.
+    """
     try:
         with Image.open(path) as picture:
             picture.load()
+            told = picture.getexif().get(ExifTags.Base.Orientation, UPRIGHT)
+            return UPRIGHT if picture.format == "JPEG" else int(told)
     except BROKEN as error:
         if isinstance(error, UnidentifiedImageError) and (kind := what_it_is(path)):
             raise UserError(f"expected a picture, got {kind}: {path}") from error

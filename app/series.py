@@ -14,6 +14,7 @@ from app.video import Timing
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.endonerf import is_endonerf
+from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import left_out, map_folders, photo_folder
 from renderer.sources import open_clip
 
@@ -71,7 +72,8 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
         return _of_clip(path)
     if path.is_dir():
         kinds = photos_in(path)
-        return replace(_of_files(kinds.photos), notices=(*kinds.notices(), *_left_out(path)))
+        series = _of_files(kinds.photos)
+        return replace(series, notices=(*kinds.notices(), *_left_out(path), *series.notices))
     return _of_files((path,)) if is_image(path) else _of_video(path, options)
 
 
@@ -89,7 +91,7 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
         other = first.setdefault(path.stem, path)
         if other != path:
             raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
-    return Series(names, paths, lambda index: read_image(paths[index]))
+    return Series(names, paths, lambda index: read_image(paths[index]), tuple(left_pages(paths)))
 
 
 def _of_clip(path: Path) -> Series:

@@ -12,6 +12,7 @@ import numpy as np
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.readers.listing import listed
+from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import is_named_array, kinds_of
 from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
 
@@ -52,7 +53,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         size=common_size(paths),
         read=lambda index: read_rgb(paths[index]),
         field_of_view=field_of_view,
-        notices=(*kinds.notices(), *said),
+        notices=(*kinds.notices(), *said, *left_pages(paths)),
     )
 
 
@@ -76,6 +77,7 @@ def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         size=(image.shape[1], image.shape[0]),
         read=lambda index: read_rgb((path,)[index]),
         field_of_view=field_of_view,
+        notices=tuple(left_pages((path,))),
     )
 
 

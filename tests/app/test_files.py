@@ -20,6 +20,7 @@ from app.pictures import read_image, write_image
 from app.shared_model import Slot, SlotReader, SlotWriter
 from app.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
 from app.video import Timing, write_video
+from renderer.readers.pictures import read_rgb
 from tests.app.fake_steps import model_of
 
 
@@ -195,6 +196,22 @@ def test_a_long_label_stays_within_its_tile() -> None:
     picture = sheet("T", [tile, tile], "F", columns=2, tile_width=300)
     between = picture[TITLE_HEIGHT:-30, GAP + 300 : 2 * GAP + 300]
     assert (between == BACKGROUND).all()
+
+
+@pytest.mark.parametrize("suffix", ["png", "webp", "tiff"])
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_other_pictures_are_read_as_they_are_looked_at(tmp_path: Path, orientation: int, suffix: str) -> None:
+    """As `train` reads them, too."""
+    stored = Image.fromarray(np.random.default_rng(3).integers(0, 255, (24, 40, 3), np.uint8))
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    path = tmp_path / f"turned.{suffix}"
+    stored.save(path, exif=exif, **({"lossless": True} if suffix == "webp" else {}))
+    read = read_image(path)
+    assert read.shape[:2] == ((24, 40) if orientation < 5 else (40, 24))
+    with Image.open(path) as opened:
+        np.testing.assert_array_equal(read, np.asarray(ImageOps.exif_transpose(opened)))
+    np.testing.assert_array_equal(read, read_rgb(path))
 
 
 @pytest.mark.parametrize("grey", [False, True])

@@ -1,0 +1,30 @@
+"""Files of several pictures: TIFF of many pages, animated WebP and PNG, of which the first alone is read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from PIL import Image
+
+from renderer.readers.listing import listed
+from renderer.readers.pictures import BROKEN
+
+PAGED = frozenset({".tif", ".tiff", ".webp", ".png"})
+
+
+def left_pages(paths: Iterable[Path]) -> Iterator[str]:
+    """One sentence where files hold more than the picture that is read; their headers are looked at."""
+    several = [f"{path.name} of {count}" for path in paths if (count := _pages(path)) > 1]
+    if several:
+        yield f"of several pictures in a file the first alone is read: {listed(several)}"
+
+
+def _pages(path: Path) -> int:
+    if path.suffix.lower() not in PAGED:
+        return 1
+    try:
+        with Image.open(path) as picture:
+            return int(getattr(picture, "n_frames", 1))
+    except BROKEN:
+        return 1
