@@ -13,17 +13,16 @@ from av.video.reformatter import Interpolation
 from app.pictures import ArrayImage
 from app.sound import Sound, sound_of
 from app.video import Timing
-from renderer.readers.video_index import open_container, video_stream
+from renderer.readers.video_index import decoded, open_container, video_stream
+from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
 
 if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
-UNSPECIFIED, BT709, BT470BG, BT601, BT2020 = 2, 1, 5, 6, 9
+BT709, BT470BG, BT601, BT2020 = 1, 5, 6, 9
 """Codes of ITU-T H.273."""
 MATRICES = {BT709: "ITU709", 4: "FCC", BT470BG: "ITU601", BT601: "ITU601", 7: "SMPTE240M", BT2020: "BT2020"}
 """Of these codes, as swscale calls them."""
-HD = 720
-"""Rows from which on players take BT.709 where nothing is said."""
 TICKS = 90_000
 """Units of a second for frames that do not come evenly, as in broadcasting."""
 # Macroblock-tree rate control reads stray memory in x264 165 (its AVX code, where the blocks in a row are no
@@ -61,7 +60,7 @@ class H264Writer:
         self._rate = Fraction(timing.frames_per_second).limit_denominator(1001)
         self._unit = 1 / self._rate if timing.frame_times is None else Fraction(1, TICKS)
         self._stream = self._video_stream(size, tags)
-        self._matrix = MATRICES.get(tags.matrix) or ("ITU709" if size[1] >= HD else "ITU601")
+        self._matrix = MATRICES.get(tags.matrix) or usual_matrix(size[1])
         self._sound: Sound | None = sound_of(timing, self._container)
         self._count, self._end = 0, 0.0
         self.encoding = f"H.264, colour tags {tags.primaries}/{tags.transfer}/{tags.matrix}"
@@ -113,8 +112,9 @@ def _tags(path: Path) -> _Tags:
         codec = stream.codec_context
         matrix = int(codec.colorspace)
         known = matrix if matrix in MATRICES or matrix == UNSPECIFIED else BT709
-        aspect = stream.sample_aspect_ratio
-        shape = aspect if aspect and aspect != 1 else None
+        first = next(decoded(container, stream), None)
+        aspect = Fraction(1) if first is None else pixel_aspect(stream, first)
+        shape = None if aspect == 1 else aspect
         missing = UNSPECIFIED if known == UNSPECIFIED else BT709
         primaries, transfer = (
             missing if told == UNSPECIFIED else int(told) for told in (codec.color_primaries, codec.color_trc)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from app.errors import UserError
+from renderer.utf8_paths import not_utf8
 
 
 def require_utf8(path: Path) -> None:
     """Raises UserError for a path that only the file system can spell."""
-    try:
-        str(path).encode()
-    except UnicodeEncodeError as error:
-        shown = str(path).encode(errors="backslashreplace").decode()
-        raise UserError(f"expected a path in UTF-8, rename or move it: {shown}") from error
+    if said := not_utf8(path):
+        raise UserError(said)

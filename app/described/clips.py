@@ -48,13 +48,10 @@ def of_clip(path: Path) -> tuple[Fact, ...]:
     except SeveralSizes as error:
         if is_endonerf(path) or any(is_layout(path) for is_layout in LAYOUTS_OF_FILES):
             raise
+        found = len(photos_in(path).photos)
         return (
             Fact("what", "pictures of several sizes: no clip to train on", {"kind": "pictures"}),
-            Fact(
-                "frames",
-                count(len(photos_in(path).photos), "picture"),
-                {"count": len(photos_in(path).photos)},
-            ),
+            Fact("frames", count(found, "picture"), {"count": found}),
             Fact("missing", str(error), [str(error)]),
             next_steps(path, ("enhance", "PATH", "OUT")),
         )

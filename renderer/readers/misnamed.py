@@ -6,6 +6,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from renderer.file_signatures import ANYWHERE
+
 HEAD: Final = 256
 """Bytes that tell."""
 VIDEO: Final = "a video: rename it to its own suffix, such as .mp4"
@@ -14,18 +16,15 @@ BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b
 """Of ISO media files that are pictures."""
 STARTS: Final = MappingProxyType(
     {
+        **ANYWHERE,
         b"\x1a\x45\xdf\xa3": VIDEO,
         b"\x00\x00\x01\xba": VIDEO,
         b"\x00\x00\x01\xb3": VIDEO,
         b"\x30\x26\xb2\x75\x8e\x66\xcf\x11": VIDEO,
         b"%PDF": "a PDF document: export its pictures first",
         b"PK\x03\x04": "a zip archive: unpack it first",
-        b"7z\xbc\xaf\x27\x1c": "a 7z archive: unpack it first",
         b"Rar!": "a RAR archive: unpack it first",
         b"\x1f\x8b": "a file zipped by gzip: unzip it first",
-        b"version https://git-lfs": "a Git LFS pointer: fetch the file itself with git lfs pull",
-        b"<!DOCTYPE html": "a web page: download the file itself",
-        b"<html": "a web page: download the file itself",
     }
 )
 """First bytes of what is met under names of pictures and videos."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.misnamed import neither
+from renderer.utf8_paths import not_utf8
 
 STEP_LIMIT = 32
 """Frames that are cheaper to decode in passing than to seek over."""
@@ -145,12 +146,8 @@ class OpenCvVideo:
 
 
 def open_capture(path: Path) -> cv2.VideoCapture:
-    try:
-        str(path).encode()
-    except UnicodeEncodeError as error:
-        # The decoder would end the process.
-        shown = str(path).encode(errors="backslashreplace").decode()
-        raise ClipError(f"expected a path in UTF-8, rename or move it: {shown}") from error
+    if said := not_utf8(path):  # The decoder would end the process.
+        raise ClipError(said)
     # Of its own, since a name with a colon would be taken for an address.
     capture = cv2.VideoCapture(str(path.absolute()), cv2.CAP_FFMPEG)
     if not capture.isOpened():

@@ -16,6 +16,7 @@ from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Deinterlacing
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.video_index import decoded, index_of, nominal_rate, open_container, video_stream
+from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, quarter_turns, usual_matrix
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -24,10 +25,6 @@ STEP_LIMIT = 32
 """Frames that are cheaper to decode in passing than to seek over."""
 RECENT = 4
 """Decoded frames that are kept, since deinterlacing looks at the neighbours."""
-HD = 720
-"""Rows from which on players take the matrix of BT.709 where the file names none."""
-UNSPECIFIED = 2
-"""Of a colour matrix, in ITU-T H.273."""
 HDR = {16: "PQ", 18: "HLG"}
 """Transfer characteristics of ITU-T H.273 that call for tone mapping."""
 INTERLACED = {
@@ -59,9 +56,7 @@ class PyAvVideo:
         self._recent: dict[int, VideoFrame] = {}
         self._restart(0)
         first = self._frame(0)
-        self._is_hd = first.height >= HD
-        aspect = float(self._stream.sample_aspect_ratio or 1)
-        self.pixel_aspect = aspect if round(first.rotation / 90) % 2 == 0 else 1 / aspect
+        self.pixel_aspect = float(pixel_aspect(self._stream, first))
         self.notices = tuple(self._oddities(first))
 
     def __len__(self) -> int:
@@ -123,13 +118,13 @@ class PyAvVideo:
         # Without these, swscale rounds down: whole pictures become darker by a grey level. It is quickest
         # with a plane a colour.
         exact = Flags.BILINEAR | Flags.ACCURATE_RND | Flags.FULL_CHR_H_INT
-        matrix = "ITU709" if frame.colorspace == UNSPECIFIED and self._is_hd else None
+        matrix = usual_matrix(frame.height) if frame.colorspace == UNSPECIFIED else None
         planar = frame.reformat(format="gbrp", src_colorspace=matrix, interpolation=exact)
         green, blue, red = (
             np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)[:, : plane.width]
             for plane in planar.planes
         )
-        upright = np.rot90(cv2.merge((red, green, blue)), round(frame.rotation / 90) % 4)
+        upright = np.rot90(cv2.merge((red, green, blue)), quarter_turns(frame))
         return np.ascontiguousarray(upright)
 
     def _frame(self, number: int) -> VideoFrame:

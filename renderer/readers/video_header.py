@@ -34,14 +34,14 @@ def read_video_header(path: Path) -> VideoHeader:
 
 def _by_pyav(path: Path) -> VideoHeader:
     from renderer.readers.video_index import decoded, open_container, rate_of, video_stream
+    from renderer.readers.video_shape import pixel_aspect, quarter_turns
 
     with open_container(path) as container:
         stream = video_stream(container, path)
         first = next(decoded(container, stream), None)
         if first is None:
             raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
-        lies = round(first.rotation / 90) % 2 == 1
-        aspect = float(stream.sample_aspect_ratio or 1)
+        lies = quarter_turns(first) % 2 == 1
         rate, sounds = rate_of(stream), container.streams.audio
         return VideoHeader(
             size=(first.height, first.width) if lies else (first.width, first.height),
@@ -51,7 +51,7 @@ def _by_pyav(path: Path) -> VideoHeader:
             codec=stream.codec_context.codec.canonical_name,
             sound=sounds[0].codec_context.codec.canonical_name if sounds else None,
             is_interlaced=first.interlaced_frame,
-            pixel_aspect=1 / aspect if lies else aspect,
+            pixel_aspect=float(pixel_aspect(stream, first)),
         )
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from renderer.clip import ClipError
 from renderer.readers.misnamed import neither
+from renderer.utf8_paths import not_utf8
 
 if TYPE_CHECKING:
     from av import Packet, VideoFrame
@@ -55,11 +56,8 @@ def open_container(path: Path) -> InputContainer:
     """Raises ClipError when the file is no video, or its path is not UTF-8."""
     import av
 
-    try:
-        str(path).encode()
-    except UnicodeEncodeError as error:
-        shown = str(path).encode(errors="backslashreplace").decode()
-        raise ClipError(f"expected a path in UTF-8, rename or move it: {shown}") from error
+    if said := not_utf8(path):
+        raise ClipError(said)
     # As a plain file: a name with a colon is no address, and nothing that the file refers to is fetched.
     address, local = f"file:{path.absolute()}", {"protocol_whitelist": "file"}
     try:

@@ -9,6 +9,8 @@ from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import Any, Final
 
+from renderer.file_signatures import ANYWHERE
+
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
 SOG: Final = f"SOG: {CONVERT}"
 SPLAT_SUFFIXES: Final = MappingProxyType(
@@ -21,14 +23,11 @@ SOG_LIST: Final = "meta.json"
 ZIP: Final = b"PK\x03\x04"
 STARTS: Final = MappingProxyType(
     {
+        **ANYWHERE,
         b"\x89PNG\r\n\x1a\n": "a PNG picture",
         b"\xff\xd8\xff": "a JPEG picture",
         b"\x28\xb5\x2f\xfd": "a file zipped by zstd: unzip it first",
-        b"7z\xbc\xaf\x27\x1c": "a 7z archive: unpack it first",
         b"glTF": f"a glTF file: {CONVERT}",
-        b"version https://git-lfs": "a Git LFS pointer: fetch the file itself with git lfs pull",
-        b"<!DOCTYPE html": "a web page: download the file itself",
-        b"<html": "a web page: download the file itself",
     }
 )
 """First bytes of kinds that come with the wrong name."""

@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -130,39 +129,6 @@ def test_a_killed_run_goes_on_to_the_same_model(clip_path: Path, tmp_path: Path)
     assert 0 < started.iteration < 400
     list(run_training(request_of(clip_path, whole.path, config=config)))
     assert killed.model_path.read_bytes() == whole.model_path.read_bytes()
-
-
-def test_a_log_that_was_cut_off_behind_the_model_is_completed(
-    tmp_path: Path, runs: dict[str, Path], clip_path: Path
-) -> None:
-    """Killed after the model was written, before that was logged."""
-    whole = RunFolder(runs["original"])
-    run = RunFolder(shutil.copytree(whole.path, tmp_path / "run"))
-    lines = run.events_path.read_text().splitlines(keepends=True)
-    run.events_path.write_text("".join(line for line in lines if '"Finished"' not in line))
-    for _ in range(2):
-        (finished,) = run_training(request_of(clip_path, run.path, resume=True))
-        assert isinstance(finished, Finished)
-        assert finished.iteration == CONFIG.iterations
-        assert finished.seconds == pytest.approx(whole.train_seconds(), rel=0.2)
-    assert [event["event"] for event in run.events()].count("Finished") == 1
-
-
-@pytest.mark.parametrize("linked", ["events.jsonl", "checkpoint-0000040.safetensors.partial"])
-def test_nothing_is_written_through_links_in_a_run(
-    tmp_path: Path, runs: dict[str, Path], clip_path: Path, linked: str
-) -> None:
-    """Of an unfinished run that came from elsewhere."""
-    run = RunFolder(shutil.copytree(runs["original"], tmp_path / "run"))
-    run.model_path.unlink()
-    (run.path / "checkpoint-0000040.safetensors").unlink()
-    outside = tmp_path / "outside"
-    outside.write_bytes(b"precious")
-    (run.path / linked).unlink(missing_ok=True)
-    (run.path / linked).symlink_to(outside)
-    with suppress(UserError):
-        list(run_training(request_of(clip_path, run.path, resume=True)))
-    assert outside.read_bytes() == b"precious"
 
 
 def test_resuming_what_is_finished_gives_it_back_unchanged(runs: dict[str, Path], clip_path: Path) -> None:

@@ -21,7 +21,7 @@ from app.series import open_series
 from app.video import Timing, write_video
 from renderer.sources import open_clip
 from tests.app.conftest import Call
-from tests.renderer.readers.numbered import INTERLACED, encoded, woven
+from tests.renderer.readers.numbered import INTERLACED, encoded, turned, woven
 
 RED = (200, 60, 50)
 Cli = Callable[..., Call]
@@ -230,6 +230,15 @@ def test_uneven_times_and_pixel_shape_are_kept(tmp_path: Path) -> None:
     clip = open_clip(tmp_path / "out.mp4")
     assert clip.frame_times == pytest.approx(times, abs=1e-3)
     assert clip.pixel_aspect == pytest.approx(16 / 15)
+
+
+def test_the_shape_of_pixels_turns_with_the_picture(tmp_path: Path) -> None:
+    given = turned(encoded(tmp_path / "in.mp4", frames(3), aspect=Fraction(4, 3)))
+    series = open_series(given)
+    write_video(tmp_path / "out.mp4", (series.read(index) for index in range(3)), series.timing)
+    assert (
+        open_clip(tmp_path / "out.mp4").pixel_aspect == open_clip(given).pixel_aspect == pytest.approx(3 / 4)
+    )
 
 
 def test_a_name_with_a_colon_is_a_file(tmp_path: Path, encoder: str) -> None:

@@ -123,3 +123,14 @@ def bar(field: int) -> np.ndarray:
     picture = np.repeat(np.tile(np.linspace(40, 90, 128), (64, 1))[..., None], 3, axis=2).astype(np.uint8)
     picture[:, 8 + 2 * field : 24 + 2 * field] = 210
     return picture
+
+
+def turned(path: Path) -> Path:
+    """The same .mp4, now told to be shown turned by a quarter."""
+    content = path.read_bytes()
+    one, unit = (1 << 16).to_bytes(4, "big"), (1 << 30).to_bytes(4, "big")
+    identity = b"".join((one, bytes(12), one, bytes(12), unit))
+    quarter = b"".join((bytes(4), one, bytes(4), (-1 << 16).to_bytes(4, "big", signed=True), bytes(16), unit))
+    at = content.index(identity, content.index(b"tkhd"))
+    path.write_bytes(content[:at] + quarter + content[at + len(quarter) :])
+    return path

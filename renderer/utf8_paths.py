@@ -1,0 +1,15 @@
+"""Paths that are not UTF-8: video decoders crash on them, and no JSON can name them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+def not_utf8(path: Path) -> str | None:
+    """The refusal of a path that only the file system can spell; None of any other."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        shown = str(path).encode(errors="backslashreplace").decode()
+        return f"expected a path in UTF-8, rename or move it: {shown}"
+    return None
