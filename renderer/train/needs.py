@@ -145,7 +145,9 @@ def _why_no_deformation(clip: Clip, config: TrainConfig, measured: Stillness) ->
         return "the method is static"
     if "deformation" in config.leave_out:
         return "as asked"
-    return f"tissue moves by {measured.displacement:.2f} px"
+    moved = f"tissue moves by {measured.displacement:.2f} px"
+    n_frames, *size = measured.compared
+    return f"{moved} (all {n_frames} training frames compared, at {size[0]}x{size[1]})" if n_frames else moved
 
 
 def _motion_of(config: TrainConfig, curve: str) -> str:

@@ -1,5 +1,8 @@
 """How far tissue moves in a clip, and how much its colour changes, measured on pairs of frames.
 
+Every frame is compared with another, at a low resolution: tissue that is moved aside in a few frames counts
+by the pairs that show it, a small place that beats by the quarter of the pairs in which it moves farthest.
+
 A frame is warped onto another by depth and cameras, as if the tissue were at rest; what displacement is left
 is estimated window by window (Lucas & Kanade 1981). It is estimated on the logarithm of red minus green in
 linear light: a white highlight cancels in the difference, and in the logarithm smooth shading, which both
@@ -8,12 +11,13 @@ follow the lamp rather than the tissue, is a constant that the window's mean tak
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import product
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import cycle, product
 
 import cv2
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from renderer.clip import Frame
@@ -21,6 +25,8 @@ from renderer.clip import Frame
 Plane = NDArray[np.float32]
 BoolArray = NDArray[np.bool_]
 
+LONGEST_SIDE = 320
+"""Pixels of the frames that are compared: larger ones are halved, thirded, ... until they fit."""
 WINDOW = 15
 """Side in pixels."""
 FILLED = 0.7
@@ -31,8 +37,14 @@ BLOCKS = 4
 """The picture is judged in so many blocks each way."""
 LEAST_WINDOWS = 5
 """That a block is judged by."""
+REACH = 2
+"""A place is this many windows to each side of one: 5 x 5, as wide as 43 pixels."""
+LEAST_OF_PLACE = 13
+"""Windows that a place is judged by: more than half."""
+BEATING = 0.75
+"""Quantile over the pairs by which a place is judged: what beats is elsewhere in a quarter of them."""
 GAPS = (4, 5, 6, 7, 8, 9, 10, 11)
-"""Pairs are these fractions of the clip apart: no period of the tissue is a multiple of all of them."""
+"""Pairs are these fractions of the clip apart, in turn: no period of the tissue is a multiple of all."""
 BRIGHTEST = 250
 """Channels at or above this may be cut off."""
 HIDDEN = 1.05
@@ -47,32 +59,70 @@ class Stillness:
     """The greatest changes between any two of the frames compared."""
 
     displacement: float
-    """Pixels: the second greatest median of a block. Infinite where there is too little to measure."""
+    """Pixels: the second greatest of a pair's blocks or of the places. Infinite where there is too little
+    to measure."""
     recoloring: float
     """Grey levels: the root mean square over the blocks' mean colours."""
+    compared: tuple[int, int, int] = (0, 0, 0)
+    """Number of frames, and the columns and rows at which each was compared with another."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """What differs between two frames."""
+
+    displacements: Plane
+    """(rows, columns, 2) of windows half a window apart; NaN where there is too little to measure."""
+    recoloring: float
 
 
 def stillness(frames: Sequence[Frame]) -> Stillness:
-    """Of frames in the order of time. A single frame is still."""
+    """Of frames in the order of time, of equal size. A single frame is still."""
     if len(frames) == 1:
         return Stillness(0.0, 0.0)
-    compared = [_compared(first, second) for first, second in _pairs(frames)]
-    measured = [each for each in compared if each is not None]
-    if not measured:
-        return Stillness(np.inf, np.inf)
-    displacements, recolorings = zip(*measured, strict=True)
-    return Stillness(max(displacements), max(recolorings))
+    height, width = frames[0].tissue_mask.shape
+    factor = -(-max(height, width) // LONGEST_SIDE)
+    compared = (len(frames), width // factor, height // factor)
+    every = (_compared(*(_reduced(frame, factor) for frame in pair)) for pair in _pairs(frames))
+    pairs = [pair for pair in every if pair is not None]
+    lengths = [_of_blocks(pair.displacements) for pair in pairs]
+    lengths.append(_of_places([pair.displacements for pair in pairs]))
+    known = [length for length in lengths if length is not None]
+    if not known:
+        return Stillness(np.inf, np.inf, compared)
+    return Stillness(factor * max(known), max(pair.recoloring for pair in pairs), compared)
 
 
 def _pairs(frames: Sequence[Frame]) -> Iterator[tuple[Frame, Frame]]:
-    for place, gap in enumerate(GAPS):
-        apart = max(1, len(frames) // gap)
-        start = round(place / (len(GAPS) - 1) * (len(frames) - 1 - apart))
-        yield frames[start], frames[start + apart]
+    """Each frame with a later one, the last ones with the first ones."""
+    for index, gap in zip(range(len(frames)), cycle(GAPS), strict=False):
+        yield frames[index], frames[(index + max(1, len(frames) // gap)) % len(frames)]
 
 
-def _compared(first: Frame, second: Frame) -> tuple[float, float] | None:
-    """Displacement and change of colour between two frames; None where there is too little to measure."""
+def _reduced(frame: Frame, factor: int) -> Frame:
+    """The frame at a whole fraction of its size; a rest at the right and lower edges is left out."""
+    if factor == 1:
+        return frame
+    height, width = (length // factor for length in frame.tissue_mask.shape)
+    kept = np.s_[: height * factor, : width * factor]
+    tissue = np.asarray(frame.tissue_mask[kept].reshape(height, factor, width, factor).all(axis=(1, 3)))
+    middles = np.s_[factor // 2 : height * factor : factor, factor // 2 : width * factor : factor]
+    lens = frame.camera
+    return replace(
+        frame,
+        image=np.asarray(cv2.resize(frame.image[kept], (width, height), interpolation=cv2.INTER_AREA)),
+        camera=replace(
+            lens, fx=lens.fx / factor, fy=lens.fy / factor, cx=lens.cx / factor, cy=lens.cy / factor,
+            width=width, height=height,
+        ),
+        tissue_mask=tissue,
+        evaluation_mask=tissue,
+        depth=None if frame.depth is None else frame.depth[middles],
+    )  # fmt: skip
+
+
+def _compared(first: Frame, second: Frame) -> _Pair | None:
+    """What differs between two frames; None where there is too little to measure."""
     if first.camera != second.camera and (first.depth is None or second.depth is None):
         return None
     columns, rows, seen = _correspondence(first, second)
@@ -80,18 +130,49 @@ def _compared(first: Frame, second: Frame) -> tuple[float, float] | None:
     for image in (first.image, there):
         seen &= image.max(axis=2) < BRIGHTEST
     seen = cv2.erode(seen.astype(np.uint8), np.ones((7, 7)), borderValue=0) > 0
-    here = _texture(first.image)
-    lengths = _displacements(
-        here, np.asarray(cv2.remap(_texture(second.image), columns, rows, cv2.INTER_CUBIC)), seen
-    )
-    medians = sorted(np.median(block) for block in _blocks(lengths, np.isfinite(lengths), LEAST_WINDOWS))
-    if len(medians) < 2:
-        return None
     change = there.astype(np.float32) - first.image
     means = [block.mean(axis=0) for block in _blocks(change, seen, WINDOW**2)]
     if not means:
         return None
-    return float(medians[-2]), float(np.sqrt(np.mean(np.square(means))))
+    texture = np.asarray(cv2.remap(_texture(second.image), columns, rows, cv2.INTER_CUBIC), np.float32)
+    displacements = _displacements(_texture(first.image), texture, seen)
+    return _Pair(displacements, float(np.sqrt(np.mean(np.square(means)))))
+
+
+def _of_blocks(displacements: Plane) -> float | None:
+    """The second greatest length of the blocks' medians."""
+    known = np.isfinite(displacements[..., 0])
+    medians = [np.median(block, axis=0) for block in _blocks(displacements, known, LEAST_WINDOWS)]
+    return _second_greatest(np.hypot(*median) for median in medians)
+
+
+def _of_places(displacements: Sequence[Plane]) -> float | None:
+    """The second greatest length of the places' medians, in the quarter of the pairs that move farthest.
+
+    A place is judged where at least half of the pairs can be.
+    """
+    if not displacements or min(displacements[0].shape[:2]) <= 2 * REACH:
+        return None
+    lengths = np.stack([_lengths_of_places(each) for each in displacements])
+    judged = 2 * np.isfinite(lengths).sum(axis=0) >= len(lengths)
+    return _second_greatest(np.nanquantile(lengths[:, judged], BEATING, axis=0)) if judged.any() else None
+
+
+def _lengths_of_places(displacements: Plane) -> Plane:
+    """(rows, columns) of the median displacement of the windows about each; NaN for fewer than enough."""
+    side = 2 * REACH + 1
+    about = sliding_window_view(displacements, (side, side), axis=(0, 1)).reshape(-1, 2, side**2)
+    enough = np.isfinite(about[:, 0]).sum(axis=1) >= LEAST_OF_PLACE
+    lengths = np.full(len(about), np.nan, np.float32)
+    lengths[enough] = np.hypot(*np.nanmedian(about[enough], axis=2).T)
+    rows, columns = displacements.shape[:2]
+    return lengths.reshape(rows - 2 * REACH, columns - 2 * REACH)
+
+
+def _second_greatest(lengths: Iterable[float]) -> float | None:
+    """A single one may be a highlight."""
+    greatest = sorted(lengths)[-2:]
+    return float(greatest[0]) if len(greatest) == 2 else None
 
 
 def _correspondence(first: Frame, second: Frame) -> tuple[Plane, Plane, BoolArray]:
@@ -125,7 +206,7 @@ def _texture(image: NDArray[np.uint8]) -> Plane:
 
 
 def _displacements(here: Plane, there: Plane, seen: BoolArray) -> Plane:
-    """Lengths in pixels, of windows half a window apart; NaN where there is too little to measure.
+    """(rows, columns, 2) in pixels, of windows half a window apart; NaN where there is too little to measure.
 
     In each window the displacement d minimises the sum of (there - here + gradient . d - mean)^2.
     """
@@ -147,10 +228,10 @@ def _displacements(here: Plane, there: Plane, seen: BoolArray) -> Plane:
     rr, rd, dd = covariance(right, right), covariance(right, down), covariance(down, down)
     rc, dc = covariance(right, change), covariance(down, change)
     determinant = np.maximum(rr * dd - rd * rd, 1e-20)
-    lengths = np.hypot(dd * rc - rd * dc, rr * dc - rd * rc) / determinant
+    across, along = (rd * dc - dd * rc) / determinant, (rd * rc - rr * dc) / determinant
     spread = 2 * _noise(here) ** 2 * (rr + dd) / (determinant * count)
     good = (count > FILLED * WINDOW**2) & (spread < EXPECTED_ERROR**2)
-    return np.where(good, lengths, np.nan).astype(np.float32)
+    return np.where(good[..., None], np.stack([across, along], axis=-1), np.nan).astype(np.float32)
 
 
 def _noise(plane: Plane) -> float:

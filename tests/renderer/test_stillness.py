@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from renderer.clip import Frame
 from renderer.phantom import Phantom, PhantomParams
 from renderer.train.stillness import Stillness, stillness
-from tests.renderer.plane import N_FRAMES, plane_clip
+from tests.renderer.plane import N_FRAMES, SIZE, plane_clip
 
 
 def measured(**changes: Any) -> Stillness:
@@ -21,8 +25,9 @@ def measured(**changes: Any) -> Stillness:
 @pytest.mark.parametrize("circle", [0.0, 3.0])
 @pytest.mark.parametrize("slide", [0.2, 0.5, 1.0])
 def test_a_known_displacement_is_measured(slide: float, circle: float) -> None:
-    """The greatest between two frames compared: at most twice the slide, and more than the slide itself."""
-    assert slide < measured(slide=slide, circle=circle).displacement < 2 * slide
+    """The farthest apart that the plane is in two frames."""
+    places = slide * np.sin(2.6 * np.pi * np.arange(N_FRAMES) / N_FRAMES)
+    assert measured(slide=slide, circle=circle).displacement == pytest.approx(np.ptp(places), rel=0.15)
 
 
 @pytest.mark.parametrize("circle", [0.0, 3.0])
@@ -65,7 +70,7 @@ def test_what_cannot_be_compared_is_not_still() -> None:
     frames = [clip.read_frame(index) for index in range(N_FRAMES)]
     for frame in frames:
         frame.tissue_mask[:] = False
-    assert stillness(frames) == Stillness(np.inf, np.inf)
+    assert stillness(frames) == Stillness(np.inf, np.inf, (N_FRAMES, *SIZE))
 
 
 def test_one_frame_is_still_and_two_are_compared() -> None:
@@ -76,4 +81,92 @@ def test_one_frame_is_still_and_two_are_compared() -> None:
 
 def test_pictures_too_small_for_a_block_of_colours_tell_nothing() -> None:
     phantom = Phantom(PhantomParams(n_frames=10, width=64, height=48, tissue="static"))
-    assert stillness([phantom.view(index).frame for index in range(10)]) == Stillness(np.inf, np.inf)
+    assert stillness([phantom.view(index).frame for index in range(10)]) == Stillness(
+        np.inf, np.inf, (10, 64, 48)
+    )
+
+
+Plane = NDArray[np.float32]
+Field = Callable[[int, Plane, Plane], Plane]
+
+
+def displaced(aside: Field, count: int = 64, scale: int = 1) -> list[Frame]:
+    """A picture of `scale` times 288 x 160 pixels whose tissue is `aside` px to the right, with noise."""
+    frame = plane_clip().read_frame(0)
+    tiled = np.tile(frame.image, (2, 3, 1)).repeat(scale, axis=0).repeat(scale, axis=1)
+    picture = cv2.GaussianBlur(tiled, (0, 0), scale / 2)
+    height, width = picture.shape[:2]
+    mask, camera = np.ones((height, width), bool), frame.camera.resized(width, height)
+    columns, rows = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
+    frames = []
+    for index in range(count):
+        moved = cv2.remap(
+            picture, (columns - aside(index, columns, rows)).astype(np.float32), rows, cv2.INTER_CUBIC
+        )
+        noise = np.random.default_rng(index).normal(0, 0.5, picture.shape)
+        image = np.rint(np.clip(moved + noise, 0, 255)).astype(np.uint8)
+        frames.append(replace(frame, index=index, image=image, camera=camera, tissue_mask=mask, depth=None))
+    return frames
+
+
+def rest(index: int, x: Plane, y: Plane) -> Plane:
+    return np.zeros_like(x)
+
+
+def test_tissue_that_is_aside_in_a_few_frames_moves() -> None:
+    """12 px in 5 of 64 frames, wherever they are; even in a single one."""
+    for away in (range(41, 46), range(5), range(59, 64), range(33, 34)):
+
+        def aside(index: int, x: Plane, y: Plane, away: range = away) -> Plane:
+            return rest(index, x, y) + np.float32(12 * (index in away))
+
+        assert stillness(displaced(aside)).displacement > 1
+    assert stillness(displaced(rest)).displacement < 0.15
+
+
+@pytest.mark.parametrize("period", [4, 8, 9.3, 32])
+def test_a_small_place_that_beats_moves(period: float) -> None:
+    """Of 2 % of the picture, by 3 px each way."""
+
+    def beating(index: int, x: Plane, y: Plane) -> Plane:
+        place = np.exp(-((x - 120) ** 2 + (y - 70) ** 2) / (2 * 12**2))
+        return np.asarray(3 * np.sin(2 * np.pi * index / period + 0.5) * place, np.float32)
+
+    assert stillness(displaced(beating)).displacement > 1
+
+
+@pytest.mark.parametrize("scale", [1, 3])
+def test_lengths_are_pixels_of_the_clip_at_any_size(scale: int) -> None:
+    """Frames three times as large are compared at a third."""
+
+    def aside(index: int, x: Plane, y: Plane) -> Plane:
+        return rest(index, x, y) + np.float32(scale * (index == 3))
+
+    found = stillness(displaced(aside, count=12, scale=scale))
+    assert found.displacement == pytest.approx(scale, rel=0.15)
+    assert found.compared == (12, 288, 160)
+
+
+def test_what_a_large_frame_shows_at_a_low_resolution_lies_where_it_was() -> None:
+    """A camera that circles, at twice the size: depth and cameras are scaled alike."""
+    clip = plane_clip(circle=3.0)
+    frames = []
+    width, height = 4 * SIZE[0] + 1, 4 * SIZE[1] + 3
+    for index in range(N_FRAMES):
+        frame = clip.read_frame(index)
+        image = cv2.copyMakeBorder(
+            frame.image.repeat(4, axis=0).repeat(4, axis=1), 0, 3, 0, 1, cv2.BORDER_REPLICATE
+        )
+        lens = frame.camera.resized(4 * SIZE[0], 4 * SIZE[1])
+        frames.append(
+            replace(
+                frame,
+                image=np.asarray(image, np.uint8),
+                camera=replace(lens, width=width, height=height),
+                tissue_mask=np.ones((height, width), bool),
+                depth=np.full((height, width), 50, np.float32),
+            )
+        )
+    found = stillness(frames)
+    assert found.displacement < 0.5
+    assert found.compared == (N_FRAMES, width // 2, height // 2)
