@@ -9,15 +9,15 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from renderer.deformation.fdm import FlexibleMotion
 from renderer.deformation.hexplane_motion import HexplaneMotion
 from renderer.deformation.motion import Motion, Still
 from renderer.deformation.spline_motion import SplineMotion
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array, Splats
+from renderer.stored_arrays import Arrays, read_arrays
 
 MOTIONS: tuple[type[Motion], ...] = (SplineMotion, FlexibleMotion, HexplaneMotion)
 """Each is known in a file by the names of its arrays."""
@@ -54,14 +54,18 @@ class DynamicGaussians:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
-        """What `arrays` gave. Raises ValueError when an array is missing."""
+        """What `arrays` gave in this process or its child: nothing is checked."""
+        return cls(RawGaussians.from_arrays(arrays), _motion_of(arrays).from_arrays(arrays))
+
+    @classmethod
+    def checked(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
+        """What a file gave. Raises ValueError when an array is missing, or is not what it must be."""
         missing = [name for name in NEEDED if name not in arrays]
         if missing:
             raise ValueError(f"expected a VesselSplat model with {', '.join(missing)}")
-        for kind in MOTIONS:
-            if kind.NAMES[-1] in arrays:
-                return cls(RawGaussians.from_arrays(arrays), kind.from_arrays(arrays))
-        return cls(RawGaussians.from_arrays(arrays), Still())
+        RawGaussians.check(arrays)
+        _motion_of(arrays).check(arrays, len(arrays["means"]))
+        return cls.from_arrays(arrays)
 
     def save(self, path: Path, metadata: dict[str, str] | None = None) -> None:
         arrays = {name: np.ascontiguousarray(value) for name, value in self.arrays().items()}
@@ -70,12 +74,13 @@ class DynamicGaussians:
     @classmethod
     def load(cls, path: Path) -> Self:
         """Read what `save` wrote. Raises ValueError for a file that is no such model."""
+        arrays, _ = read_arrays(path)
         try:
-            with safe_open(path, framework="numpy") as file:
-                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-        except (SafetensorError, OSError) as error:
-            raise ValueError(f"expected a model in safetensors format, got {error}: {path}") from error
-        try:
-            return cls.from_arrays(arrays)
-        except (ValueError, KeyError) as error:
+            return cls.checked(arrays)
+        except ValueError as error:
             raise ValueError(f"{error}: {path}") from error
+
+
+def _motion_of(arrays: Mapping[str, NDArray[Any]]) -> type[Motion]:
+    """Known by the name of its last array."""
+    return next((kind for kind in MOTIONS if kind.NAMES[-1] in arrays), Still)

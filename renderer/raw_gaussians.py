@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from renderer.harmonics import BANDS
 from renderer.splats import Float32Array, Splats
-
-Arrays = dict[str, NDArray[Any]]
+from renderer.stored_arrays import Arrays, Stored, check
 
 
 def sigmoid(logits: Float32Array) -> Float32Array:
@@ -81,5 +80,21 @@ class RawGaussians:
         own.setdefault("harmonics", np.zeros((len(own["means"]), 0, 3), np.float32))
         return cls(**own)
 
+    @classmethod
+    def check(cls, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Raises ValueError when an array of a file is missing, or is not what it must be."""
+        lengths: dict[str, int] = {}
+        check(arrays, LAYOUT, lengths)
+        if lengths.get("B", 0) not in BANDS:
+            raise ValueError(f"expected harmonics of {BANDS} functions, got {lengths['B']}")
+
 
 FIELDS = tuple(item.name for item in fields(RawGaussians))
+LAYOUT = {
+    "means": Stored("N 3"),
+    "quats": Stored("N 4"),
+    "log_scales": Stored("N 3"),
+    "opacity_logits": Stored("N"),
+    "colors": Stored("N 3"),
+    "harmonics": Stored("N B 3", optional=True),
+}

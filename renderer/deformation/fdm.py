@@ -19,8 +19,9 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.rasterize.exp2 import exp2
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
+from renderer.stored_arrays import Arrays, Stored, check
 
 CHANNELS = 10
 POSITION, QUATERNION, SCALE = slice(0, 3), slice(3, 7), slice(7, 10)
@@ -86,6 +87,11 @@ class FlexibleMotion:
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
         """See Motion."""
         return cls(arrays["bumps"])
+
+    @classmethod
+    def check(cls, arrays: Mapping[str, NDArray[Any]], count: int) -> None:
+        """See Motion."""
+        check(arrays, {"bumps": Stored(f"F N 3 {CHANNELS}")}, {"N": count})
 
 
 @njit(parallel=True, cache=True, error_model="numpy")

@@ -9,10 +9,11 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.deformation.heads import PARTS, ROWS, Activations, Heads
+from renderer.deformation.heads import OFFSETS, PARTS, ROWS, WIDTH, Activations, Heads
 from renderer.deformation.hexplane import LANES, Layout, lines_at, sample, within_box
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
+from renderer.stored_arrays import Arrays, Stored, check
 
 
 class Trace(NamedTuple):
@@ -87,3 +88,37 @@ class HexplaneMotion:
         own = {name: arrays[name] for name in cls.NAMES}
         heads = Heads(**{name: own.pop(name) for name in cls.NAMES[4:-1]})
         return cls(**own, heads=heads)
+
+    @classmethod
+    def check(cls, arrays: Mapping[str, NDArray[Any]], count: int) -> None:
+        """See Motion."""
+        lengths: dict[str, int] = {}
+        check(arrays, LAYOUT, lengths)
+        resolutions = arrays["resolutions"]
+        if not lengths["L"] or resolutions.max() > MOST_CELLS or lengths["T"] < 2:
+            raise ValueError(f"expected levels of 2 to {MOST_CELLS} cells a side, and 2 rows in time")
+        cells = Layout.of(resolutions)
+        if (lengths["P"], lengths["Q"]) != (cells.n_plane_cells, cells.n_line_cells):
+            expected = f"{cells.n_plane_cells} and {cells.n_line_cells}"
+            raise ValueError(
+                f"expected {expected} cells in space and time, got {lengths['P']}, {lengths['Q']}"
+            )
+        if lengths["F"] != lengths["L"] * lengths["C"] * LANES:
+            raise ValueError(f"expected {lengths['L'] * lengths['C'] * LANES} features, got {lengths['F']}")
+
+
+MOST_CELLS = 2**14
+"""Of a level, along a side."""
+LAYOUT = {
+    "box": Stored("2 3"),
+    "unit": Stored("1"),
+    "resolutions": Stored("L 3", np.int32, least=2),
+    "plane_cells": Stored(f"C P {LANES}"),
+    "time_cells": Stored(f"T C Q {LANES}"),
+    "trunk_weight": Stored(f"F {WIDTH}"),
+    "trunk_bias": Stored(f"{WIDTH}"),
+    "hidden_weight": Stored(f"{WIDTH} {3 * WIDTH}"),
+    "hidden_bias": Stored(f"{3 * WIDTH}"),
+    "output_weight": Stored(f"{WIDTH} {OFFSETS}"),
+    "output_bias": Stored(f"{OFFSETS}"),
+}

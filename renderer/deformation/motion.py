@@ -9,7 +9,8 @@ from typing import Any, ClassVar, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.stored_arrays import Arrays
 
 
 class Motion(Protocol):
@@ -33,6 +34,11 @@ class Motion(Protocol):
         """Takes its own of many arrays."""
         ...
 
+    @classmethod
+    def check(cls, arrays: Mapping[str, NDArray[Any]], count: int) -> None:
+        """Raises ValueError where arrays of a file would not move `count` Gaussians."""
+        ...
+
 
 @dataclass(frozen=True)
 class Still:
@@ -52,3 +58,7 @@ class Still:
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Still:
         return cls()
+
+    @classmethod
+    def check(cls, arrays: Mapping[str, NDArray[Any]], count: int) -> None:
+        """See Motion."""

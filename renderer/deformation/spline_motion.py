@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.deformation.nodes import add_shared
-from renderer.deformation.spline import add_curve, spline_taps
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.deformation.spline import MIN_CONTROLS, add_curve, spline_taps
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
+from renderer.stored_arrays import Arrays, Stored, check
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,3 +79,23 @@ class SplineMotion:
         own = {name: arrays[name] for name in cls.NAMES if name in arrays}
         own.setdefault("opacity_controls", np.zeros((0, own["node_controls"].shape[1], 1), np.float32))
         return cls(**own)
+
+    @classmethod
+    def check(cls, arrays: Mapping[str, NDArray[Any]], count: int) -> None:
+        """See Motion."""
+        lengths = {"N": count}
+        check(arrays, LAYOUT, lengths)
+        if lengths["K"] < MIN_CONTROLS:
+            raise ValueError(f"expected at least {MIN_CONTROLS} control values a curve, got {lengths['K']}")
+        if len(arrays["node_indices"]) != len(arrays["node_weights"]):
+            raise ValueError("expected as many rows of node_weights as of node_indices")
+
+
+LAYOUT = {
+    "node_controls": Stored("M K 3"),
+    "position_controls": Stored("N? K 3"),
+    "color_controls": Stored("N? K 3"),
+    "opacity_controls": Stored("N? K 1", optional=True),
+    "node_indices": Stored("N? 4", np.int32, least=0, below="M"),
+    "node_weights": Stored("N? 4"),
+}

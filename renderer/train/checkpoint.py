@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +11,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from renderer.atomic_files import write_atomically
+from renderer.stored_arrays import read_arrays
 
 KEPT = 2
 _NAME = re.compile(r"checkpoint-(\d+)\.safetensors")
@@ -65,10 +66,11 @@ def read_newest_checkpoint(folder: Path) -> Checkpoint | None:
 def read_checkpoint(path: Path) -> Checkpoint:
     """Raises ValueError when the file is damaged, or something else."""
     try:
-        with safe_open(path, framework="numpy") as file:
-            state = json.loads(file.metadata()["state"])
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        arrays, metadata = read_arrays(path)
+        state = json.loads(metadata["state"])
         iteration, seconds = int(state["iteration"]), float(state["seconds"])
+        if iteration < 0 or not 0 <= seconds < math.inf:
+            raise ValueError(f"iteration {iteration} after {seconds} s")
         return Checkpoint(iteration, seconds, str(state["fingerprint"]), arrays)
-    except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise ValueError(f"expected a checkpoint, got a damaged file or another: {path}") from error

@@ -9,8 +9,9 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.raw_gaussians import Arrays, RawGaussians, sigmoid
+from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splats import Float32Array
+from renderer.stored_arrays import Arrays
 
 SHRINK = 1.6
 """Children of a split are smaller by this."""

@@ -24,7 +24,8 @@ from renderer.deformation.fdm import (
     measure_span,
 )
 from renderer.rasterize.exp2 import exp2
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.stored_arrays import Arrays
 from renderer.train.adam import _update as adam_update
 from renderer.train.adam import corrected_rate
 from renderer.train.rates import Rate

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from renderer.deformation.heads import OFFSETS, PARTS
 from renderer.deformation.hexplane import Layout, sample_backward, time_taps
 from renderer.deformation.hexplane_motion import HexplaneMotion, Trace
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
+from renderer.stored_arrays import Arrays
 from renderer.train.adam import corrected_rate, update_rows
 from renderer.train.rates import Rate
 from renderer.train.recipe import BoolArray

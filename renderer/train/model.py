@@ -9,8 +9,9 @@ import numpy as np
 
 from renderer.gaussians import DynamicGaussians
 from renderer.harmonics import BANDS
-from renderer.raw_gaussians import FIELDS, Arrays, RawGaussians
+from renderer.raw_gaussians import FIELDS, RawGaussians
 from renderer.splats import Float32Array
+from renderer.stored_arrays import Arrays, check_state
 from renderer.train.adam import corrected_rate, update_rows
 from renderer.train.densify import Densifier, Plan
 from renderer.train.frames import TrainFrame
@@ -60,7 +61,13 @@ class TrainModel:
         return self.raw.arrays() | first | second | density | self._motion.state()
 
     def restore(self, arrays: Arrays) -> None:
-        """Take over what `state` gave."""
+        """Take over what `state` gave.
+
+        Raises:
+            ValueError: these are not the arrays of a training like this one.
+        """
+        check_state(arrays, self.state())
+        DynamicGaussians.checked(arrays)
         own = {name: value.copy() for name, value in arrays.items()}
         self.raw = RawGaussians.from_arrays(own)
         self._first = {name: own[f"first.{name}"] for name in FIELDS}

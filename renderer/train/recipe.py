@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from renderer.clip import Frame
 from renderer.deformation.motion import Motion
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import RenderMode
+from renderer.stored_arrays import Arrays
 from renderer.train.densify import DensityControl
 from renderer.train.losses import LossWeights
 from renderer.train.rates import RowRates

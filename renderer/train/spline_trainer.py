@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from renderer.deformation.nodes import Attachment, gather_gradients
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.stored_arrays import Arrays
 from renderer.train.adam import coast_taps, corrected_rate, update_taps
 from renderer.train.rates import Rate
 from renderer.train.recipe import BoolArray

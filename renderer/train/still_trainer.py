@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.deformation.motion import Still
-from renderer.raw_gaussians import Arrays, RawGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.stored_arrays import Arrays
 from renderer.train.recipe import BoolArray
 
 

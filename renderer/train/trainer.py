@@ -15,6 +15,7 @@ import numpy as np
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE
+from renderer.stored_arrays import Stored, check
 from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import (
@@ -83,7 +84,9 @@ def train(
     pool = _Pool([train_frame(frame) for frame in frames], config.seed, needs.has_masks)
     del frames, seeds
     watch = LossWatch()
-    start, seconds = _resumed(model, watch, folder, clip, config) if folder and resume else (0, 0.0)
+    start, seconds = 0, 0.0
+    if folder and resume:
+        start, seconds = _resumed(model, watch, folder, fingerprint(clip, config), recipe.iterations)
     yield Started(start, recipe.iterations, len(model), needs.omitted)
 
     meter = _Meter(recipe, seconds)
@@ -155,17 +158,24 @@ def fingerprint(clip: Clip, config: TrainConfig) -> str:
 
 
 def _resumed(
-    model: TrainModel, watch: LossWatch, folder: Path, clip: Clip, config: TrainConfig
+    model: TrainModel, watch: LossWatch, folder: Path, identity: str, most: int
 ) -> tuple[int, float]:
     """Restore the newest checkpoint: its iteration and training seconds; (0, 0) when there is none."""
     checkpoint = read_newest_checkpoint(folder)
     if checkpoint is None:
         return 0, 0.0
-    if checkpoint.fingerprint != fingerprint(clip, config):
+    if checkpoint.fingerprint != identity:
         raise TrainingError(f"the checkpoint belongs to another clip or configuration: {folder.name}")
-    arrays = dict(checkpoint.arrays)
-    watch.state[:] = arrays.pop(LOSSES, watch.state)  # Checkpoints of earlier versions have none.
-    model.restore(arrays)
+    # Checkpoints of earlier versions have no state of the watch.
+    arrays = {LOSSES: watch.state, **checkpoint.arrays}
+    try:
+        if checkpoint.iteration > most:
+            raise ValueError(f"expected at most {most} iterations, got {checkpoint.iteration}")
+        check(arrays, {LOSSES: Stored(f"{len(watch.state)}", np.float64)}, {})
+        model.restore(arrays)
+        watch.state[:] = arrays[LOSSES]
+    except ValueError as error:
+        raise TrainingError(f"the checkpoint cannot be gone on from ({error}): {folder}") from error
     return checkpoint.iteration, checkpoint.seconds
 
 

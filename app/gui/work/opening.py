@@ -149,8 +149,8 @@ def last_checkpoint(folder: RunFolder, record: RunRecord, said: Told) -> ShownMo
     if checkpoint is None:
         return None
     try:
-        model = DynamicGaussians.from_arrays(checkpoint.arrays)
-    except (ValueError, KeyError):
+        model = DynamicGaussians.checked(checkpoint.arrays)
+    except ValueError:
         return None
     # Methods with a stage of their own before take more steps than they are asked for.
     steps = said.progress[-1].iterations if said.progress else record.config.iterations

@@ -1,0 +1,142 @@
+"""Arrays in files: what each must be before a kernel, which checks no bounds, meets it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+
+Arrays = dict[str, NDArray[Any]]
+OR_NONE = "?"
+FIRST, SECOND = "first.", "second."
+"""Moments of the array whose name follows."""
+ROWS = "means"
+"""Array with a row for each Gaussian."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What is expected of an array."""
+
+    shape: str
+    """A number or the name of a length for each axis: "N 3". The same name is the same length in all arrays
+    of a file; "N?" is that length or 0."""
+    dtype: type = np.float32
+    least: float = -np.inf
+    """Of its values."""
+    below: str = ""
+    """Name of the length that its values stay below."""
+    optional: bool = False
+    """Files of earlier versions have none."""
+
+
+def read_arrays(path: Path) -> tuple[Arrays, dict[str, str]]:
+    """The arrays and the metadata of a safetensors file.
+
+    Raises:
+        ValueError: it cannot be read, or is damaged.
+    """
+    try:
+        with safe_open(path, framework="numpy") as file:
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            return arrays, file.metadata() or {}
+    except (SafetensorError, OSError, TypeError, AttributeError, KeyError, ValueError) as error:
+        raise ValueError(f"expected a file in safetensors format, got {error}: {path}") from error
+
+
+def check(arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, Stored], lengths: dict[str, int]) -> None:
+    """Hold arrays against their layout; `lengths` are those known before, the others are added.
+
+    Raises:
+        ValueError: an array is missing, of another shape or type, not finite, or out of its range.
+    """
+    for name, stored in layout.items():
+        if name in arrays:
+            _check_shape(name, arrays[name], stored, lengths)
+        elif not stored.optional:
+            raise ValueError(f"expected an array {name}, found none")
+    for name, stored in layout.items():
+        if name in arrays:
+            _check_values(name, arrays[name], stored, lengths)
+
+
+def check_state(given: Mapping[str, NDArray[Any]], own: Mapping[str, NDArray[Any]]) -> None:
+    """Hold the state of a training against that of one that has just begun.
+
+    The number of Gaussians may differ, since some are added and removed, and that of harmonics, which come
+    later.
+
+    Raises:
+        ValueError: an array is missing, of another shape or type, not finite, or a second moment below 0.
+    """
+    for name, expected in own.items():
+        if name not in given:
+            raise ValueError(f"expected an array {name}, found none")
+        array = given[name]
+        _check_type(name, array, expected.dtype)
+        of = name.removeprefix(FIRST).removeprefix(SECOND)
+        if name != of and of in given:
+            fits = array.shape == given[of].shape
+        else:
+            grown = (len(own[ROWS]), len(given[ROWS]))
+            fits = _same_but_grown(array.shape, expected.shape, grown, free=1 if of == "harmonics" else None)
+        if not fits:
+            raise ValueError(f"expected {name} of shape {_told(expected.shape)}, got {_told(array.shape)}")
+        if not np.isfinite(array).all() or (name.startswith(SECOND) and (array < 0).any()):
+            raise ValueError(f"expected finite values, and second moments of at least 0, in {name}")
+
+
+def _same_but_grown(
+    shape: tuple[int, ...], expected: tuple[int, ...], grown: tuple[int, int], free: int | None
+) -> bool:
+    """Whether all lengths are as expected, but for those that grew alike, and the axis that is free."""
+    lengths = enumerate(zip(shape, expected, strict=False))
+    return len(shape) == len(expected) and all(
+        axis == free or new == old or (old, new) == grown for axis, (new, old) in lengths
+    )
+
+
+def _check_shape(name: str, array: NDArray[Any], stored: Stored, lengths: dict[str, int]) -> None:
+    _check_type(name, array, np.dtype(stored.dtype))
+    axes = stored.shape.split()
+    fits = array.ndim == len(axes)
+    for length, axis in zip(array.shape, axes, strict=False):
+        key = axis.removesuffix(OR_NONE)
+        if axis.endswith(OR_NONE) and length == 0:
+            continue
+        fits &= length == (int(key) if key.isdigit() else lengths.setdefault(key, length))
+    if not fits:
+        known = " ".join(_known(axis, lengths) for axis in axes)
+        raise ValueError(f"expected {name} of shape {known}, got {_told(array.shape)}")
+
+
+def _check_type(name: str, array: NDArray[Any], dtype: np.dtype[Any]) -> None:
+    if array.dtype != dtype:
+        raise ValueError(f"expected {name} of {dtype}, got {array.dtype}")
+    if not array.flags.c_contiguous:
+        raise ValueError(f"expected {name} in one piece of memory, row by row")
+
+
+def _check_values(name: str, array: NDArray[Any], stored: Stored, lengths: dict[str, int]) -> None:
+    if not np.isfinite(array).all():
+        raise ValueError(
+            f"expected finite values in {name}, got {np.count_nonzero(~np.isfinite(array))} others"
+        )
+    below = lengths[stored.below] if stored.below else np.inf
+    if array.size and not (array.min() >= stored.least and array.max() < below):
+        span = f"{array.min()} to {array.max()}"
+        raise ValueError(f"expected {name} of at least {stored.least:g} and below {below:g}, got {span}")
+
+
+def _known(axis: str, lengths: dict[str, int]) -> str:
+    key = axis.removesuffix(OR_NONE)
+    return str(lengths.get(key, key)) + (" or 0" if axis != key else "")
+
+
+def _told(shape: tuple[int, ...]) -> str:
+    return " ".join(map(str, shape)) or "a single number"
