@@ -21,6 +21,7 @@ from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.stopwatch import REPEATS, Stopwatch
 from app.training import input_clip
+from app.wall_clock import STEPS, WALL
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.vesselness import vessel_mask
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
@@ -51,6 +52,8 @@ DEFINITIONS = {
     "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
     "peak_memory_mb": "largest resident memory of the process that trained (null: not logged), and of "
     "this one",
+    "train_seconds": STEPS,
+    "wall_seconds": WALL,
     "edits": "null: the run is as it was trained; else whether the model was measured as edited by hand, and "
     "how many Gaussians that leaves out",
     "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
@@ -129,7 +132,11 @@ class Evaluation:
 
     def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
         """The JSON of `evaluate`."""
-        constant = {"n_gaussians": len(self.model), "train_seconds": self.run.train_seconds()}
+        constant = {
+            "n_gaussians": len(self.model),
+            "train_seconds": self.run.train_seconds(),
+            "wall_seconds": self.run.wall_seconds(),
+        }
         return {
             "run": self.run.path.absolute().name,
             "clip": {

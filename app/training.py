@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Generator, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import chain, tee
 from pathlib import Path
@@ -22,6 +22,7 @@ from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
 from app.utf8 import require_utf8
+from app.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera_motion import camera_notice
@@ -30,7 +31,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip, require_depth_source
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
+from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.pictures import Pictures
 from renderer.train.trainer import TrainingError, require_depth, train
 
@@ -70,6 +71,11 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
             one to resume; the path of the clip is not UTF-8, so that run.json cannot name it; the device that
             is asked for is not there; or the training does not converge.
     """
+    clock = WallClock()
+    yield from clock.over(_run(request, clock))
+
+
+def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None, None]:
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
@@ -83,6 +89,7 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     if run.is_finished:
         yield _finished_before(run)
         return
+    clock.before = run.wall_before()
     device = device_of(request).device
     ahead = ReadAhead(clip)
     yield from told_meanwhile(reading(clip), ahead.fill)
@@ -94,7 +101,8 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         )
     ahead.hand_over()
     try:
-        yield from _train(record, run, input_clip(ahead.clip, record), pictures_on(device), notices)
+        clip = input_clip(ahead.clip, record)
+        yield from _train(record, run, clip, pictures_on(device), notices, clock)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
 
@@ -113,7 +121,12 @@ def device_of(request: TrainRequest) -> Choice:
 
 
 def _train(
-    record: RunRecord, run: RunFolder, clip: Clip, pictures: Pictures, notices: tuple[str, ...]
+    record: RunRecord,
+    run: RunFolder,
+    clip: Clip,
+    pictures: Pictures,
+    notices: tuple[str, ...],
+    clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
         if run.is_run:
@@ -125,13 +138,17 @@ def _train(
             if not run.is_run:
                 run.create(record)
                 meanwhile.enter_context(held(run.path))
-            yield from _told(event, run, notices)
+            yield from _told(event, run, notices, clock)
 
 
-def _told(event: TrainEvent, run: RunFolder, notices: tuple[str, ...]) -> Generator[TrainEvent, None, None]:
-    """The event, with what the clip's notices add to it, kept and said."""
+def _told(
+    event: TrainEvent, run: RunFolder, notices: tuple[str, ...], clock: WallClock
+) -> Generator[TrainEvent, None, None]:
+    """The event, with what the clip's notices add to it and the time in all, kept and said."""
     if isinstance(event, Finished):
         run.save_model(event.model)
+    if isinstance(event, Progress | Finished):
+        event = replace(event, wall_seconds=clock.seconds())
     warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
     for told in (event, *warnings):
         if not isinstance(told, Snapshot):
@@ -219,9 +236,10 @@ def _finished_before(run: RunFolder) -> Finished:
     """As the log tells; of a run that was killed after its model was written, the log is completed."""
     events = [event for event in run.events() if event["event"] == "Finished"]
     if events:
-        return Finished(int(events[-1]["iteration"]), run.train_seconds() or 0.0, run.model())
+        steps, wall = run.train_seconds() or 0.0, run.wall_seconds()
+        return Finished(int(events[-1]["iteration"]), steps, run.model(), wall_seconds=wall)
     last = read_newest_checkpoint(run.path)
     iteration, seconds = (last.iteration, last.seconds) if last else (run.record().config.iterations, 0.0)
-    finished = Finished(iteration, seconds, run.model())
+    finished = Finished(iteration, seconds, run.model(), wall_seconds=run.wall_seconds())
     run.log(finished)
     return finished
