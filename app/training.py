@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from itertools import chain, tee
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 from app.clip_part import WHOLE, ClipPart
 from app.device import Asked, Choice, Device, choose, pictures_on
@@ -37,6 +37,8 @@ from renderer.train.trainer import TrainingError, require_depth, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
+Measured = Literal["tissue", "whole picture"]
+"""The pixels that statistics of enhanced photos are of; the paper's Eqs 2 and 12 take the whole picture."""
 PRESETS: Final[Mapping[Preset, Look]] = MappingProxyType(
     {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
 )
@@ -56,6 +58,8 @@ class TrainRequest:
     input: Input = "original"
     enhance_params: RecordedLook = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
+    measured: Measured = "tissue"
+    """For the statistics of enhanced photos."""
     device: Asked = "auto"
     """For a run that goes on, "auto" is what it began with."""
     resume: bool = False
@@ -173,8 +177,11 @@ def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
     return clip.with_images(enhanced, f"{clip.name} enhanced")
 
 
-def pooled(clip: Clip, params: Look) -> Enhancement:
-    """`params` with statistics pooled over the tissue of the training frames, so that colours agree."""
+def pooled(clip: Clip, params: Look, measured: Measured = "tissue") -> Enhancement:
+    """`params` with statistics pooled over the training frames, so that colours agree."""
+    if measured == "whole picture":
+        whole = (clip.read_image(index) for index in clip.train_indices)
+        return Enhancement(params=params, statistics=measure_for(params, whole))
     # Both iterables of `measure_for` walk the same frames in step: each is decoded once and let go.
     frames, again = tee(clip.read_frame(index) for index in clip.train_indices)
     images, masks = (frame.image for frame in frames), (frame.tissue_mask for frame in again)
@@ -183,6 +190,7 @@ def pooled(clip: Clip, params: Look) -> Enhancement:
 
 def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
+    is_enhanced = request.input == "enhanced"
     return RunRecord(
         version=version(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
@@ -198,7 +206,7 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
         ),
         input=request.input,
         config=request.config,
-        enhancement=pooled(clip, request.enhance_params) if request.input == "enhanced" else None,
+        enhancement=pooled(clip, request.enhance_params, request.measured) if is_enhanced else None,
         device=device,
     )
 
