@@ -21,14 +21,18 @@ from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.stopwatch import REPEATS, Stopwatch
 from app.training import input_clip
+from app.wall_clock import STEPS, WALL
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.vesselness import vessel_mask
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
 from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
+from renderer.readers.endonerf import OUTLIER
 from renderer.sources import open_clip
 from renderer.torch_presence import NO_TORCH, has_torch
+from renderer.train.config import CHOSEN
+from renderer.train.methods import departures
 
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
 LPIPS = "AlexNet, version 0.1, in [-1, 1], both pictures times the evaluation mask; less is nearer"
@@ -38,8 +42,10 @@ DEFINITIONS = {
     "ssim": "11x11 Gaussian window of sigma 1.5, both pictures times the evaluation mask, zeros beyond the "
     "border, mean over all pixels and channels",
     "depth_rmse_mm": "float millimetres along z over the evaluated pixels where the clip has a depth and the "
-    "render, too; depth.abs_rel: the mean of |error| / depth there; depth.covered: their share of the "
-    "evaluated pixels where the clip has a depth",
+    "render, too; depth maps are read without failed matches, which count as no depth: what is more than "
+    f"{OUTLIER:g} times as far as the frame's median, or nearer than 1/{OUTLIER:g} of it; depth.abs_rel: the "
+    "mean of |error| / depth there; depth.covered: their share of the evaluated pixels where the clip has a "
+    "depth",
     "dv_bv": "inferred definition: variances of grey above and below each picture's own Otsu threshold, "
     "over the evaluated pixels, so that what is under tools or never seen does not count",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
@@ -51,6 +57,8 @@ DEFINITIONS = {
     "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
     "peak_memory_mb": "largest resident memory of the process that trained (null: not logged), and of "
     "this one",
+    "train_seconds": STEPS,
+    "wall_seconds": WALL,
     "edits": "null: the run is as it was trained; else whether the model was measured as edited by hand, and "
     "how many Gaussians that leaves out",
     "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
@@ -129,7 +137,11 @@ class Evaluation:
 
     def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
         """The JSON of `evaluate`."""
-        constant = {"n_gaussians": len(self.model), "train_seconds": self.run.train_seconds()}
+        constant = {
+            "n_gaussians": len(self.model),
+            "train_seconds": self.run.train_seconds(),
+            "wall_seconds": self.run.wall_seconds(),
+        }
         return {
             "run": self.run.path.absolute().name,
             "clip": {
@@ -152,6 +164,7 @@ class Evaluation:
             "peak_memory_mb": {"training": self._training_memory(), "evaluation": peak_memory_mb()},
             "frames": list(frames),
             "definitions": DEFINITIONS
+            | {"method": departures(self.record.config.method), "defaults": CHOSEN}
             | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips of the user's caches")},
         }
 

@@ -117,7 +117,8 @@ class TrainingJob:
     def _with_model(self, ended: Ended) -> Finished | Failed:
         path = RunFolder(self.request.run_path).model_path
         try:
-            return Finished(ended.iteration, ended.seconds, DynamicGaussians.load(path))
+            model = DynamicGaussians.load(path)
+            return Finished(ended.iteration, ended.seconds, model, wall_seconds=ended.wall_seconds)
         except ValueError as error:
             return Failed(str(error))
 

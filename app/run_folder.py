@@ -195,9 +195,22 @@ class RunFolder:
         return tuple(Omission(**each) for name in ("Started", "Finished") for each in told.get(name, []))
 
     def train_seconds(self) -> float | None:
-        """Training time of the finished run, None when it was not logged."""
+        """Of the steps of the finished run, None when it was not logged."""
         finished = [event["seconds"] for event in self.events() if event["event"] == "Finished"]
         return float(finished[-1]) if finished else None
+
+    def wall_seconds(self) -> float | None:
+        """Of all work on the run that its log tells of; None: not recorded, by an earlier version."""
+        timed = self._timed()
+        seconds = timed[-1].get("wall_seconds") if timed else None
+        return float(seconds) if isinstance(seconds, int | float) else None
+
+    def wall_before(self) -> float | None:
+        """The same, before a run goes on: 0 where it has not begun."""
+        return self.wall_seconds() if self._timed() else 0.0
+
+    def _timed(self) -> list[dict[str, Any]]:
+        return [event for event in self.events() if event["event"] in ("Progress", "Finished")]
 
     def save_model(self, model: DynamicGaussians) -> None:
         with replaced(self.model_path) as temporary:

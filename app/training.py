@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Generator, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import chain, tee
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 from app.clip_part import WHOLE, ClipPart
 from app.device import Asked, Choice, Device, choose, pictures_on
@@ -22,6 +22,7 @@ from app.provenance import digest, version
 from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
 from app.utf8 import require_utf8
+from app.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera_motion import camera_notice
@@ -30,12 +31,14 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip, require_depth_source
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Snapshot, Started, TrainEvent, Warned
+from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.pictures import Pictures
 from renderer.train.trainer import TrainingError, require_depth, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
+Measured = Literal["tissue", "whole picture"]
+"""The pixels that statistics of enhanced photos are of; the paper's Eqs 2 and 12 take the whole picture."""
 PRESETS: Final[Mapping[Preset, Look]] = MappingProxyType(
     {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
 )
@@ -55,6 +58,8 @@ class TrainRequest:
     input: Input = "original"
     enhance_params: RecordedLook = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
+    measured: Measured = "tissue"
+    """For the statistics of enhanced photos."""
     device: Asked = "auto"
     """For a run that goes on, "auto" is what it began with."""
     resume: bool = False
@@ -70,6 +75,11 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
             one to resume; the path of the clip is not UTF-8, so that run.json cannot name it; the device that
             is asked for is not there; or the training does not converge.
     """
+    clock = WallClock()
+    yield from clock.over(_run(request, clock))
+
+
+def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None, None]:
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
@@ -83,6 +93,7 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
     if run.is_finished:
         yield _finished_before(run)
         return
+    clock.before = run.wall_before()
     device = device_of(request).device
     ahead = ReadAhead(clip)
     yield from told_meanwhile(reading(clip), ahead.fill)
@@ -94,7 +105,8 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         )
     ahead.hand_over()
     try:
-        yield from _train(record, run, input_clip(ahead.clip, record), pictures_on(device), notices)
+        clip = input_clip(ahead.clip, record)
+        yield from _train(record, run, clip, pictures_on(device), notices, clock)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
 
@@ -113,7 +125,12 @@ def device_of(request: TrainRequest) -> Choice:
 
 
 def _train(
-    record: RunRecord, run: RunFolder, clip: Clip, pictures: Pictures, notices: tuple[str, ...]
+    record: RunRecord,
+    run: RunFolder,
+    clip: Clip,
+    pictures: Pictures,
+    notices: tuple[str, ...],
+    clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
         if run.is_run:
@@ -125,13 +142,17 @@ def _train(
             if not run.is_run:
                 run.create(record)
                 meanwhile.enter_context(held(run.path))
-            yield from _told(event, run, notices)
+            yield from _told(event, run, notices, clock)
 
 
-def _told(event: TrainEvent, run: RunFolder, notices: tuple[str, ...]) -> Generator[TrainEvent, None, None]:
-    """The event, with what the clip's notices add to it, kept and said."""
+def _told(
+    event: TrainEvent, run: RunFolder, notices: tuple[str, ...], clock: WallClock
+) -> Generator[TrainEvent, None, None]:
+    """The event, with what the clip's notices add to it and the time in all, kept and said."""
     if isinstance(event, Finished):
         run.save_model(event.model)
+    if isinstance(event, Progress | Finished):
+        event = replace(event, wall_seconds=clock.seconds())
     warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
     for told in (event, *warnings):
         if not isinstance(told, Snapshot):
@@ -156,8 +177,11 @@ def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
     return clip.with_images(enhanced, f"{clip.name} enhanced")
 
 
-def pooled(clip: Clip, params: Look) -> Enhancement:
-    """`params` with statistics pooled over the tissue of the training frames, so that colours agree."""
+def pooled(clip: Clip, params: Look, measured: Measured = "tissue") -> Enhancement:
+    """`params` with statistics pooled over the training frames, so that colours agree."""
+    if measured == "whole picture":
+        whole = (clip.read_image(index) for index in clip.train_indices)
+        return Enhancement(params=params, statistics=measure_for(params, whole))
     # Both iterables of `measure_for` walk the same frames in step: each is decoded once and let go.
     frames, again = tee(clip.read_frame(index) for index in clip.train_indices)
     images, masks = (frame.image for frame in frames), (frame.tissue_mask for frame in again)
@@ -166,6 +190,7 @@ def pooled(clip: Clip, params: Look) -> Enhancement:
 
 def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
+    is_enhanced = request.input == "enhanced"
     return RunRecord(
         version=version(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
@@ -181,7 +206,7 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
         ),
         input=request.input,
         config=request.config,
-        enhancement=pooled(clip, request.enhance_params) if request.input == "enhanced" else None,
+        enhancement=pooled(clip, request.enhance_params, request.measured) if is_enhanced else None,
         device=device,
     )
 
@@ -219,9 +244,10 @@ def _finished_before(run: RunFolder) -> Finished:
     """As the log tells; of a run that was killed after its model was written, the log is completed."""
     events = [event for event in run.events() if event["event"] == "Finished"]
     if events:
-        return Finished(int(events[-1]["iteration"]), run.train_seconds() or 0.0, run.model())
+        steps, wall = run.train_seconds() or 0.0, run.wall_seconds()
+        return Finished(int(events[-1]["iteration"]), steps, run.model(), wall_seconds=wall)
     last = read_newest_checkpoint(run.path)
     iteration, seconds = (last.iteration, last.seconds) if last else (run.record().config.iterations, 0.0)
-    finished = Finished(iteration, seconds, run.model())
+    finished = Finished(iteration, seconds, run.model(), wall_seconds=run.wall_seconds())
     run.log(finished)
     return finished

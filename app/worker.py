@@ -56,6 +56,7 @@ class Ended:
 
     iteration: int
     seconds: float
+    wall_seconds: float | None = None
 
 
 def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> None:
@@ -86,7 +87,7 @@ def _run(
     with closing(steps(request)) as events:
         for event in events:
             if isinstance(event, Finished):
-                return Ended(event.iteration, event.seconds)
+                return Ended(event.iteration, event.seconds, event.wall_seconds)
             if isinstance(event, Snapshot):
                 models.write(event.model)
             else:

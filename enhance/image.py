@@ -112,7 +112,13 @@ def _check_values(image: AnyImage) -> None:
         raise ImageError(f"expected uint8, uint16 or float in [0, 1], got {image.dtype}")
     low, high = float(image.min()), float(image.max())
     if np.isnan(low):
-        raise ImageError("expected an image without NaN; replace NaN before enhancing")
+        missing = np.isnan(image)
+        count, first = np.count_nonzero(missing), tuple(np.argwhere(missing)[0].tolist())
+        channel = f", channel {first[2]}" if image.ndim == 3 else ""
+        raise ImageError(
+            f"expected an image without NaN, got {count} of {image.size} values that are, the first at row "
+            f"{first[0]}, column {first[1]}{channel} (from 0); replace NaN before enhancing"
+        )
     if low < 0.0 or high > 1.0:
         raise ImageError(
             f"expected float values in [0, 1], got {low:g} to {high:g}; scale or clip them first"

@@ -55,6 +55,8 @@ class Outcome:
     """Of the model's numbers with their two moments."""
     n_gaussians: int
     iterations: int
+    wall_seconds: float = float("nan")
+    """Of all that the run took, see `Finished`; NaN: not recorded."""
 
 
 def settings() -> Iterator[tuple[str, TrainConfig]]:
@@ -83,6 +85,7 @@ def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom 
         megabytes=3 * sum(value.nbytes for value in model.arrays().values()) / 1e6,
         n_gaussians=len(model),
         iterations=finished.iteration,
+        wall_seconds=float("nan") if finished.wall_seconds is None else finished.wall_seconds,
     )
 
 

@@ -19,6 +19,7 @@ from app.provenance import provenance, strict_json
 from app.report.paper_rows import PAPER
 from app.run_folder import ClipRecord
 from app.terminal import Terminal
+from app.wall_clock import in_all
 from renderer.lpips import WEIGHT_FILES
 
 COLUMNS = {
@@ -155,7 +156,7 @@ def _facts(report: dict[str, Any]) -> list[str]:
     timed = report["timed_with"]
     times = [f"{name.replace('_', ' + ')} {_text(ms, '.1f')}" for name, ms in parts.items()]
     return [
-        f"{mean['n_gaussians']} Gaussians, trained in {_text(mean['train_seconds'], '.1f')} s",
+        f"{mean['n_gaussians']} Gaussians, trained in {in_all(mean['wall_seconds'], mean['train_seconds'])}",
         f"masked: over the evaluated pixels alone, {_text(report['evaluated_share'], '.1%')} of the picture",
         "depth: root mean square of the error, and mean of error over depth,",
         f"  over {_text(report['depth'].get('covered'), '.1%')} of the evaluated pixels that have a depth",

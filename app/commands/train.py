@@ -21,6 +21,7 @@ from app.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.provenance import provenance, strict_json
 from app.run_folder import RunFolder
 from app.training import PRESETS, TrainRequest, device_of, run_training
+from app.wall_clock import STEPS, WALL, in_all
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
@@ -95,17 +96,18 @@ def run(flags: argparse.Namespace) -> None:
         "run": flags.run.absolute().name,
         "iterations": finished.iteration,
         "train_seconds": finished.seconds,
+        "wall_seconds": finished.wall_seconds,
         "n_gaussians": len(finished.model),
         "device": device.device,
         "enhancement": run_folder.record().enhancement,
         "omitted": run_folder.omitted(),
+        "definitions": {"train_seconds": STEPS, "wall_seconds": WALL},
     }
     if flags.json:
         sys.stdout.write(strict_json(provenance(config=config, input=flags.input, **summary)) + "\n")
     else:
-        done = (
-            f"{finished.iteration} iterations in {finished.seconds:.1f} s on {device.device} ({device.why})"
-        )
+        took = in_all(finished.wall_seconds, finished.seconds)
+        done = f"{finished.iteration} iterations on {device.device} ({device.why}), {took}"
         sys.stdout.write(f"{flags.run}: {len(finished.model)} Gaussians, {done}\n")
         sys.stdout.write(_table(summary["omitted"]))
 

@@ -17,6 +17,7 @@ from app.report.saved import holds_report, read_report
 from app.run_folder import RunFolder
 from app.run_holder import holder
 from app.sessions import SESSION, SessionSource
+from app.wall_clock import STEPS, WALL, in_all
 from renderer.splat_files import SplatFileError, read_splats
 from renderer.splat_files.splat_records import RECORD
 
@@ -36,6 +37,7 @@ def of_run(path: Path) -> Facts:
     process = holder(path)
     state = "finished" if run.is_finished else "being trained" if process else "not finished"
     size = told.get("Progress", {}).get("n_gaussians", told.get("Started", {}).get("n_gaussians"))
+    steps_of = told.get("Finished", told.get("Progress", {})).get("seconds")
     quality = told.get("Evaluated", {}).get("psnr")
     facts = [
         Fact("what", f"run, {state}", {"kind": "run", "state": state}),
@@ -56,6 +58,7 @@ def of_run(path: Path) -> Facts:
         ),
         Fact("iterations", f"{done} of {config.iterations}", {"done": done, "wanted": config.iterations}),
         Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
+        *_time(steps_of, run.wall_seconds()),
         Fact("unit", clip.unit),
         Fact(
             "made",
@@ -81,6 +84,18 @@ def of_run(path: Path) -> Facts:
     else:
         steps = [("train", clip.path, "--run", "PATH", "--resume")] if there else []
     return (*facts, next_steps(path, *steps))
+
+
+def _time(steps: object, wall: float | None) -> Facts:
+    """Of a run that has taken steps."""
+    if not isinstance(steps, int | float):
+        return ()
+    facts = {
+        "train_seconds": steps,
+        "wall_seconds": wall,
+        "definitions": {"train_seconds": STEPS, "wall_seconds": WALL},
+    }
+    return (Fact("time", in_all(wall, steps), facts),)
 
 
 def of_splats(path: Path) -> Facts:

@@ -37,8 +37,9 @@ COLUMNS: Final = (
     Column(name="SSIM", form=".4f", best="high"),
     Column(name="depth RMSE", form=".3f", best="low"),
     Column(name="motion RMSE, mm", form=".3f", best="low"),
-    Column(name="s", form=".1f", best="low"),
-    *(Column(name="± s", form=".1f"), Column(name="MB", form=".1f", best="low"), Column(name="Gaussians")),
+    Column(name="s of steps", form=".1f", best="low"),
+    *(Column(name="± s", form=".1f"), Column(name="s in all", form=".1f", best="low")),
+    *(Column(name="MB", form=".1f", best="low"), Column(name="Gaussians")),
 )
 
 
@@ -93,6 +94,12 @@ def seconds(group: Sequence[Run]) -> tuple[float, float]:
     return float(np.median(times)), (max(times) - min(times)) / 2
 
 
+def wall_seconds(group: Sequence[Run]) -> float | None:
+    """Median of what the runs took in all; None where that is not recorded."""
+    times = [run.outcome.wall_seconds for run in group if math.isfinite(run.outcome.wall_seconds)]
+    return float(np.median(times)) if times else None
+
+
 def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
     """One for each measure that was taken; settings are called by what differs from `default`."""
     usual = setting_of(default).split(", ")[1:]
@@ -137,6 +144,7 @@ def table(runs: Sequence[Run], title: str, note: str = "") -> Table:
                 *(mean(group, measure) for measure in measures),
                 seconds(group)[0],
                 seconds(group)[1] or None,
+                wall_seconds(group),
                 mean(group, "megabytes"),
                 round(mean(group, "n_gaussians")),
             )

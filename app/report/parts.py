@@ -29,7 +29,7 @@ PARTS: Final = (
     Part("drawing", 2),
     Part("stability", 2),
     Part("left_out", 18),
-    Part("paper", 3),
+    Part("paper", 25),
     Part("reading", 1),
     Part("growth", 3),
 )

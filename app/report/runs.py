@@ -10,7 +10,7 @@ from pathlib import Path
 from app.provenance import strict_json
 from app.report.outcomes import setting_of
 from app.run_folder import Input, RunFolder
-from app.training import TrainRequest, input_clip, run_training
+from app.training import Measured, TrainRequest, input_clip, run_training
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
@@ -41,9 +41,11 @@ class Runs:
     _known: dict[str, Trained] = field(default_factory=dict)
     _warmed: set[Method] = field(default_factory=set)
 
-    def trained(self, config: TrainConfig, photos: Input = "original") -> Trained:
-        """Trains the first time."""
-        key = hashlib.sha256(f"{photos} {strict_json(config)}".encode()).hexdigest()[:16]
+    def trained(
+        self, config: TrainConfig, photos: Input = "original", measured: Measured = "tissue"
+    ) -> Trained:
+        """Trains the first time; `measured`: of what the statistics of enhanced photos are."""
+        key = hashlib.sha256(f"{photos} {measured} {strict_json(config)}".encode()).hexdigest()[:16]
         if key not in self._known:
             self._warm(config)
             self.say(f"training {setting_of(config)}, {photos} photos")
@@ -53,6 +55,7 @@ class Runs:
                 run_path=folder.path,
                 config=config,
                 input=photos,
+                measured=measured,
                 device="cpu",
                 resume=True,
             )

@@ -52,9 +52,11 @@ class Progress:
     psnr: float
     """dB, of the training frames' tissue pixels since the last Progress."""
     seconds: float
-    """Training time so far, pauses, checkpoints and snapshots excluded."""
+    """Of steps so far, pauses, checkpoints and snapshots excluded."""
     seconds_left: float
     n_gaussians: int
+    wall_seconds: float | None = None
+    """So far, of all that `train` does; None: not recorded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,9 +89,12 @@ class Warned:
 class Finished:
     iteration: int
     seconds: float
+    """Of steps."""
     model: DynamicGaussians
     omitted: tuple[Omission, ...] = ()
     """What the end of training found to be unneeded."""
+    wall_seconds: float | None = None
+    """Of all that `train` did; None: not recorded."""
 
 
 TrainEvent = Preparing | Started | Progress | Snapshot | Evaluated | Warned | Finished

@@ -72,6 +72,7 @@ def train(
         ClipError: frames cannot be read, or there is no depth to start from.
         TrainingError: the checkpoint belongs to another run, or the loss is no longer finite.
     """
+    opened = time.perf_counter()
     require_depth(clip)
     fit, held_out = split(clip, config)
     frames = [clip.read_frame(index) for index in fit]
@@ -124,7 +125,8 @@ def train(
         yield evaluated(gaussians, views, recipe.iterations, size, recipe.mode)
     elif clip.test_indices:
         yield held.measure(gaussians, recipe.iterations, meter.seconds)
-    yield Finished(recipe.iterations, meter.seconds, gaussians, omitted)
+    wall = time.perf_counter() - opened
+    yield Finished(recipe.iterations, meter.seconds, gaussians, omitted, wall)
 
 
 def require_depth(clip: Clip) -> None:

@@ -28,6 +28,7 @@ from renderer.metrics import depth_abs_rel
 from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
+from renderer.train.config import CHOSEN
 from tests.app.conftest import Call
 
 Cli = Callable[..., Call]
@@ -331,3 +332,12 @@ def test_the_paper_is_printed_beside_the_runs_of_its_clip(
     assert (row["table"], row["input"], row["dv"], row["bv"]) == (1, "enhanced", 427.55, 243.74)
     gains = {"Table 1, EndoGaussian": 1.76 / 1.21, "Table 2, Deform3DGS": 1.47 / 0.93}
     assert report["compared"]["paper_dv_bv_gain"] == pytest.approx(gains)
+
+
+def test_definitions_say_what_depth_was_dropped_what_was_departed_from_and_what_was_chosen(
+    runs: dict[str, Path], vesselsplat: Cli
+) -> None:
+    definitions = evaluated(vesselsplat, runs["original"])["definitions"]
+    assert "more than 3 times as far as the frame's median" in definitions["depth_rmse_mm"]
+    assert definitions["method"].startswith("`vesselsplat`")
+    assert definitions["defaults"] == CHOSEN

@@ -99,12 +99,13 @@ def measured(path: Path, config: TrainConfig, truth: Phantom | None, flags: argp
 def show(runs: Sequence[Run]) -> None:
     """Means over the seeds, and half the distance of the extremes."""
     heads = "".join(f"{name:>18}" for name in COLUMNS)
-    print(f"{'':44}seeds{heads}{'s':>9}{'MB':>8}{'Gaussians':>11}")
+    print(f"{'':44}seeds{heads}{'s, steps':>9}{'s in all':>9}{'MB':>8}{'Gaussians':>11}")
     for group in grouped(runs):
         cells = "".join(f"{spread(group, column, form):>18}" for column, form in COLUMNS.items())
-        seconds, megabytes, count = (mean(group, key) for key in ("seconds", "megabytes", "n_gaussians"))
+        keys = ("seconds", "wall_seconds", "megabytes", "n_gaussians")
+        seconds, wall, megabytes, count = (mean(group, key) for key in keys)
         name = group[0].setting
-        print(f"{name:44}{len(group):5}{cells}{seconds:9.1f}{megabytes:8.1f}{count:11.0f}")
+        print(f"{name:44}{len(group):5}{cells}{seconds:9.1f}{wall:9.1f}{megabytes:8.1f}{count:11.0f}")
     for diagram in diagrams(runs, TrainConfig()):
         front = ", ".join(
             f"{point.series} {point.setting} ({point.seconds:.0f} s)" for point in pareto_front(diagram)

@@ -16,6 +16,7 @@ from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import InputKind, Reconstruction
+from app.wall_clock import in_all
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Omission, Preparing
@@ -188,7 +189,10 @@ def _draw_status(run: Reconstruction) -> None:
         return
     left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
     imgui.same_line()
-    imgui.text_colored(theme.now().muted, f"{seconds(progress.seconds)}{left}")
+    wall = progress.wall_seconds
+    shown = f"{seconds(progress.seconds)} of steps" if wall is None else f"{seconds(wall)} in all"
+    imgui.text_colored(theme.now().muted, f"{shown}{left}")
+    explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses do not count.")
     done = f"{grouped(progress.iteration)} / {grouped(progress.iterations)}"
     imgui.progress_bar(progress.iteration / progress.iterations, ImVec2(-1, em(1.25)), done)
 

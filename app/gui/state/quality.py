@@ -15,11 +15,13 @@ def quality_of(iterations: int) -> str:
 
 
 def expected_seconds(run: Reconstruction) -> float | None:
-    """Training time of what is chosen, at the pace of the run shown; None where that is of another method or
-    has none."""
+    """In all, of what is chosen: steps at the pace of the run shown, and what that takes beside them. None
+    where it is of another method or has no pace yet."""
     begun, progress = run.request, run.progress
     if begun is None or progress is None or progress.iteration < 1:
         return None
     if (begun.config.method, begun.config.n_gaussians) != (run.config.method, run.config.n_gaussians):
         return None
-    return progress.seconds / progress.iteration * run.config.iterations
+    steps = progress.seconds / progress.iteration * run.config.iterations
+    beside = 0.0 if progress.wall_seconds is None else max(progress.wall_seconds - progress.seconds, 0.0)
+    return steps + beside

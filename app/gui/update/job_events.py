@@ -8,6 +8,7 @@ from app.gui.actions import actions, job_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.job import Cancelled, Failed, Paused, Resumed
 from app.run_folder import RunFolder
+from app.wall_clock import in_all
 from renderer.train.events import Evaluated, Finished, Preparing, Progress, Started, Warned
 
 
@@ -54,7 +55,9 @@ def _hear(state: AppState, event: object) -> None:
         case Finished():
             run.status = "finished"
             job_actions.show_finished_model(state, event.model)
-            actions.announce(state, f"reconstruction finished in {event.seconds:.0f} s")
+            actions.announce(
+                state, f"reconstruction finished: {in_all(event.wall_seconds, event.seconds, '.0f')}"
+            )
         case Cancelled():
             run.status = "cancelled"
             actions.announce(state, "reconstruction cancelled; Continue goes on from its last checkpoint")

@@ -10,6 +10,7 @@ from app.report.bench import Bench, Clock
 from app.report.outcomes import Run, diagrams, grouped, setting_of, table
 from app.report.section import Plate, Section
 from app.run_folder import Input
+from app.wall_clock import WALL
 from renderer.accuracy import outcome
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
@@ -47,7 +48,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
         sentences=(
             f"{bench.clip.name}: {len(bench.clip)} frames of {bench.clip.size[0]}x{bench.clip.size[1]}, "
             f"measured on {len(bench.clip.test_indices)} held-out frames against the photos that a run was "
-            "trained on. Seconds are those of training steps, kernels compiled. Settings with several runs "
+            "trained on. Diagrams and `s of steps` have the seconds of training steps alone, kernels "
+            f"compiled; `s in all`: {WALL}. Settings with several runs "
             "have as many seeds; a seed gives the same figures again, and what has one seed is timed again.",
         ),
         plates=tuple(
@@ -59,8 +61,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
             table(
                 [run for those in runs.values() for run in those],
                 "Every method and knob",
-                "Means over the frames and runs; seconds are the median of all times, ± half of their range. "
-                "MB: the model's numbers with their two moments.",
+                "Means over the frames and runs; seconds of steps are the median of all times, ± half of "
+                "their range. MB: the model's numbers with their two moments.",
             ),
         ),
         not_measured=tuple(missing),

@@ -5,8 +5,9 @@ for, they are free of the unit. Departures:
 
 * centres stay, widths start so that no time lies between two bumps; published: 0.01, with gaps of 9 frames;
 * the points are of the frames to fit alone; published: of the test frames too;
-* depth is expected depth, moves Gaussians along the view, and is supervised where it is measured alone;
-  published: not divided by alpha, no gradient to z, unknown depth taken for near tissue;
+* depth is expected depth, moves Gaussians along the view; published: not divided by alpha, no gradient to z;
+* depth is supervised as it is read, where it is measured alone; published: each frame's is clipped to its 3rd
+  to 99.8th percentile, which takes unknown depth (0) for near tissue and supervises it;
 * the moments of bumps that do not count at a frame's time rest; published: they decay;
 * spherical harmonics for a moving camera alone; published: for every camera;
 * every frame once an epoch; published: drawn with replacement;

@@ -5,7 +5,11 @@ Departures:
 * 16 channels in place of 64 at each level: 19 million numbers in place of 85, and fewer for few Gaussians;
 * time spans the whole grid, of as many rows as the published one uses half of;
 * cells rest where they have no gradient; the rate of rows in time makes up for it;
+* one schedule of rates over the steps at rest and those with motion, and moments that last; published: both
+  begin anew with motion;
 * depth is expected depth, moves Gaussians along the view; published: not divided by alpha, no gradient to z;
+* depth is supervised as it is read, where it is measured alone; published: each frame's is clipped to its 3rd
+  to 99.8th percentile, which takes unknown depth (0) for near tissue and supervises it;
 * Gaussians are drawn once each; published: with replacement;
 * spherical harmonics for a moving camera alone; every frame once an epoch; the box of the planes stays;
 * no density control: published, it adds 2 % of Gaussians.
