@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from contextlib import suppress
@@ -15,6 +14,7 @@ from app.atomic import write_bytes
 from app.own_files import left_behind, own_file
 from app.provenance import strict_json
 from app.training import TrainRequest
+from renderer.json_files import read_json
 
 KIND: Final = "queue"
 SUFFIX: Final = ".json"
@@ -57,7 +57,7 @@ def take_over(folder: Path) -> tuple[tuple[TrainRequest, ...], str]:
 def _read(path: Path) -> tuple[list[TrainRequest], bool]:
     """What of the file can be read, and whether something cannot."""
     try:
-        told = json.loads(path.read_bytes())
+        told = read_json(path)
     except (OSError, ValueError):
         return [], True
     if not isinstance(told, list):

@@ -16,8 +16,10 @@ from PIL import ExifTags, Image, UnidentifiedImageError
 from app.atomic import write_bytes
 from app.errors import UserError
 from app.provenance import encode_png, write_sidecar
+from renderer.budget import OverBudget
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
+from renderer.readers.picture_files import read_npy, require_size
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of, photo_folder
 from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, natural_key
 
@@ -88,6 +90,7 @@ def read_image(path: Path) -> ArrayImage:
         raise UserError(f"expected a picture, got no such file: {path}")
     if path.suffix.lower() == ".npy":
         return _read_array(path)
+    _require_size(path)
     orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)
     if stored is None:
@@ -95,6 +98,15 @@ def read_image(path: Path) -> ArrayImage:
     order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
     colored = cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
     return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
+
+
+def _require_size(path: Path) -> None:
+    try:
+        require_size(path)
+    except OverBudget as error:
+        raise UserError(f"{error}: {path}") from error
+    except BROKEN:
+        return  # Its decoder says what is wrong.
 
 
 def _decoded(path: Path) -> ArrayImage | None:
@@ -134,12 +146,9 @@ def _checked(path: Path) -> int:
 
 def _read_array(path: Path) -> ArrayImage:
     try:
-        loaded = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise UserError(f"expected a numpy array, got a file that is none: {path}") from error
-    if not isinstance(loaded, np.ndarray):
-        raise UserError(f"expected one numpy array, got several: {path}")
-    return loaded
+        return read_npy(path)
+    except ValueError as error:
+        raise UserError(f"expected one numpy array, {error}") from error
 
 
 def write_image(path: Path, image: ArrayImage, facts: dict[str, Any]) -> None:

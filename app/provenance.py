@@ -27,6 +27,7 @@ from pydantic_core import to_jsonable_python
 from app.atomic import write_bytes
 from app.errors import UserError
 from renderer.depth.stereo_pairs import eye_folders
+from renderer.json_files import parsed
 from renderer.ply_comments import split
 from renderer.readers.endonerf import FOLDERS, POSES, is_endonerf
 from renderer.readers.hamlyn import is_hamlyn
@@ -61,7 +62,7 @@ def strict_json(value: object, *, indent: int | None = None) -> str:
 
 def comments(facts: object) -> tuple[str, ...]:
     """Short lines of ASCII for a PLY file, which takes no other text."""
-    return split(KEYWORD, json.dumps(json.loads(strict_json(facts))))
+    return split(KEYWORD, json.dumps(parsed(strict_json(facts))))
 
 
 def _plain(value: Any) -> Any:
@@ -182,7 +183,16 @@ def read_provenance(path: Path) -> dict[str, Any]:
         (length,) = struct.unpack_from(">I", content, position)
         body = content[position + 8 : position + 8 + length]
         if content[position + 4 : position + 8] == b"iTXt" and body.startswith(prefix):
-            facts: dict[str, Any] = json.loads(body.removeprefix(prefix))
-            return facts
+            return _facts_of(body.removeprefix(prefix), path)
         position += 12 + length
     raise UserError(f"expected a PNG written by VesselSplat, found no provenance in {path.name}")
+
+
+def _facts_of(text: bytes, path: Path) -> dict[str, Any]:
+    try:
+        facts = parsed(text)
+    except ValueError as error:
+        raise UserError(f"expected the JSON of a provenance ({error}): {path}") from error
+    if not isinstance(facts, dict):
+        raise UserError(f"expected a JSON object, got {type(facts).__name__}: {path}")
+    return facts

@@ -21,6 +21,7 @@ from app.provenance import digest, strict_json, version
 from app.run_folder import RunFolder
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
+from renderer.json_files import read_text
 
 MOST = 100_000_000
 """Gaussians: no file makes the program ask for more memory than their masks take."""
@@ -68,7 +69,7 @@ def read_edits(folder: RunFolder, count: int) -> Edits | None:
     if not path.is_file():
         return None
     try:
-        record = RECORD.validate_json(path.read_bytes())
+        record = RECORD.validate_json(read_text(path))
     except ValidationError as error:
         raise UserError(f"{path}: {problem(error)}") from error
     if record.model_sha256 != digest(folder.model_path):

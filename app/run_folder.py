@@ -5,7 +5,6 @@ Run folders are private: run.json names the clip by its absolute path, so that t
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields
@@ -24,9 +23,11 @@ from app.methods import PAPER, VESSEL, Preset, preset_of
 from app.provenance import strict_json
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
+from renderer.budget import budget
 from renderer.camera import Camera
 from renderer.clip import held_out_frames
 from renderer.gaussians import DynamicGaussians
+from renderer.json_files import parsed, read_text
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, TrainEvent
@@ -52,6 +53,15 @@ class ClipRecord:
     unit: str
     cameras: tuple[dict[str, Any], ...]
     """`Camera.to_json`: one a frame, or a single one when the camera is fixed."""
+
+    def __post_init__(self) -> None:
+        """Raises ValueError: no frames or too many, another number of cameras, or one that sees nothing."""
+        budget().require(frames=self.frames)
+        if self.frames < 1 or len(self.cameras) not in (1, self.frames):
+            got = f"{len(self.cameras)} cameras of {self.frames} frames"
+            raise ValueError(f"expected one camera, or one a frame, got {got}")
+        for camera in self.cameras:
+            Camera.from_json(camera)
 
 
 def _preset(given: Any) -> Preset:
@@ -165,7 +175,7 @@ class RunFolder:
         if not self.is_run:
             raise UserError(f"expected a run folder with run.json, found none in {self.path}")
         try:
-            return RECORD.validate_json(self.record_path.read_bytes())
+            return RECORD.validate_json(read_text(self.record_path))
         except ValidationError as error:
             raise UserError(f"{self.record_path}: {problem(error)}") from error
 
@@ -186,7 +196,7 @@ class RunFolder:
         """The events logged so far, oldest first; half a line left by a killed run is passed over."""
         if not self.events_path.exists():
             return []
-        text = self.events_path.read_text(encoding="utf-8", errors="replace")
+        text = read_text(self.events_path).decode(errors="replace")
         return [event for line in text.split("\n") if (event := _parsed(line))]
 
     def omitted(self) -> tuple[Omission, ...]:
@@ -234,7 +244,23 @@ def _plain_fields(event: TrainEvent) -> dict[str, Any]:
 
 def _parsed(line: str) -> dict[str, Any] | None:
     try:
-        event = json.loads(line)
-    except json.JSONDecodeError:
+        event = parsed(line)
+    except ValueError:
         return None
-    return event if isinstance(event, dict) and "event" in event else None
+    return event if isinstance(event, dict) and _is_whole(event) else None
+
+
+def _is_whole(event: dict[str, Any]) -> bool:
+    """Whether it has the fields that are read by name; whatever else it holds is taken as it comes."""
+    if event.get("event") == "Finished":
+        numbers = (event.get("iteration"), event.get("seconds"))
+        if not all(isinstance(each, int | float) and 0 <= each < 1e12 for each in numbers):
+            return False
+    try:
+        OMITTED.validate_python(event.get("omitted", ()))
+    except ValidationError:
+        return False
+    return isinstance(event.get("event"), str)
+
+
+OMITTED = TypeAdapter(tuple[Omission, ...])

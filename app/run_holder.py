@@ -12,6 +12,7 @@ from filelock import FileLock, Timeout
 
 from app.atomic import write_bytes
 from app.errors import UserError
+from renderer.json_files import read_json
 
 NAME, LOCK = ".training.json", ".training.lock"
 
@@ -43,7 +44,7 @@ def held(run: Path) -> Iterator[None]:
 def holder(run: Path) -> int | None:
     """The process that trains the run; None when there is none, also when it was killed and left its file."""
     try:
-        told = json.loads((run / NAME).read_bytes())
+        told = read_json(run / NAME)
         process = psutil.Process(int(told["process"]))
         # Numbers of processes are used again: the moment of its start tells another one apart.
         same = abs(process.create_time() - float(told["began"])) < 1.0

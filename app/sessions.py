@@ -5,7 +5,6 @@ Sources are named relative to the file, with their bytes' digest where it was sa
 
 from __future__ import annotations
 
-import json
 import os
 from contextlib import suppress
 from dataclasses import field
@@ -26,6 +25,7 @@ from app.run_edits import MOST
 from app.run_folder import RecordedLook
 from app.views import ViewKind
 from enhance import EnhanceParams
+from renderer.json_files import parsed, read_text
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
 
@@ -168,7 +168,7 @@ def mended_session(path: Path) -> tuple[Session, str]:
         UserError: no such file, or nothing to open in it. A damaged file is kept beside as NAME.broken.
     """
     try:
-        content = path.read_bytes()
+        content = read_text(path)
     except OSError as error:
         raise UserError(f"the session cannot be read, {error.strerror}: {path}") from error
     kept = path.with_name(f"{path.name}.broken")
@@ -193,7 +193,7 @@ def mended_session(path: Path) -> tuple[Session, str]:
 def _readable(content: bytes) -> tuple[Session | None, list[str]]:
     """The session without the parts that are not valid, and their names; None for no session at all."""
     try:
-        told = json.loads(content)
+        told = parsed(content)
     except ValueError:
         return None, []
     if not isinstance(told, dict) or told.get("schema", 1) != 1:

@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.budget import budget
+
 FloatArray = NDArray[np.float64]
+NARROWEST, WIDEST = 1e-7, 1e4
+"""Width by focal length; 2 is 90 degrees."""
 
 
 def _identity() -> FloatArray:
@@ -41,6 +45,10 @@ class Camera:
         numbers = (self.fx, self.fy, self.cx, self.cy)
         if not all(math.isfinite(value) for value in numbers) or self.fx <= 0 or self.fy <= 0:
             raise ValueError(f"Camera needs finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
+        if not all(NARROWEST <= self.width / focal <= WIDEST for focal in (self.fx, self.fy)):
+            widths = f"{1 / WIDEST:g} to {1 / NARROWEST:g} widths"
+            raise ValueError(f"Camera needs focal lengths of {widths}, got {self.fx} and {self.fy}")
+        budget().require(pixels=self.width * self.height)
         matrix = np.array(self.camera_from_world, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
             raise ValueError(f"camera_from_world must be a finite (4, 4) matrix, got shape {matrix.shape}")

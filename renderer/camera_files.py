@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
+from renderer.json_files import read_json
 from renderer.readers.poses import pose_matrix
 
 FROM_OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -46,7 +47,7 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
     try:
         if path.is_dir():
             return _of_colmap(path)
-        return _of_json(json.loads(path.read_text(encoding="utf-8")), path.stem)
+        return _of_json(read_json(path), path.stem)
     except OSError as error:
         raise CameraFileError(f"expected a camera file, {error.strerror}: {path}") from error
     except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:

@@ -14,6 +14,7 @@ from typing import Final
 
 import numpy as np
 
+from renderer.budget import budget
 from renderer.camera import Camera, FloatArray
 from renderer.rotations import conjugate, logarithm, matrix, product, quaternion, turned_hermite
 
@@ -52,6 +53,8 @@ class CameraPath:
                 got = f"{key.seconds}, {key.time}"
                 raise ValueError(f"keyframe {place} needs finite seconds and a time in [0, 1], got {got}")
         seconds = [key.seconds for key in self.keyframes]
+        if seconds:
+            budget().require(seconds=seconds[-1] - seconds[0])
         for place, (before, after) in enumerate(pairwise(seconds), start=1):
             if after <= before:
                 raise ValueError(f"keyframe {place} must come after {before} s, got {after} s")

@@ -19,6 +19,7 @@ from renderer.readers.stereomis import is_stereomis, open_stereomis
 from renderer.readers.structure_from_motion import is_structure_from_motion, open_structure_from_motion
 from renderer.readers.video import open_video
 from renderer.readers.video_header import read_video_header
+from renderer.regular_files import require_regular
 
 
 def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
@@ -52,6 +53,7 @@ def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:
 
 
 def _open_file(path: Path, options: ClipOptions) -> Clip:
+    require_regular(path)
     if is_picture(path):
         return frames.open_image(path, options.field_of_view)
     return open_video(path, options)

@@ -11,6 +11,7 @@ from typing import Any, Final, TypeVar
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.camera_path import CameraPath, Keyframe
+from renderer.json_files import read_json
 
 FORMAT: Final = "vesselsplat views"
 VERSION: Final = 1
@@ -55,10 +56,10 @@ def read_views(path: Path) -> Views:
         CameraFileError: no such file, or another content: what was expected, what came, and at which place.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_json(path)
     except OSError as error:
         raise CameraFileError(f"expected a file of views, {error.strerror}: {path}") from error
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise CameraFileError(f"expected a file of views in JSON, got {error}: {path}") from error
     try:
         return views_of(content)

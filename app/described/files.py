@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from app.run_folder import RunFolder
 from app.run_holder import holder
 from app.sessions import SESSION, SessionSource
 from app.wall_clock import STEPS, WALL, in_all
+from renderer.json_files import read_json, read_text
 from renderer.splat_files import SplatFileError, read_splats
 from renderer.splat_files.splat_records import RECORD
 
@@ -138,7 +138,7 @@ def _announced(path: Path) -> int:
 def of_session(path: Path) -> Facts:
     """Raises UserError: it is damaged; unlike opening, this leaves the file alone."""
     try:
-        session = SESSION.validate_json(path.read_bytes())
+        session = SESSION.validate_json(read_text(path))
     except ValidationError as error:
         raise UserError(f"the session is damaged ({problem(error)}): {path}") from error
     facts = [Fact("what", "session", {"kind": "session"})]
@@ -182,7 +182,7 @@ def of_json(path: Path) -> Facts:
         return of_report(path)
     export = path.with_suffix("")
     try:
-        facts = json.loads(path.read_text(encoding="utf-8", errors="replace"))
+        facts = read_json(path)
     except ValueError:
         facts = None
     if not isinstance(facts, dict) or facts.get("app") != "VesselSplat":

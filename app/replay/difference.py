@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -15,6 +14,7 @@ from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
 from app.pictures import read_image
+from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
 from renderer.readers.video import open_video
 
@@ -79,7 +79,7 @@ def _columns(path: Path) -> Iterator[Array]:
     """Of a table, then of the same in the JSON beside it: names, then each column as numbers or as text."""
     sidecar = path.with_name(f"{path.name}.json")
     rows: list[dict[str, Any]] = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
-    for table in (rows, json.loads(sidecar.read_bytes())["frames"]):
+    for table in (rows, read_json(sidecar)["frames"]):
         names = list(table[0]) if table else []
         yield _text(names)
         for name in names:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
 from app.provenance import KEYWORD, provenance, read_provenance
+from renderer.json_files import parsed
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
 
@@ -51,8 +51,8 @@ def _beside(path: Path) -> Facts:
 
 def _parsed(text: str, path: Path) -> Facts:
     try:
-        facts = json.loads(text)
-    except json.JSONDecodeError as error:
+        facts = parsed(text)
+    except ValueError as error:
         raise UserError(f"expected the JSON of a provenance, got other text: {path}") from error
     if not isinstance(facts, dict):
         raise UserError(f"expected a JSON object, got {type(facts).__name__}: {path}")

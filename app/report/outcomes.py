@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +14,7 @@ from app.report.section import Column, Table
 from app.report.work_precision import Diagram, Point
 from app.run_folder import Input
 from renderer.accuracy import Outcome
+from renderer.json_files import parsed
 from renderer.train.config import TrainConfig
 
 MEASURES: Final = {
@@ -65,7 +65,7 @@ class Run:
 
 def setting_of(config: TrainConfig) -> str:
     """The method, and what differs from the default."""
-    default, own = (json.loads(strict_json(each)) for each in (TrainConfig(), config))
+    default, own = (parsed(strict_json(each)) for each in (TrainConfig(), config))
     changed = [
         f"{name} {round(value, 2) if isinstance(value, float) else value}"
         for name, value in own.items()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from app.errors import UserError
 from app.report.section import Section
+from renderer.json_files import read_json
 
 SECTIONS = TypeAdapter(dict[str, Section])
 
@@ -33,7 +33,7 @@ def is_report(path: Path) -> bool:
 def holds_report(path: Path) -> bool:
     """Whether the file looks like a report, damaged or not, and not like cameras."""
     try:
-        facts = json.loads(path.read_text(encoding="utf-8"))
+        facts = read_json(path)
     except (OSError, ValueError):
         return False
     return isinstance(facts, dict) and "parts" in facts
@@ -42,7 +42,7 @@ def holds_report(path: Path) -> bool:
 def read_report(path: Path) -> SavedReport:
     """Raises UserError when the file is no report of ours."""
     try:
-        facts = json.loads(path.read_text(encoding="utf-8"))
+        facts = read_json(path)
         sections = SECTIONS.validate_python(facts["parts"])
         return SavedReport(facts["clip"]["name"], facts["utc"], facts["machine"], sections)
     except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:

@@ -15,6 +15,7 @@ from renderer.depth.alignment import aligned
 from renderer.depth.depth_prior import Guess
 from renderer.readers.depth_maps import plane_of
 from renderer.readers.numbered_files import beside
+from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import is_picture, read_stored
 
 FOLDERS = ("monodepth", "depth_dam")
@@ -102,8 +103,8 @@ def read_inverse_depth(path: Path, size: tuple[int, int]) -> Float32Image:
 def read_array(path: Path) -> NDArray[np.generic]:
     """A .npy file. Raises ClipError: it cannot be read."""
     try:
-        return np.asarray(np.load(path, allow_pickle=False))
-    except (OSError, ValueError, EOFError) as error:
+        return read_npy(path)
+    except (OSError, ValueError) as error:
         raise ClipError(f"expected a numpy array of depth, got an unreadable file: {path}") from error
 
 

@@ -12,6 +12,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.depth_maps import within
 from renderer.readers.endonerf import POSES, open_endonerf
 from renderer.readers.numbered_files import numbered
+from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size
 from renderer.readers.tool_masks import Sample, marks_tissue
 
@@ -71,7 +72,7 @@ def open_converted_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Cli
 def _said(path: Path) -> tuple[float, float, float] | None:
     """The last column of the first pose, where it holds three numbers above 0."""
     try:
-        first = np.load(path / POSES, allow_pickle=False)[0]
+        first = read_npy(path / POSES)[0]
         values = np.asarray(first[:15], dtype=np.float64).reshape(3, 5)[:, 4]
     except (OSError, ValueError, EOFError, IndexError, TypeError):
         return None  # `open_endonerf` says what is wrong with the file.

@@ -16,6 +16,7 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.listing import listed
+from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.poses import nearest_rotations
 from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
@@ -258,8 +259,8 @@ def _load_poses(path: Path) -> Matrix:
         way = f"copy it there, or name {path.parent / 'images'}, pictures without depth"
         raise ClipError(f"expected {POSES}, which says what the camera is, got no such file; {way}: {path}")
     try:
-        rows = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+        rows = read_npy(path)
+    except (OSError, ValueError) as error:
         raise ClipError(f"expected a numpy array of poses, got an unreadable file: {path}") from error
     if rows.ndim != 2 or rows.shape[1] != 17 or rows.dtype.kind not in "fiu":
         raise ClipError(f"expected poses of shape (frames, 17), got {rows.dtype} {rows.shape}: {path}")

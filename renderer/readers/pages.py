@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from PIL import Image
-
 from renderer.readers.listing import listed
+from renderer.readers.picture_files import opened
 from renderer.readers.pictures import BROKEN
 
 PAGED = frozenset({".tif", ".tiff", ".webp", ".png"})
@@ -24,7 +23,7 @@ def _pages(path: Path) -> int:
     if path.suffix.lower() not in PAGED:
         return 1
     try:
-        with Image.open(path) as picture:
+        with opened(path) as picture:
             return int(getattr(picture, "n_frames", 1))
     except BROKEN:
         return 1

@@ -14,9 +14,9 @@ from types import MappingProxyType
 from typing import Final, Literal, get_args
 
 import numpy as np
-from PIL import Image
 
 from renderer.readers.listing import listed
+from renderer.readers.picture_files import opened
 from renderer.readers.pictures import BROKEN, is_picture, is_visible, read_stored
 
 Kind = Literal["depth", "disparity", "mask", "map"]
@@ -137,7 +137,7 @@ def _holds_pictures(folder: Path) -> bool:
 def _mode(path: Path) -> str:
     """As Pillow calls it, by the header; of a file that is none, that of a photo, whose reader says so."""
     try:
-        with Image.open(path) as picture:
+        with opened(path) as picture:
             return picture.mode
     except BROKEN:
         return "?"

@@ -13,9 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
+from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
+from renderer.readers.picture_files import opened, read_npy
+from renderer.regular_files import what_else
 
 
 class SeveralSizes(ClipError):
@@ -55,7 +58,7 @@ def read_stored(path: Path) -> NDArray[Any]:
         ClipError: the file is missing, truncated or no picture.
     """
     try:
-        with Image.open(path) as picture:
+        with opened(path) as picture:
             return np.asarray(picture.convert("RGB") if picture.mode == "P" else picture)
     except BROKEN as error:
         raise _unreadable(path, error) from error
@@ -74,7 +77,7 @@ def stored_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
     if path.suffix.lower() == ".npy":
         return _array_kind(path)
     try:
-        with Image.open(path) as picture:
+        with opened(path) as picture:
             mode, size = picture.mode, picture.size
     except BROKEN as error:
         raise _unreadable(path, error) from error
@@ -85,8 +88,8 @@ def stored_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
 
 def _array_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
     try:
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+        array = read_npy(path)
+    except (OSError, ValueError) as error:
         raise ClipError(f"expected a numpy array, got an unreadable file: {path}") from error
     sides = [side for side in array.shape if side > 1]
     if len(sides) != 2:
@@ -101,7 +104,7 @@ def read_rgb(path: Path) -> ByteImage:
         ClipError: the file is missing, truncated, no picture, or holds floats.
     """
     try:
-        with Image.open(path) as picture:
+        with opened(path) as picture:
             if not picture.mode.startswith(("I", "F")):
                 upright = ImageOps.exif_transpose(picture)
                 return np.array(upright.convert("RGB"), dtype=np.uint8)
@@ -124,7 +127,7 @@ def common_size(paths: Iterable[Path]) -> tuple[int, int]:
     found: dict[tuple[int, int], list[Path]] = {}
     for path in paths:
         try:
-            with Image.open(path) as picture:
+            with opened(path) as picture:
                 found.setdefault(_upright_size(picture, path), []).append(path)
         except BROKEN as error:
             raise _unreadable(path, error) from error
@@ -176,6 +179,10 @@ def _tells_more_after_pixels(path: Path) -> bool:
 def _unreadable(path: Path, error: Exception) -> ClipError:
     if not path.exists():
         return ClipError(f"expected a picture, got no such file: {path}")
+    if isinstance(error, OverBudget):
+        return ClipError(f"{error}: {path}")
+    if not path.is_file():
+        return ClipError(f"expected a picture, got {what_else(path)}: {path}")
     if isinstance(error, UnidentifiedImageError):
         return ClipError(f"expected a picture, got {what_it_is(path) or 'a file that is none'}: {path}")
     return ClipError(f"expected a whole picture, got a damaged or truncated file ({error}): {path}")

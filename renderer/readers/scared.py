@@ -13,10 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from renderer.budget import OverBudget
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.json_files import read_json
 from renderer.readers.depth_maps import DepthMap, read_map, within
 from renderer.readers.numbered_files import beside, numbered, strays
+from renderer.readers.picture_files import require_size
 from renderer.readers.pictures import common_size, read_rgb
 from renderer.readers.poses import nearest_rotations
 
@@ -155,7 +158,7 @@ def _is_json(path: Path) -> bool:
 def _matrix(path: Path, name: str) -> FloatArray:
     """The finite (4, 4) matrix that a JSON file holds under `name`."""
     try:
-        matrix = np.array(json.loads(path.read_text(encoding="utf-8"))[name], dtype=np.float64)
+        matrix = np.array(read_json(path)[name], dtype=np.float64)
     except (ValueError, KeyError, TypeError) as error:
         raise ClipError(f"expected {name} in a JSON file, got none that can be read: {path}") from error
     if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
@@ -192,8 +195,11 @@ def _poses(paths: Sequence[Path]) -> tuple[FloatArray, tuple[str, ...]]:
 def _left_points(path: Path, height: int) -> FloatArray:
     """(height, W, 3) x y z in mm: the upper half of a TIFF that holds both eyes, or the whole of one."""
     try:
+        require_size(path)
         stored = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
+    except OverBudget as error:
+        raise ClipError(f"{error}: {path}") from error
+    except (OSError, cv2.error) as error:
         raise ClipError(f"expected a TIFF of points, got a damaged file: {path}") from error
     if (
         stored is None

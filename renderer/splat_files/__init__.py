@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from renderer.budget import OverBudget
 from renderer.ply_elements import MAGIC, PlyError, read_ply
+from renderer.regular_files import require_regular
 from renderer.splat_files import inria_ply, other_kinds, packed_ply
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
@@ -24,10 +26,11 @@ def read_splats(path: Path) -> SplatFile:
     if path.is_dir() and is_named_as_splats(path):
         path /= other_kinds.SOG_LIST
     try:
+        require_regular(path)
         return _read(path.read_bytes(), path.name)
     except OSError as error:
         raise SplatFileError(f"expected a file of splats, got none that can be read: {path}") from error
-    except (PlyError, SplatFileError) as error:
+    except (PlyError, SplatFileError, OverBudget) as error:
         raise SplatFileError(f"{error}: {path}") from error
 
 

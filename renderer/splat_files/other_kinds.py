@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-import json
 import zipfile
 from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import Any, Final
 
 from renderer.file_signatures import ANYWHERE
+from renderer.json_files import parsed
 
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
 SOG: Final = f"SOG: {CONVERT}"
@@ -59,8 +59,8 @@ def _is_sog_list(content: bytes, name: str) -> bool:
     if not name.endswith(SOG_LIST):
         return False
     try:
-        said: Any = json.loads(content)
-    except (ValueError, RecursionError):
+        said: Any = parsed(content)
+    except ValueError:
         return False
     return isinstance(said, dict) and ({"means", "sh0"} <= said.keys() or "lodLevels" in said)
 

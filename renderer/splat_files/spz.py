@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.budget import budget
 from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians
 from renderer.splat_files.other_kinds import CONVERT
@@ -87,6 +88,7 @@ def _head(content: bytes) -> _Head:
             f"expected up to {MOST} splats of degree 0 to 3 with up to 24 bits after the point, "
             f"got {count} of {degree} with {bits}"
         )
+    budget().require(splats=count)
     return _Head(version, count, BANDS[degree], bits, flags)
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from safetensors.numpy import save
 
 from renderer.atomic_files import write_atomically
+from renderer.json_files import parsed
 from renderer.stored_arrays import read_arrays
 
 KEPT = 2
@@ -67,10 +68,10 @@ def read_checkpoint(path: Path) -> Checkpoint:
     """Raises ValueError when the file is damaged, or something else."""
     try:
         arrays, metadata = read_arrays(path)
-        state = json.loads(metadata["state"])
+        state = parsed(metadata["state"])
         iteration, seconds = int(state["iteration"]), float(state["seconds"])
         if iteration < 0 or not 0 <= seconds < math.inf:
             raise ValueError(f"iteration {iteration} after {seconds} s")
         return Checkpoint(iteration, seconds, str(state["fingerprint"]), arrays)
-    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"expected a checkpoint, got a damaged file or another: {path}") from error

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from contextlib import suppress
@@ -35,6 +34,7 @@ from app.sessions import (
 )
 from app.tuning import METRICS
 from renderer.camera import Camera
+from renderer.json_files import parsed
 from renderer.view_files import views_json, views_of
 
 AUTOSAVE_SECONDS = 1.0
@@ -89,7 +89,7 @@ def snapshot(state: AppState, folder: Path) -> Session:
         linked=state.linked,
         view_time=state.view_time,
         free=FreeCamera(free.camera.to_json(), free.down) if free else None,
-        views=json.loads(views_json(state.cameras.views)),
+        views=parsed(views_json(state.cameras.views)),
         view_kind=state.view_kind,
         snapped=state.viewer.snapped,
         blend=state.viewer.blend,

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from app.atomic import write_bytes
 from app.clip_part import WHOLE, ClipPart
 from app.provenance import strict_json
+from renderer.json_files import read_text
 
 MOST_CLIPS = 200
 FILE = "clips.json"
@@ -19,7 +20,7 @@ CLIPS = TypeAdapter(dict[str, ClipPart])
 def load_clips(folder: Path) -> dict[str, ClipPart]:
     """By path. A missing or damaged file gives none: nothing in it is precious."""
     try:
-        return CLIPS.validate_json((folder / FILE).read_bytes())
+        return CLIPS.validate_json(read_text(folder / FILE))
     except (OSError, ValidationError):
         return {}
 

@@ -18,6 +18,7 @@ from app.run_folder import RecordedLook
 from app.training import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.json_files import read_text
 
 BUILT_IN: Final[Mapping[str, Look]] = MappingProxyType(
     {
@@ -40,7 +41,7 @@ def load_presets(path: Path) -> tuple[dict[str, Look], str]:
     A file that cannot be understood is put aside, so that the next save does not destroy it.
     """
     try:
-        return OWN.validate_json(path.read_bytes()), ""
+        return OWN.validate_json(read_text(path)), ""
     except FileNotFoundError:
         return {}, ""
     except (OSError, ValidationError) as error:

@@ -11,6 +11,7 @@ from typing import Literal
 import platformdirs
 
 from app.atomic import write_bytes
+from renderer.json_files import read_json
 
 RECENT_LIMIT = 8
 Theme = Literal["dark", "light"]
@@ -77,7 +78,7 @@ class Settings:
 def load_settings(path: Path) -> Settings:
     """What `save_settings` wrote. A missing or damaged file gives the defaults: nothing in it is precious."""
     try:
-        values = json.loads(path.read_text(encoding="utf-8"))
+        values = read_json(path)
         return Settings(
             acknowledged=values["acknowledged"] is True,
             remember_recent=values["remember_recent"] is not False,

@@ -1,0 +1,61 @@
+"""JSON from files that anyone may have made: their size and depth are held within bounds."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from renderer.regular_files import read_regular
+
+MOST_BYTES = 1 << 28
+"""Of a file. The cameras of 100,000 frames take 60 MB."""
+DEEPEST = 100
+"""Lists and objects within one another. Our own files have fewer than 12."""
+
+
+def parsed(content: str | bytes) -> Any:
+    """The value of a JSON text in UTF-8.
+
+    Raises:
+        ValueError: it is none, is nested too deeply, or holds NaN or an infinity, which JSON has no word for.
+    """
+    try:
+        value = json.loads(content, parse_constant=_refuse)
+    except RecursionError:
+        raise ValueError(TOO_DEEP) from None
+    if _is_deeper(value, DEEPEST):
+        raise ValueError(TOO_DEEP)
+    return value
+
+
+def read_json(path: Path) -> Any:
+    """What `parsed` gives of a file.
+
+    Raises:
+        OSError: it cannot be read, is no regular file, or is larger than MOST_BYTES.
+        ValueError: see `parsed`.
+    """
+    return parsed(read_text(path))
+
+
+def read_text(path: Path) -> bytes:
+    """The bytes of a file of JSON, for pydantic, which bounds the depth by itself. Raises OSError."""
+    return read_regular(path, MOST_BYTES)
+
+
+TOO_DEEP = f"expected at most {DEEPEST} lists and objects within one another, got more"
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(f"expected numbers, got {constant}")
+
+
+def _is_deeper(value: Any, limit: int) -> bool:
+    level = [value]
+    for _ in range(limit):
+        inner = [each for each in level if isinstance(each, dict | list)]
+        if not inner:
+            return False
+        level = [one for each in inner for one in (each.values() if isinstance(each, dict) else each)]
+    return any(isinstance(each, dict | list) for each in level)

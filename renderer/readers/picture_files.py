@@ -1,0 +1,93 @@
+"""Picture files and arrays are opened here alone: regular files, within the budget by their headers."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageFile, UnidentifiedImageError
+
+from renderer.budget import budget
+from renderer.regular_files import require_regular
+
+UNREADABLE_ARRAY = (
+    OSError, ValueError, EOFError, TypeError, KeyError, OverflowError, MemoryError, SyntaxError,
+    RecursionError,
+)  # fmt: skip
+"""What numpy's reader raises for headers that make no sense."""
+TIFF_ORDERS = {b"II*\0": "<", b"MM\0*": ">"}
+WIDTH_TAG, HEIGHT_TAG, SHORT = 256, 257, 3
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[ImageFile.ImageFile]:
+    """A picture whose header was read and whose pixels were not, by Pillow.
+
+    Raises:
+        OverBudget: it has too many pixels.
+        OSError, ValueError, SyntaxError: it is no regular file, or no picture.
+    """
+    require_regular(path)
+    with Image.open(path) as picture:
+        budget().require(pixels=picture.width * picture.height)
+        yield picture
+
+
+def require_size(path: Path) -> None:
+    """As `opened`, for files that another decoder reads; a TIFF by its own first directory.
+
+    Raises:
+        OverBudget, OSError: see `opened`. A file that tells no size is left to its decoder.
+    """
+    require_regular(path)
+    with path.open("rb") as file:
+        order = TIFF_ORDERS.get(file.read(4))
+    if order is not None:
+        budget().require(pixels=_tiff_pixels(path, order))
+        return
+    try:
+        with opened(path):
+            pass
+    except UnidentifiedImageError:
+        pass
+
+
+def _tiff_pixels(path: Path, order: str) -> int:
+    """Width by height of the first picture; 0 where the directory cannot be read."""
+    try:
+        with path.open("rb") as file:
+            file.seek(4)
+            file.seek(struct.unpack(f"{order}I", file.read(4))[0])
+            (count,) = struct.unpack(f"{order}H", file.read(2))
+            entries = [file.read(12) for _ in range(count)]
+        sides = {WIDTH_TAG: 0, HEIGHT_TAG: 0}
+        for entry in entries:
+            tag, kind = struct.unpack(f"{order}HH", entry[:4])
+            if tag in sides:
+                form = "H" if kind == SHORT else "I"
+                sides[tag] = struct.unpack_from(f"{order}{form}", entry, 8)[0]
+        return sides[WIDTH_TAG] * sides[HEIGHT_TAG]
+    except (struct.error, OSError):
+        return 0
+
+
+def read_npy(path: Path) -> NDArray[Any]:
+    """The array of a .npy file, which claims no more than the file holds; objects are never unpickled.
+
+    Raises:
+        OSError: it is no regular file.
+        ValueError: it is damaged, or holds several arrays.
+    """
+    require_regular(path)
+    try:
+        mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+        if isinstance(mapped, np.ndarray):
+            return np.array(mapped)
+    except UNREADABLE_ARRAY as error:
+        raise ValueError(f"it is damaged, or no array: {path}") from error
+    raise ValueError(f"it holds several arrays: {path}")

@@ -1,0 +1,57 @@
+"""Files that are opened are regular ones: a pipe, a socket or a device would hang whoever reads it."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+KINDS = {
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFDIR: "a folder",
+}
+
+
+def require_regular(path: Path) -> int:
+    """The size in bytes of a regular file; links are followed.
+
+    Raises:
+        OSError: there is none, or it is something else; its text says what.
+    """
+    found = path.stat()
+    if not stat.S_ISREG(found.st_mode):
+        kind = what_else(path)
+        number = errno.EISDIR if kind == "a folder" else errno.EINVAL
+        raise OSError(number, f"expected a file, got {kind}", str(path))
+    return found.st_size
+
+
+def what_else(path: Path) -> str:
+    """The kind of what lies under a name and is no regular file. Raises OSError: nothing is there."""
+    return KINDS.get(stat.S_IFMT(path.stat().st_mode), "something else")
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """The content of a regular file of at most that many bytes.
+
+    Raises:
+        OSError: it cannot be read, is no regular file, or is larger.
+    """
+    size = require_regular(path)
+    if size > most:
+        expected = f"expected at most {_megabytes(most)}, got {_megabytes(size)}"
+        raise OSError(errno.EFBIG, expected, str(path))
+    with path.open("rb") as file:
+        content = file.read(most + 1)
+    # A file may grow while it is read.
+    if len(content) > most:
+        raise OSError(errno.EFBIG, f"expected at most {_megabytes(most)}, got more", os.fspath(path))
+    return content
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / 1e6:.0f} MB"
