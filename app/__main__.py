@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import TextIO
 
@@ -18,7 +19,7 @@ QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command. A mistake of the user is one line on stderr; a bug keeps its traceback."""
-    os.environ.update(QUIET_DECODERS)
+    keep_quiet()
     # A shell may have closed them (`>&-`), and a program without a console has none.
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
@@ -47,6 +48,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         return _fail(line, 2)
     return 0
+
+
+def keep_quiet() -> None:
+    """Libraries do not speak past our own lines, unless Python is asked to (-W)."""
+    os.environ.update(QUIET_DECODERS)
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
 
 
 def _nowhere() -> TextIO:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from app.errors import UserError
+from app.leftovers import clear, commit_name, put_into_place, temporary_name
 from renderer.atomic_files import rename, sync_folder
+
+NO_SPACE = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
+"""Of a write, which names no file: the system tells neither."""
 
 
 @contextmanager
@@ -25,15 +30,14 @@ def replaced(path: Path) -> Iterator[Path]:
     if path.is_dir():
         raise UserError(f"expected the path of a file to write, got a folder: {path}")
     make_folder(path.parent)
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}.partial{path.suffix}")
+    clear(path.parent)
+    temporary = path.with_name(temporary_name(path.stem, path.suffix))
     try:
         with _told_as(path, temporary):
             # A link that somebody has laid under this name is not followed.
             temporary.unlink(missing_ok=True)
             yield temporary
-            # Windows syncs no file that is open for reading alone.
-            with temporary.open("rb+") as file:
-                os.fsync(file.fileno())
+            _sync(temporary)
             rename(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
@@ -58,23 +62,52 @@ def filled(folder: Path) -> Iterator[Path]:
         raise UserError(f"expected a folder to write into, got a file: {folder}")
     target = folder.absolute()
     nearest = next(place for place in (target, *target.parents) if place.is_dir())
+    clear(nearest)
+    staging = nearest / temporary_name(f"{folder.name}-{secrets.token_hex(4)}")
     try:
-        staging = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", suffix=".partial", dir=nearest))
+        staging.mkdir()
     except OSError as error:
         raise UserError(f"cannot write into the folder, {error.strerror}: {folder}") from error
     try:
         with _told_as(folder, staging):
             yield staging
-        make_folder(folder)
-        names = sorted(item.name for item in staging.iterdir())
-        for name in names:
-            if (folder / name).is_dir():
-                raise UserError(f"expected the place of a file to write, got a folder: {folder / name}")
-        for name in names:
-            os.replace(staging / name, folder / name)
-        sync_folder(folder)
+            make_folder(folder)
+            _commit(staging, folder)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
+
+
+@contextmanager
+def together(path: Path) -> Iterator[Path]:
+    """The temporary place of a file, beside which more may be written: all appear at once.
+
+    Raises:
+        UserError: `path` is a folder, or its parent is a file.
+    """
+    if path.is_dir():
+        raise UserError(f"expected the path of a file to write, got a folder: {path}")
+    make_folder(path.parent)
+    with filled(path.parent) as staging:
+        yield staging / path.name
+
+
+def _commit(staging: Path, folder: Path) -> None:
+    """One rename decides: before it nothing has changed, after it the next process would go on."""
+    for item in sorted(staging.iterdir()):
+        if (folder / item.name).is_dir():
+            raise UserError(f"expected the place of a file to write, got a folder: {folder / item.name}")
+        _sync(item)
+    sync_folder(staging)
+    ready = folder / commit_name(staging.name)
+    os.replace(staging, ready)
+    sync_folder(folder)
+    put_into_place(ready)
+
+
+def _sync(file: Path) -> None:
+    # Windows syncs no file that is open for reading alone.
+    with file.open("rb+") as opened:
+        os.fsync(opened.fileno())
 
 
 @contextmanager
@@ -82,7 +115,11 @@ def _told_as(place: Path, temporary: Path) -> Iterator[None]:
     """Errors that name the temporary path, or a file in it, name what it stands for."""
     try:
         yield
+    except UserError as error:
+        raise UserError(str(error).replace(str(temporary), str(place))) from error
     except OSError as error:
+        if error.errno in NO_SPACE and not error.filename:
+            error.filename = str(place)
         if isinstance(error.filename, str) and (named := Path(error.filename)).is_relative_to(temporary):
             error.filename = str(place / named.relative_to(temporary))
         raise

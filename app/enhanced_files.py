@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.ahead import ahead
-from app.atomic import filled
+from app.atomic import filled, together
 from app.errors import UserError
 from app.methods import Enhanced, LookEnhancer, Params, apply, measure_for
 from app.pictures import ArrayImage, is_image, write_image
@@ -211,12 +211,13 @@ def _write_video(
             facts.append({"output": output.name} | picture.facts)
             yield picture.result.image
 
-    written = yield from write_frames(output, frames(), series.timing)
-    notices.extend(written.notices)
-    record = {
-        "kind": "enhanced video",
-        "frames_per_second": series.timing.frames_per_second,
-        "pictures": facts,
-    }
-    write_sidecar(output, provenance(**record, encoding=written.encoding, notices=notices))
+    with together(output) as place:
+        written = yield from write_frames(place, frames(), series.timing)
+        notices.extend(written.notices)
+        record = {
+            "kind": "enhanced video",
+            "frames_per_second": series.timing.frames_per_second,
+            "pictures": facts,
+        }
+        write_sidecar(place, provenance(**record, encoding=written.encoding, notices=notices))
     return facts

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, UnidentifiedImageError
 
-from app.atomic import write_bytes
+from app.atomic import together, write_bytes
 from app.errors import UserError
 from app.provenance import encode_png, write_sidecar
 from renderer.budget import OverBudget
@@ -157,9 +157,13 @@ def write_image(path: Path, image: ArrayImage, facts: dict[str, Any]) -> None:
     Raises:
         UserError: a suffix that is unknown or cannot hold this type of image.
     """
-    write_bytes(path, _encoded(path, image, facts))
-    if path.suffix.lower() != ".png":
-        write_sidecar(path, facts)
+    content = _encoded(path, image, facts)
+    if path.suffix.lower() == ".png":
+        write_bytes(path, content)
+        return
+    with together(path) as place:
+        write_bytes(place, content)
+        write_sidecar(place, facts)
 
 
 def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any]) -> bytes:

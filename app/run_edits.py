@@ -59,6 +59,18 @@ def save_edits(folder: RunFolder, edits: Edits) -> None:
     write_bytes(folder.edits_path, strict_json(record, indent=1).encode())
 
 
+def saved_since(folder: RunFolder, known: Edits) -> Edits | None:
+    """What another window has saved beside the run since `known` was read or saved; None: nothing."""
+    try:
+        record = RECORD.validate_json(read_text(folder.edits_path))
+        there = unpacked(record.deleted, record.hidden, known.count, folder.edits_path)
+    except FileNotFoundError:
+        there = Edits.none(known.count)
+    except (ValidationError, UserError, OSError):
+        return Edits.none(known.count)
+    return None if (there.deleted, there.hidden) == (known.deleted, known.hidden) else there
+
+
 def read_edits(folder: RunFolder, count: int) -> Edits | None:
     """What was saved last of the model of `count` Gaussians; None when the run is as it was trained.
 

@@ -201,8 +201,8 @@ class RunFolder:
 
     def omitted(self) -> tuple[Omission, ...]:
         """What the run left out, as it said when it started last and when it finished."""
-        told = {event["event"]: event.get("omitted", []) for event in self.events()}
-        return tuple(Omission(**each) for name in ("Started", "Finished") for each in told.get(name, []))
+        told = {event["event"]: OMITTED.validate_python(event.get("omitted", ())) for event in self.events()}
+        return tuple(each for name in ("Started", "Finished") for each in told.get(name, ()))
 
     def train_seconds(self) -> float | None:
         """Of the steps of the finished run, None when it was not logged."""

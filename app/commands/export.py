@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from app import moments, scene_view
-from app.atomic import filled, write_bytes
+from app.atomic import filled, together, write_bytes
 from app.color_bar import with_bar
 from app.drawers import drawn_by
 from app.errors import UserError
@@ -96,9 +96,10 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
                 yield with_bar(view.at(moment))
                 report(done, moment.name)
 
-    written = write_video(flags.video, pictures(), Timing(flags.frames_per_second))
     seen = [moment.facts | {"near": near_plane(scene.model, moment.camera)} for moment in wanted]
     facts = scene.facts | by | {"background": (0.0, 0.0, 0.0), "view": view.kind, "scale": view.scale}
-    facts |= {"frames_per_second": flags.frames_per_second, "moments": seen, "video": written}
-    write_sidecar(flags.video, repeatable(kind="render video", **facts))
+    with together(flags.video) as place:
+        written = write_video(place, pictures(), Timing(flags.frames_per_second))
+        facts |= {"frames_per_second": flags.frames_per_second, "moments": seen, "video": written}
+        write_sidecar(place, repeatable(kind="render video", **facts))
     sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {by['renderer']}\n")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
@@ -55,6 +55,9 @@ class Sources:
         for path in candidates:
             if digest_of(path) == sha256:
                 return path
+        if not candidates and not _is_bare(name):
+            said = f"{self.file.name} names its source by a path, {name}"
+            raise UserError(f"{said}, which is not looked up: give it by --source")
         if not candidates:
             raise UserError(
                 f"expected the source {name} beside {self.file.name}, in the current folder or by --source, "
@@ -68,12 +71,25 @@ class Sources:
 
     def _candidates(self, name: str) -> Iterator[Path]:
         """What is there under this name; a source that is given may have another one."""
+        bare = PurePosixPath(name.replace("\\", "/")).name
         for path in self.given:
-            yield path / name if (path / name).exists() else path
+            yield path / bare if bare and (path / bare).exists() else path
+        if not _is_bare(name):
+            return
         for folder in (self.file.absolute().parent, Path.cwd(), phantom_path().parent):
             path = folder / name
-            if path.exists() and path != self.file.absolute():
+            if (path.is_file() or path.is_dir()) and path != self.file.absolute() and _lies_in(path, folder):
                 yield path
+
+
+def _is_bare(name: str) -> bool:
+    """Whether it is a name, as provenance holds: a path might lead anywhere, and the file may be anyone's."""
+    return name not in ("", ".", "..") and not any(sign in name for sign in "/\\\0")
+
+
+def _lies_in(path: Path, folder: Path) -> bool:
+    """Whether a link leads out of the folder; where one is meant, --source says so."""
+    return path.resolve().is_relative_to(folder.resolve())
 
 
 def _digest_of_model(path: Path) -> str:

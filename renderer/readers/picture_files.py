@@ -6,6 +6,7 @@ import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from renderer.regular_files import require_regular
 
 UNREADABLE_ARRAY = (
     OSError, ValueError, EOFError, TypeError, KeyError, OverflowError, MemoryError, SyntaxError,
-    RecursionError,
+    RecursionError, TokenError,
 )  # fmt: skip
 """What numpy's reader raises for headers that make no sense."""
 TIFF_ORDERS = {b"II*\0": "<", b"MM\0*": ">"}

@@ -9,6 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from renderer.budget import OverBudget, budget
 from renderer.clip import ClipError
 from renderer.readers.misnamed import neither
 from renderer.utf8_paths import not_utf8
@@ -81,9 +82,13 @@ def video_stream(container: InputContainer, path: Path) -> VideoStream:
     best = container.streams.best("video")
     stream = next((one for one in found if one is best), found[0])
     if stream.codec_context is None:
-        raise ClipError(f"expected a video that FFmpeg decodes, got codec {stream.codec_tag!r}: {path}")
+        raise ClipError(f"expected a video that FFmpeg decodes, got a codec that it does not know: {path}")
     if stream.codec_context.name in NO_VIDEO:
         raise ClipError(neither(path))
+    try:
+        budget().require(pixels=stream.codec_context.width * stream.codec_context.height)
+    except OverBudget as error:
+        raise ClipError(f"{error}: {path}") from error
     stream.thread_type = "AUTO"
     return stream
 

@@ -16,6 +16,7 @@ from PIL import Image, ImageOps
 
 from app.atomic import filled, replaced, write_bytes
 from app.errors import UserError
+from app.leftovers import temporary_name
 from app.pictures import read_image, write_image
 from app.shared_model import Slot, SlotReader, SlotWriter
 from app.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
@@ -243,7 +244,7 @@ def test_a_link_under_the_temporary_name_is_not_followed(tmp_path: Path) -> None
     outside, folder = tmp_path / "outside", tmp_path / "run"
     folder.mkdir()
     outside.write_bytes(b"precious")
-    (folder / f".run-{os.getpid()}.partial.json").symlink_to(outside)
+    (folder / temporary_name("run", ".json")).symlink_to(outside)
     write_bytes(folder / "run.json", b"new")
     assert outside.read_bytes() == b"precious"
     assert [path.name for path in folder.iterdir()] == ["run.json"]

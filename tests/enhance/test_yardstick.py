@@ -19,7 +19,7 @@ from tests.enhance.pictures import vessels
     ],
 )
 def test_the_yardstick_is_within_a_grey_level_of_the_equations(params: EnhanceParams) -> None:
-    """Near the borders, which the yardstick reflects, within 3. `keep_black` would change the black corner."""
+    """Near the borders, which the yardstick reflects, within 3. `keep_black` would change a black corner."""
     image = vessels(256, 320)
     error = np.abs(enhance_plainly(image, params).astype(int) - enhance(image, params).image)
     inner = error[64:-64, 64:-64]

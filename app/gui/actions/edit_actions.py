@@ -21,7 +21,7 @@ from app.gui.work.editing import (
     tinted_model,
 )
 from app.provenance import comments, repeatable
-from app.run_edits import edits_facts, save_edits
+from app.run_edits import edits_facts, save_edits, saved_since
 from app.run_folder import RunFolder
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
@@ -234,6 +234,9 @@ def save(state: AppState) -> bool:
         return False
     try:
         if editing.is_of_run:
+            if (other := saved_since(RunFolder(editing.run_path), editing.saved)) is not None:
+                editing.saved = other
+                raise UserError("another window has saved its own meanwhile; save again to replace those")
             save_edits(RunFolder(editing.run_path), editing.edits)
             actions.announce(
                 state, f"edits saved beside {editing.run_path.name}; the trained model is as it was"

@@ -5,7 +5,14 @@ from __future__ import annotations
 from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import BUILT_IN, LONGEST_NAME, load_presets, presets_file, save_presets
+from app.gui.state.presets import (
+    BUILT_IN,
+    LONGEST_NAME,
+    load_presets,
+    merged_presets,
+    presets_file,
+    save_presets,
+)
 from app.methods import Look
 
 
@@ -41,8 +48,10 @@ def forget(state: AppState, name: str) -> None:
 
 
 def _save(state: AppState, presets: dict[str, Look], done: str) -> None:
+    file = presets_file(state.places)
+    presets = merged_presets(file, presets, state.presets)
     try:
-        save_presets(presets_file(state.places), presets)
+        save_presets(file, presets)
     except (OSError, UserError) as error:
         actions.fail(state, f"the presets cannot be kept: {error}")
         return

@@ -63,6 +63,14 @@ def save_presets(path: Path, presets: Mapping[str, Look]) -> None:
     write_bytes(path, strict_json(dict(presets), indent=2).encode())
 
 
+def merged_presets(path: Path, mine: Mapping[str, Look], before: Mapping[str, Look]) -> dict[str, Look]:
+    """What other windows have saved meanwhile, with what this one has changed since `before`."""
+    others, _ = load_presets(path)
+    changed = {name: look for name, look in mine.items() if before.get(name) != look}
+    gone = before.keys() - mine.keys()
+    return {name: look for name, look in others.items() if name not in gone} | changed
+
+
 def preset_name(look: Look, own: Mapping[str, Look]) -> str:
     """The preset that these parameters are, empty for none."""
     named = (name for name, preset in {**BUILT_IN, **own}.items() if preset == look)

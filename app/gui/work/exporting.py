@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from app.atomic import filled
+from app.atomic import filled, together
 from app.gui.work.measure_table import measured_rows, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
@@ -137,9 +137,10 @@ def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
         facts = {"kind": "panes video"} | _facts(request) | _span_facts(request)
         kept = timing_of(request.panes.shots[0].photo.clip, request.frames)
         timing = replace(kept, frames_per_second=request.frames_per_second)
-    written = yield from retold(write_frames(path, frames, timing), Step)
-    facts |= {"frames_per_second": request.frames_per_second, "video": written}
-    write_sidecar(path, provenance(**facts))
+    with together(path) as place:
+        written = yield from retold(write_frames(place, frames, timing), Step)
+        facts |= {"frames_per_second": request.frames_per_second, "video": written}
+        write_sidecar(place, provenance(**facts))
 
 
 def _measures(request: ExportRequest, path: Path) -> Iterator[Step]:

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from app.atomic import write_bytes
+from app.atomic import together, write_bytes
 from app.gui.work.others import OtherMaker
 from app.gui.work.shots import Panes, made
 from app.gui.work.sizing import Sizing
@@ -48,8 +48,9 @@ def _rows_at(panes: Panes, frame: int, maker: OtherMaker) -> list[Row]:
 def write_measures(path: Path, rows: list[Row], facts: dict[str, Any]) -> None:
     """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and provenance."""
     definitions = {name: text for name, text in DEFINITIONS.items() if name != UNMEASURED}
-    write_bytes(path, _table(rows))
-    write_sidecar(path, provenance(kind="measures", **facts, definitions=definitions, frames=rows))
+    with together(path) as place:
+        write_bytes(place, _table(rows))
+        write_sidecar(place, provenance(kind="measures", **facts, definitions=definitions, frames=rows))
 
 
 def _table(rows: list[Row]) -> bytes:

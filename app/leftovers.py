@@ -1,0 +1,83 @@
+"""What killed processes of this machine have left: what was ready is put into place, the rest goes.
+
+Temporary names tell whose they are: `.NAME-PROCESS-MACHINE.partial`. A folder with `.commit` in its place
+holds a set of files that was whole, of which none, some or all have been put where they belong.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import shutil
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+from zlib import crc32
+
+import psutil
+
+from renderer.atomic_files import sync_folder
+
+PARTIAL: Final = ".partial"
+COMMIT: Final = ".commit"
+_NAME = re.compile(r"^\..*-(\d+)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
+
+
+def temporary_name(name: str, suffix: str = "") -> str:
+    """Of this process; `suffix` is one by which writers choose their format."""
+    return f".{name}-{os.getpid()}-{_machine()}{PARTIAL}{suffix}"
+
+
+def commit_name(temporary: str) -> str:
+    """Of a folder whose files are whole and may be put into place."""
+    return temporary.removesuffix(PARTIAL) + COMMIT
+
+
+def put_into_place(commit: Path) -> None:
+    """Move the files of a set to where its folder lies, and remove it; goes on where it was cut off."""
+    folder = commit.parent
+    for item in sorted(commit.iterdir()):
+        os.replace(item, folder / item.name)
+    sync_folder(folder)
+    commit.rmdir()
+
+
+def clear(folder: Path) -> None:
+    """Complete the sets and remove the partial files that processes of this machine have left in `folder`.
+
+    Those of living processes and of other machines stay, and so does what cannot be moved.
+    """
+    with suppress(OSError):
+        for item in sorted(folder.iterdir()):
+            found = _NAME.match(item.name)
+            if found and found[2] == _machine() and not _lives(int(found[1]), item):
+                with suppress(OSError):
+                    _settle(item, found[3])
+
+
+def _settle(item: Path, kind: str) -> None:
+    if kind == COMMIT:
+        if item.is_dir() and not item.is_symlink():
+            put_into_place(item)
+    elif item.is_dir() and not item.is_symlink():
+        shutil.rmtree(item)
+    else:
+        item.unlink()
+
+
+def _lives(process: int, item: Path) -> bool:
+    """Whether the process that made it runs; numbers are used again, by processes that began later."""
+    if process == os.getpid():
+        return True
+    try:
+        return float(psutil.Process(process).create_time()) <= item.lstat().st_mtime
+    except psutil.NoSuchProcess:
+        return False
+    except (psutil.Error, OSError, OverflowError):
+        return True
+
+
+def _machine() -> str:
+    """Folders may be shared: a process is one of the machine that it runs on."""
+    return f"{crc32(platform.node().encode()):08x}"

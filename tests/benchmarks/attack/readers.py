@@ -1,0 +1,123 @@
+"""Every reader of the product, with the file that is damaged and what is read then."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.described.paths import described
+from app.gui.state.presets import load_presets
+from app.gui.state.settings import load_settings
+from app.gui.work.told import told
+from app.kept_queue import take_over
+from app.pictures import read_image
+from app.replay.recorded import recorded
+from app.report.saved import read_report
+from app.run_edits import read_edits
+from app.run_folder import RunFolder
+from app.run_holder import holder
+from app.sessions import mended_session
+from renderer.gaussians import DynamicGaussians
+from renderer.rasterize.cpu import render
+from renderer.readers.clip_options import ClipOptions
+from renderer.sources import open_clip
+from renderer.splat_files import read_splats
+from renderer.train.checkpoint import read_checkpoint
+from renderer.view_files import import_views
+
+Read = Callable[[Path], object]
+
+
+@dataclass(frozen=True)
+class Reader:
+    """`read` gets the folder with all files, one of which, `damaged`, is not as it was."""
+
+    damaged: str
+    read: Read
+
+
+def readers(seeds: Path) -> dict[str, Reader]:
+    """By name; of clips, one for each file of theirs that decides the result."""
+    found = {name: Reader(name, read) for name, read in _FILES.items()}
+    for layout in ("endonerf", "scared"):
+        for path in _first_of_each(seeds / layout):
+            found[path] = Reader(path, lambda folder, layout=layout: _clip(folder / layout))
+    return found
+
+
+def _first_of_each(clip: Path) -> Iterator[str]:
+    """Of each folder of a clip, the first file of each suffix."""
+    seen = set()
+    for path in sorted(clip.rglob("*")):
+        if path.is_file() and (key := (path.parent, path.suffix)) not in seen:
+            seen.add(key)
+            yield path.relative_to(clip.parent).as_posix()
+
+
+def _clip(path: Path) -> None:
+    clip = open_clip(path, ClipOptions())
+    for index in range(min(len(clip), 2)):
+        clip.read_frame(index)
+
+
+def _model(folder: Path, method: str) -> None:
+    run = RunFolder(folder / method)
+    model = run.model()
+    render(model.at(0.4), run.record().camera(0))
+
+
+def _checkpoint(path: Path) -> None:
+    try:
+        DynamicGaussians.checked(read_checkpoint(path).arrays)
+    except ValueError:
+        return  # Passed over for the one before it.
+
+
+def _run(folder: Path) -> None:
+    run = RunFolder(folder / "vesselsplat")
+    record = run.record()
+    record.camera(min(1, record.clip.frames - 1))
+    run.omitted(), run.train_seconds(), told(run), described(run.path)
+    read_edits(run, len(run.model()))
+
+
+def _picture(path: Path) -> None:
+    read_image(path)
+
+
+def _clip_of_picture(path: Path) -> None:
+    read_image(path)
+    if path.suffix != ".npy":
+        open_clip(path).read_frame(0)
+
+
+_FILES: dict[str, Read] = {
+    **{f"{name}/model.safetensors": lambda folder, name=name: _model(folder, name)
+       for name in ("vesselsplat", "deform3dgs", "endogaussian")},
+    **{f"{name}/checkpoint-0000020.safetensors":
+       lambda folder, name=name: _checkpoint(folder / name / "checkpoint-0000020.safetensors")
+       for name in ("vesselsplat", "deform3dgs", "endogaussian")},
+    "vesselsplat/run.json": _run,
+    "vesselsplat/events.jsonl": _run,
+    "vesselsplat/edits.json": _run,
+    "vesselsplat/.training": lambda folder: holder(folder / "vesselsplat"),
+    "a.vesselsplat": lambda folder: mended_session(folder / "a.vesselsplat"),
+    "settings.json": lambda folder: load_settings(folder / "settings.json"),
+    "presets.json": lambda folder: load_presets(folder / "presets.json"),
+    "queue-1.json": take_over,
+    "views.json": lambda folder: import_views(folder / "views.json"),
+    "cameras.json": lambda folder: import_views(folder / "cameras.json"),
+    "transforms.json": lambda folder: import_views(folder / "transforms.json"),
+    "colmap/images.txt": lambda folder: import_views(folder / "colmap" / "images.txt"),
+    "colmap/cameras.txt": lambda folder: import_views(folder / "colmap" / "cameras.txt"),
+    "enhanced.png": lambda folder: recorded(folder / "enhanced.png"),
+    "export.ply": lambda folder: (recorded(folder / "export.ply"), read_splats(folder / "export.ply")),
+    "export.spz": lambda folder: read_splats(folder / "export.spz"),
+    "export.splat": lambda folder: read_splats(folder / "export.splat"),
+    "export.mp4": lambda folder: _clip(folder / "export.mp4"),
+    "export.mp4.json": lambda folder: (recorded(folder / "export.mp4"), described(folder)),
+    "report.json": lambda folder: read_report(folder / "report.json"),
+    **{f"picture.{suffix}": lambda folder, suffix=suffix: _clip_of_picture(folder / f"picture.{suffix}")
+       for suffix in ("png", "jpg", "tif", "webp", "bmp", "ppm", "npy")},
+}  # fmt: skip

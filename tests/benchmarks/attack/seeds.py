@@ -1,0 +1,100 @@
+"""Small valid files of every kind that the product reads, made by the product itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from PIL import Image
+
+from app.__main__ import main
+from app.gui.state.presets import save_presets
+from app.gui.state.settings import Settings, save_settings
+from app.kept_queue import keep_queue
+from app.run_edits import save_edits
+from app.run_folder import RunFolder
+from app.sessions import Session, SessionSource, write_session
+from app.training import TrainRequest, run_training
+from enhance import EnhanceParams
+from renderer.camera import Camera
+from renderer.camera_files import NamedCamera, splatting_json
+from renderer.camera_path import CameraPath, Keyframe
+from renderer.editing.edits import Edits
+from renderer.editing.mask import Mask
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.train.config import TrainConfig
+from renderer.view_files import Views, views_json
+
+CONFIG = TrainConfig(iterations=20, n_gaussians=80, checkpoint_every=10)
+
+
+def make_seeds(folder: Path) -> None:
+    """Clips, a run of each method, exports, and files of the window, under `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    params = PhantomParams(n_frames=6, width=64, height=48, seed=1)
+    for layout in ("endonerf", "scared"):
+        write_phantom(folder / layout, params, layout)
+    for method in ("vesselsplat", "deform3dgs", "endogaussian"):
+        run = folder / method
+        config = replace(CONFIG, method=method, keep=("deformation",))
+        list(run_training(TrainRequest(clip_path=folder / "endonerf", run_path=run, config=config)))
+    run = RunFolder(folder / "vesselsplat")
+    _window_files(folder, run)
+    _cameras(folder, run)
+    _pictures(folder)
+    _exports(folder, run)
+
+
+def _window_files(folder: Path, run: RunFolder) -> None:
+    model = run.model()
+    edits = Edits.none(len(model))
+    save_edits(run, replace(edits, deleted=Mask.of(np.arange(len(model)) < 9)))
+    source = SessionSource.of(run.path, folder)
+    write_session(folder / "a.vesselsplat", Session(run=source, zoom=2.0, stored={"a": EnhanceParams()}))
+    save_settings(folder / "settings.json", Settings(recent=("a", "b")))
+    save_presets(folder / "presets.json", {"mine": EnhanceParams()})
+    keep_queue(folder / "queue-1.json", [TrainRequest(clip_path=folder, run_path=folder, config=CONFIG)])
+
+
+def _cameras(folder: Path, run: RunFolder) -> None:
+    camera = run.record().camera(0)
+    path = CameraPath((Keyframe(0.0, 0.0, camera), Keyframe(2.0, 1.0, camera)))
+    (folder / "views.json").write_bytes(views_json(Views((NamedCamera("a", camera),), path)))
+    (folder / "cameras.json").write_bytes(splatting_json([NamedCamera("a", camera)]))
+    (folder / "transforms.json").write_text(
+        '{"w": 64, "h": 48, "fl_x": 60, "frames": [{"file_path": "a", "transform_matrix": '
+        "[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]}"
+    )
+    colmap = folder / "colmap"
+    colmap.mkdir(exist_ok=True)
+    (colmap / "cameras.txt").write_text("1 PINHOLE 64 48 60 60 32 24\n")
+    (colmap / "images.txt").write_text("1 1 0 0 0 0 0 0 1 a.png\n\n")
+    assert isinstance(camera, Camera)
+
+
+def _pictures(folder: Path) -> None:
+    rng = np.random.default_rng(0)
+    image = cv2.GaussianBlur(rng.integers(0, 255, (48, 64, 3), dtype=np.uint8), (0, 0), 2)
+    for suffix in ("png", "jpg", "tif", "webp", "bmp", "ppm"):
+        Image.fromarray(image).save(folder / f"picture.{suffix}")
+    np.save(folder / "picture.npy", image)
+    main(["enhance", str(folder / "picture.png"), str(folder / "enhanced.png")])
+
+
+def _exports(folder: Path, run: RunFolder) -> None:
+    main(["export", str(run.path), "--ply", str(folder / "ply"), "--frames", "0"])
+    main(["export", str(run.path), "--video", str(folder / "export.mp4"), "--with", "cpu"])
+    for path in (folder / "ply").glob("*.ply"):
+        path.replace(folder / "export.ply")
+    _spz(folder / "export.spz")
+    (folder / "export.splat").write_bytes(np.random.default_rng(1).bytes(32 * 40))
+
+
+def _spz(path: Path) -> None:
+    import gzip
+    import struct
+
+    head = struct.pack("<IIIBBBB", 0x5053474E, 2, 30, 1, 12, 0, 0)
+    path.write_bytes(gzip.compress(head + np.random.default_rng(2).bytes(30 * (9 + 1 + 3 + 3 + 3 + 9))))

@@ -1,0 +1,105 @@
+"""A process that reads damaged files one after the other, under limits of memory and time.
+
+`python -m tests.benchmarks.attack.worker SEEDS READER FIRST LAST`: a line of JSON for each failure, and the
+number of the file that it begins, so that the one that ended the process is known.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import traceback
+from pathlib import Path
+from types import FrameType
+from zlib import crc32
+
+from app.__main__ import keep_quiet, mistake
+from app.errors import UserError
+from renderer.camera_files import CameraFileError
+from renderer.splat_files import SplatFileError
+from tests.benchmarks.attack.mutations import mutated
+from tests.benchmarks.attack.readers import readers
+
+MEMORY = 4 << 30
+"""Bytes beyond what the process has when it begins."""
+SECONDS = 10
+
+
+class TooSlow(BaseException):
+    """Not caught by what catches exceptions."""
+
+
+def main() -> None:
+    """See the module."""
+    keep_quiet()
+    seeds, name, first, last = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
+    reader = readers(seeds)[name]
+    signal.signal(signal.SIGALRM, _late)
+    _limit_memory()
+    with tempfile.TemporaryDirectory() as scratch:
+        for number in range(first, last):
+            print(json.dumps({"begins": number}), flush=True)
+            folder = Path(scratch) / "all"
+            shutil.rmtree(folder, ignore_errors=True)
+            shutil.copytree(seeds, folder, copy_function=_link)
+            target = folder / reader.damaged
+            content = target.read_bytes()
+            target.unlink()
+            target.write_bytes(mutated(content, crc32(name.encode()) + number))
+            signal.alarm(SECONDS)
+            try:
+                reader.read(folder)
+            except (UserError, CameraFileError, SplatFileError, OSError) as error:
+                _require_line(error, number)
+            except ValueError as error:
+                if mistake(error) is None:
+                    _tell(number, error)
+            except BaseException as error:
+                _tell(number, error)
+            finally:
+                signal.alarm(0)
+
+
+def _link(source: str, target: str) -> None:
+    """The files that stay as they are need no copy; the damaged one is written anew."""
+    os.link(source, target)
+
+
+def _late(number: int, frame: FrameType | None) -> None:
+    raise TooSlow(f"more than {SECONDS} s")
+
+
+def _limit_memory() -> None:
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, used + MEMORY))
+
+
+def _require_line(error: Exception, number: int) -> None:
+    if not str(error).strip():
+        _tell(number, error)
+
+
+def _tell(number: int, error: BaseException) -> None:
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    where = f"{Path(last.filename).name}:{last.lineno}"
+    ours = [
+        each for each in traceback.extract_tb(error.__traceback__) if "site-packages" not in each.filename
+    ]
+    place = f"{Path(ours[-1].filename).name}:{ours[-1].lineno}"
+    told = {
+        "number": number,
+        "error": type(error).__name__,
+        "said": str(error)[:200],
+        "in": where,
+        "from": place,
+    }
+    print(json.dumps(told), flush=True)
+
+
+if __name__ == "__main__":
+    main()
