@@ -17,9 +17,8 @@ from zlib import crc32
 
 import psutil
 
-from renderer.atomic_files import sync_folder
+from renderer.atomic_files import PARTIAL, sync_folder
 
-PARTIAL: Final = ".partial"
 COMMIT: Final = ".commit"
 _NAME = re.compile(r"^\..*-(\d+)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
 

@@ -7,10 +7,12 @@ import threading
 import time
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Generic, TypeVar
 
 from renderer.clip import Clip, ClipError, Frame
 from renderer.train.events import Preparing
+from renderer.train.frame_store import FrameStore
 
 SECONDS_BETWEEN = 0.5
 STAGES = {"stereo": "match left and right pictures", "brightness": "guess depth from brightness"}
@@ -91,11 +93,15 @@ class _Task(Generic[Result]):
 
 
 class ReadAhead:
-    """A clip whose training frames are read once, before training, and then handed over."""
+    """A clip whose training frames are read once, before training, and then handed over.
 
-    def __init__(self, clip: Clip) -> None:
+    Those that memory cannot hold lie in a file of no name in `folder` meanwhile.
+    """
+
+    def __init__(self, clip: Clip, folder: Path) -> None:
         self.clip = replace(clip, read_frame=self._read)
-        self._source, self._frames, self._handing = clip, dict[int, Frame](), False
+        self._source, self._store, self._handing = clip, FrameStore[Frame](folder), False
+        self._places: dict[int, int] = {}
 
     def fill(self, told: Told) -> None:
         """Raises ClipError: a frame cannot be read, or none of a few pairs that are looked at first match."""
@@ -106,10 +112,12 @@ class ReadAhead:
             told(done, len(ordered))
             if probes and done == len(probes):
                 self._require_match(probes)
-            self._frames[index] = self._source.read_frame(index)
+            frame = self._source.read_frame(index)
+            self._places[index] = len(self._store)
+            self._store.append(frame)
 
     def _require_match(self, probes: Sequence[int]) -> None:
-        if any(self._frames[index].depth_mask.any() for index in probes):
+        if any(self._store[self._places[index]].depth_mask.any() for index in probes):
             return
         labels = ", ".join(self._source.labels[index] for index in probes)
         way = "--depth brightness guesses it, without a scale"
@@ -122,8 +130,11 @@ class ReadAhead:
 
     def _read(self, index: int) -> Frame:
         index = range(len(self._source))[index]
-        frame = self._frames.pop(index, None) if self._handing else self._frames.get(index)
-        return self._source.read_frame(index) if frame is None else frame
+        if index not in self._places:
+            return self._source.read_frame(index)
+        if self._handing:
+            return self._store.take(self._places.pop(index))
+        return self._store[self._places[index]]
 
 
 def _probes(indices: Sequence[int]) -> list[int]:

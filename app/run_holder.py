@@ -12,6 +12,7 @@ from filelock import FileLock, Timeout
 
 from app.atomic import write_bytes
 from app.errors import UserError
+from renderer.atomic_files import PARTIAL
 from renderer.json_files import read_json
 
 NAME, LOCK = ".training.json", ".training.lock"
@@ -31,6 +32,7 @@ def held(run: Path) -> Iterator[None]:
         who = f", {other}" if (other := holder(run)) else ""
         raise UserError(f"the run is being trained by another process{who}: {run}") from error
     try:
+        _sweep(run)
         write_bytes(file, json.dumps({"process": process.pid, "began": process.create_time()}).encode())
         yield
     finally:
@@ -39,6 +41,13 @@ def held(run: Path) -> Iterator[None]:
         with suppress(PermissionError):
             (run / LOCK).unlink(missing_ok=True)
         lock.release()
+
+
+def _sweep(run: Path) -> None:
+    """What killed processes were writing: nobody else writes here now."""
+    for partial in run.glob(f"*{PARTIAL}"):
+        if partial.is_symlink() or partial.is_file():
+            partial.unlink()
 
 
 def holder(run: Path) -> int | None:

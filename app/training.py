@@ -32,6 +32,7 @@ from renderer.sources import open_clip, require_depth_source
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent, Warned
+from renderer.train.frame_store import nearest_folder
 from renderer.train.pictures import Pictures
 from renderer.train.trainer import TrainingError, require_depth, train
 
@@ -95,7 +96,7 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
         return
     clock.before = run.wall_before()
     device = device_of(request).device
-    ahead = ReadAhead(clip)
+    ahead = ReadAhead(clip, nearest_folder(run.path))
     yield from told_meanwhile(reading(clip), ahead.fill)
     moves = yield from told_meanwhile("look whether the camera moves", lambda _: camera_notice(ahead.clip))
     notices = (*clip.notices, moves) if moves else clip.notices

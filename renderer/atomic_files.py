@@ -3,20 +3,37 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Final
+
+PARTIAL: Final = ".partial"
+"""Ends the name of a file that is being written."""
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """`path` holds its old content or all of the new, whatever happens meanwhile."""
-    partial = path.with_name(path.name + ".partial")
-    # What lies there is a killed process's, or a link that somebody has laid: it is not followed.
-    partial.unlink(missing_ok=True)
+@contextmanager
+def written_atomically(path: Path) -> Iterator[Path]:
+    """An empty file beside `path`; once it is written, `path` holds all of it, and its old content till then.
+
+    Raises:
+        OSError: it cannot be written; `path` is named, not the file beside it.
+    """
+    partial = path.with_name(path.name + PARTIAL)
     try:
-        with partial.open("xb") as file:
-            file.write(content)
-            file.flush()
+        # What lies there is a killed process's, or a link that somebody has laid: it is not followed.
+        partial.unlink(missing_ok=True)
+        partial.open("xb").close()
+        yield partial
+        # Windows syncs no file that is open for reading alone.
+        with partial.open("rb+") as file:
             os.fsync(file.fileno())
         rename(partial, path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        if error.filename in (None, str(partial)):
+            error.filename = str(path)
+        raise
     except BaseException:
         partial.unlink(missing_ok=True)
         raise

@@ -9,7 +9,6 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors.numpy import save
 
 from renderer.deformation.fdm import FlexibleMotion
 from renderer.deformation.hexplane_motion import HexplaneMotion
@@ -17,7 +16,7 @@ from renderer.deformation.motion import Motion, Still
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array, Splats
-from renderer.stored_arrays import Arrays, read_arrays
+from renderer.stored_arrays import Arrays, read_arrays, write_arrays
 
 MOTIONS: tuple[type[Motion], ...] = (SplineMotion, FlexibleMotion, HexplaneMotion)
 """Each is known in a file by the names of its arrays."""
@@ -68,8 +67,8 @@ class DynamicGaussians:
         return cls.from_arrays(arrays)
 
     def save(self, path: Path, metadata: dict[str, str] | None = None) -> None:
-        arrays = {name: np.ascontiguousarray(value) for name, value in self.arrays().items()}
-        path.write_bytes(save(arrays, metadata))
+        """Raises OSError: it cannot be written."""
+        write_arrays(path, self.arrays(), metadata)
 
     @classmethod
     def load(cls, path: Path) -> Self:

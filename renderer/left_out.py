@@ -14,6 +14,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.laps import lap_times
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Started, TrainEvent
+from renderer.train.frame_store import FrameStore
 from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.held_out import evaluated
 from renderer.train.initialize import scene_size, with_points
@@ -80,9 +81,9 @@ class _Walker:
 
 
 def _walkers(clip: Clip, configs: Sequence[TrainConfig]) -> Iterator[_Walker]:
-    frames = [clip.read_frame(index) for index in split(clip, configs[0])[0]]
-    seeds = with_points(frames, clip.points)
-    size, views = scene_size(seeds), [train_frame(frame) for frame in frames]
+    frames = FrameStore.of(clip.read_frame(index) for index in split(clip, configs[0])[0])
+    seeds = FrameStore.of(with_points(frames, clip.points))
+    size, views = scene_size(seeds), FrameStore.of(train_frame(frame) for frame in frames)
     for config in configs:
         recipe = recipe_for(config, decide(clip, frames, config))
         raw = recipe.initialize(seeds)
@@ -105,6 +106,6 @@ def _psnr(clip: Clip, config: TrainConfig, events: Sequence[TrainEvent], model: 
     measured = [event.psnr for event in events if isinstance(event, Evaluated)]
     if measured:
         return measured[-1]
-    frames = [clip.read_frame(index) for index in clip.train_indices]
+    frames = FrameStore.of(clip.read_frame(index) for index in clip.train_indices)
     size = scene_size(with_points(frames, clip.points))
     return evaluated(model, frames, config.iterations, size, config.render_mode).psnr

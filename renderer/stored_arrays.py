@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save_file
 
 Arrays = dict[str, NDArray[Any]]
 OR_NONE = "?"
@@ -47,6 +50,24 @@ def read_arrays(path: Path) -> tuple[Arrays, dict[str, str]]:
             return arrays, file.metadata() or {}
     except (SafetensorError, OSError, TypeError, AttributeError, KeyError, ValueError) as error:
         raise ValueError(f"expected a file in safetensors format, got {error}: {path}") from error
+
+
+def write_arrays(
+    path: Path, arrays: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None
+) -> None:
+    """A safetensors file, written from the arrays as they lie in memory: they may fill half of it.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    dense = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    try:
+        save_file(dense, path, metadata)
+    except SafetensorError as error:
+        number = re.search(r"os error (\d+)", str(error))
+        if number is None:
+            raise
+        raise OSError(int(number[1]), os.strerror(int(number[1])), str(path)) from error
 
 
 def check(arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, Stored], lengths: dict[str, int]) -> None:

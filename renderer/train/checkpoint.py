@@ -9,13 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
-from safetensors.numpy import save
 
-from renderer.atomic_files import write_atomically
+from renderer.atomic_files import written_atomically
 from renderer.json_files import parsed
-from renderer.stored_arrays import read_arrays
+from renderer.stored_arrays import read_arrays, write_arrays
 
 KEPT = 2
 _NAME = re.compile(r"checkpoint-(\d+)\.safetensors")
@@ -41,9 +39,9 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
         "seconds": checkpoint.seconds,
         "fingerprint": checkpoint.fingerprint,
     }
-    arrays = {name: np.ascontiguousarray(array) for name, array in checkpoint.arrays.items()}
     path = folder / f"checkpoint-{checkpoint.iteration:07d}.safetensors"
-    write_atomically(path, save(arrays, {"state": json.dumps(state)}))
+    with written_atomically(path) as partial:
+        write_arrays(partial, checkpoint.arrays, {"state": json.dumps(state)})
     for old in checkpoint_paths(folder)[:-KEPT]:
         old.unlink()
     return path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,8 @@ RESTLESS = 95.0
 """Percentile of the differences to the mean picture from which a pixel counts as moving."""
 SAMPLED = 4
 """Rows and columns from one pixel to the next whose differences the percentile is of."""
+MOST_SAMPLED = 500
+"""Frames that it is of: of longer clips, some at equal distances."""
 SMALLEST = 5e-6
 """Standard deviation in scene sizes, where points coincide."""
 
@@ -54,11 +57,13 @@ def fused(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
 
 def _clouds(frames: Sequence[Frame], rng: np.random.Generator) -> Iterable[Cloud]:
     """Of the first frame with depth, then of what each other frame adds in its view."""
-    reference, *others = [frame for frame in frames if frame.depth_mask.any()]
+    first, *others = [place for place, frame in enumerate(frames) if frame.depth_mask.any()]
+    reference = frames[first]
     covered = reliable(reference, OF_REFERENCE)
     yield _cloud(reference, np.flatnonzero(covered))
     moving = restless(frames, reference)
-    for frame in others[:: STRIDE if len(frames) > MANY_FRAMES else 1]:
+    for place in others[:: STRIDE if len(frames) > MANY_FRAMES else 1]:
+        frame = frames[place]
         candidates = np.flatnonzero(reliable(frame, OF_OTHERS))
         cell = _cells(frame, candidates, reference)
         new = (cell >= 0) & (moving | ~covered).reshape(-1)[cell]
@@ -81,8 +86,9 @@ def reliable(frame: Frame, percentiles: tuple[float, float]) -> BoolImage:
 
 def restless(frames: Sequence[Frame], reference: Frame) -> BoolImage:
     """Where the reference (H, W) differs from the mean picture as only the top 5 % of all pixels do."""
-    mean = np.mean([_grey(frame) for frame in frames], axis=0)
-    sample = np.stack([np.abs(_grey(frame) - mean)[::SAMPLED, ::SAMPLED] for frame in frames])
+    mean = reduce(np.add, (_grey(frame) for frame in frames)) / np.float32(len(frames))
+    looked_at = (frames[place] for place in range(0, len(frames), -(-len(frames) // MOST_SAMPLED)))
+    sample = np.stack([np.abs(_grey(frame) - mean)[::SAMPLED, ::SAMPLED] for frame in looked_at])
     threshold = np.percentile(sample[sample > 0], RESTLESS) if sample.any() else 0.0
     moving: BoolImage = np.abs(_grey(reference) - mean) > threshold
     return moving

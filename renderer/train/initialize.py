@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,19 +20,16 @@ Float32Array = NDArray[np.float32]
 LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 0.1, 99.9
 
 
-def with_points(frames: Sequence[Frame], points: SparsePoints | None) -> list[Frame]:
+def with_points(frames: Iterable[Frame], points: SparsePoints | None) -> Iterator[Frame]:
     """The frames to start from: those without depth get what is between the sparse points they see."""
-    if points is None:
-        return list(frames)
-    return [
-        frame
-        if frame.depth is not None
-        else replace(frame, depth=depth_between(points.positions, frame.camera, frame.tissue_mask))
-        for frame in frames
-    ]
+    for frame in frames:
+        if points is None or frame.depth is not None:
+            yield frame
+        else:
+            yield replace(frame, depth=depth_between(points.positions, frame.camera, frame.tissue_mask))
 
 
-def scene_size(frames: Sequence[Frame]) -> float:
+def scene_size(frames: Iterable[Frame]) -> float:
     """Median depth of the tissue in the clip's unit: every length in training is relative to it.
 
     Raises:
@@ -50,13 +47,14 @@ def sampled(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
     A Gaussian's size follows from the spacing that the samples have on the tissue at its depth.
     """
     rng = np.random.default_rng(config.seed)
-    measured = [frame for frame in frames if _has_depth(frame)]
+    # The frames themselves may be more than memory holds.
+    covered = {place: int(frame.depth_mask.sum()) for place, frame in enumerate(frames)}
+    measured = [place for place, count in covered.items() if count]
     shares = np.full(len(measured), config.n_gaussians // len(measured))
     shares[: config.n_gaussians % len(measured)] += 1
-    parts = [_sample(frame, int(share), rng) for frame, share in zip(measured, shares, strict=True)]
+    parts = [_sample(frames[place], int(share), rng) for place, share in zip(measured, shares, strict=True)]
     means, pixel_sizes, colors = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    covered = np.mean([frame.depth_mask.sum() for frame in measured])
-    spacing = np.sqrt(covered / len(means)) * pixel_sizes
+    spacing = np.sqrt(np.mean([covered[place] for place in measured]) / len(means)) * pixel_sizes
     scales = config.initial_spacing * spacing
     return round_gaussians(means, scales, colors, config.initial_opacity)
 

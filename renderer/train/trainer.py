@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from renderer.train.events import (
     TrainEvent,
     Warned,
 )
+from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame
 from renderer.train.guards import LossWatch
 from renderer.train.held_out import HeldOut, evaluated
@@ -72,18 +73,19 @@ def train(
         ClipError: frames cannot be read, or there is no depth to start from.
         TrainingError: the checkpoint belongs to another run, or the loss is no longer finite.
     """
-    opened = time.perf_counter()
+    opened, spilled = time.perf_counter(), nearest_folder(folder) if folder else None
     require_depth(clip)
     fit, held_out = split(clip, config)
-    frames = [clip.read_frame(index) for index in fit]
-    seeds = with_points(frames, clip.points)
+    frames = FrameStore.of((clip.read_frame(index) for index in fit), spilled)
+    seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
     size = scene_size(seeds)
     needs = decide(clip, frames, config)
     recipe = recipe_for(config, needs)
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
-    pool = _Pool([train_frame(frame) for frame in frames], config.seed, needs.has_masks)
-    del frames, seeds
+    taken = (train_frame(frames.take(place)) for place in range(len(frames)))
+    pool = _Pool(FrameStore.of(taken, spilled), config.seed, needs.has_masks, spilled)
+    del frames, seeds, taken
     watch = LossWatch()
     start, seconds = 0, 0.0
     if folder and resume:
@@ -114,6 +116,7 @@ def train(
     for notice in model.trouble.notices():
         yield Warned(notice)
     gaussians: DynamicGaussians = model.gaussians
+    del model, result, frame
     omitted: tuple[Omission, ...] = ()
     if "unseen" not in config.keep:
         gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
@@ -146,7 +149,7 @@ def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, 
     return tuple(index for index in clip.train_indices if index not in held_out), held_out
 
 
-def frame_of(iteration: int, frames: list[TrainFrame], seed: int) -> TrainFrame:
+def frame_of(iteration: int, frames: Sequence[TrainFrame], seed: int) -> TrainFrame:
     """Every frame once an epoch, in an order that depends on seed and epoch alone."""
     epoch, place = divmod(iteration, len(frames))
     order = np.random.default_rng([seed, epoch]).permutation(len(frames))
@@ -182,11 +185,11 @@ def _resumed(
 
 
 class _Pool:
-    """The frames to fit, at the resolutions that are asked for."""
+    """The frames to fit, at the resolutions that are asked for; what memory cannot hold lies in `folder`."""
 
-    def __init__(self, full: list[TrainFrame], seed: int, has_masks: bool) -> None:
-        self.full, self._seed, self._has_masks = full, seed, has_masks
-        self._half: list[TrainFrame] = []
+    def __init__(self, full: FrameStore[TrainFrame], seed: int, has_masks: bool, folder: Path | None) -> None:
+        self.full, self._seed, self._has_masks, self._folder = full, seed, has_masks, folder
+        self._half: FrameStore[TrainFrame] | None = None
         self._most = max((_share(frame) for frame in full), default=0.0) or 1.0
 
     def tissue(self, frame: TrainFrame) -> float:
@@ -195,11 +198,11 @@ class _Pool:
 
     def frame(self, iteration: int, stage: Stage) -> TrainFrame:
         """For one step."""
-        if stage.half and not self._half:
-            self._half = [halved(frame, self._has_masks) for frame in self.full]
-        elif not stage.half:
-            self._half = []
-        frames = self._half if stage.half else self.full
+        if not stage.half:
+            self._half = None
+        elif self._half is None:
+            self._half = FrameStore.of((halved(frame, self._has_masks) for frame in self.full), self._folder)
+        frames = self.full if self._half is None else self._half
         return frame_of(iteration, frames[:1] if stage.first_frame_only else frames, self._seed)
 
 

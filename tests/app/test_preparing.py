@@ -92,10 +92,10 @@ def counting(clip: Clip, read: list[int]) -> Clip:
     return replace(clip, read_frame=read_frame)
 
 
-def test_frames_are_read_once_and_handed_over(clip_path: Path) -> None:
+def test_frames_are_read_once_and_handed_over(clip_path: Path, tmp_path: Path) -> None:
     read: list[int] = []
     clip = counting(open_clip(clip_path), read)
-    ahead = ReadAhead(clip)
+    ahead = ReadAhead(clip, tmp_path)
     ahead.fill(lambda done, total: None)
     for index in clip.train_indices:
         assert ahead.clip.read_frame(index) is ahead.clip.read_frame(index)
@@ -184,7 +184,7 @@ def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
         next(run_training(request_of(clip_path, tmp_path / "deep" / "run")))
 
 
-def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path) -> None:
+def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path, tmp_path: Path) -> None:
     read: list[int] = []
     clip = open_clip(clip_path)
 
@@ -193,6 +193,7 @@ def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path) -> No
         frame = clip.read_frame(index)
         return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
 
+    ahead = ReadAhead(replace(clip, read_frame=unmatched, depth_origin="stereo"), tmp_path)
     with pytest.raises(ClipError, match="none that match in"):
-        ReadAhead(replace(clip, read_frame=unmatched, depth_origin="stereo")).fill(lambda done, total: None)
+        ahead.fill(lambda done, total: None)
     assert len(read) == 3

@@ -7,12 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from renderer.atomic_files import write_atomically
+from renderer.atomic_files import written_atomically
+
+
+def write(path: Path, content: bytes) -> None:
+    with written_atomically(path) as partial:
+        partial.write_bytes(content)
 
 
 def test_a_file_is_whole_and_nothing_else_is_left(tmp_path: Path) -> None:
     (tmp_path / "a.partial").write_bytes(b"of a killed process")
-    write_atomically(tmp_path / "a", b"new")
+    write(tmp_path / "a", b"new")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
 
 
@@ -21,7 +26,7 @@ def test_a_link_that_somebody_laid_is_not_followed(tmp_path: Path) -> None:
     run.mkdir()
     outside.write_bytes(b"precious")
     (run / "a.partial").symlink_to(outside)
-    write_atomically(run / "a", b"new")
+    write(run / "a", b"new")
     assert outside.read_bytes() == b"precious"
     assert not (run / "a").is_symlink()
 
@@ -30,10 +35,11 @@ def test_what_fails_leaves_the_old_and_no_partial(tmp_path: Path, monkeypatch: p
     def full(handle: int) -> None:
         raise OSError(28, "No space left on device")
 
-    write_atomically(tmp_path / "a", b"old")
+    write(tmp_path / "a", b"old")
     monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(OSError, match="No space"):
-        write_atomically(tmp_path / "a", b"new")
+    with pytest.raises(OSError, match="No space") as told:
+        write(tmp_path / "a", b"new")
+    assert told.value.filename == str(tmp_path / "a")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"old"}
 
 
@@ -48,5 +54,5 @@ def test_renames_are_synced_with_their_folder(tmp_path: Path, monkeypatch: pytes
     if not Path("/proc/self/fd").is_dir():
         pytest.skip("tells files by /proc")
     monkeypatch.setattr(os, "fsync", fsync)
-    write_atomically(tmp_path / "a", b"new")
+    write(tmp_path / "a", b"new")
     assert synced == ["a.partial", tmp_path.name]

@@ -51,12 +51,13 @@ class Omissions:
 def look(request: OmissionsRequest) -> Iterator[Omissions]:
     """Decides as training does, from the same frames. Raises ClipError: frames cannot be read."""
     # Training's modules take a while to import; the window must not wait for them.
+    from renderer.train.frame_store import FrameStore
     from renderer.train.needs import decide
     from renderer.train.trainer import split
 
     config, clip = request.config, request.part.of(request.clip)
     fit, _ = split(clip, config)
-    frames = [clip.read_frame(index) for index in fit]
+    frames = FrameStore.of(clip.read_frame(index) for index in fit)
 
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
         return decide(clip, frames, replace(config, keep=keep)).omitted

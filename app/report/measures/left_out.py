@@ -23,6 +23,7 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.events import Omission
+from renderer.train.frame_store import FrameStore
 from renderer.train.needs import decide
 from renderer.train.trainer import TrainingError, require_depth, split
 
@@ -142,7 +143,7 @@ def _of_reconstruction(scene: Scene, clock: Clock, missing: list[str]) -> Iterat
     usual = schedule(scene.clip)
     count = min(usual.n_gaussians, MOST_GAUSSIANS)
     config = replace(usual, iterations=STEPS, n_gaussians=count, hold_out=len(scene.clip) >= 8)
-    frames = [scene.clip.read_frame(index) for index in split(scene.clip, config)[0]]
+    frames = FrameStore.of(scene.clip.read_frame(index) for index in split(scene.clip, config)[0])
     omitted = decide(scene.clip, frames, config).omitted
     del frames
     missing += [f"{scene.name}, {omission.what}: no pair" for omission in omitted if omission.part is None]

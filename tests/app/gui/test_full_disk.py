@@ -84,7 +84,7 @@ def test_under_the_pictures(disk: Disk, places: Places, clip_path: Path) -> None
     before = contents(app.state.places.pictures)
     disk.fill()
     app.save()
-    assert app.trouble() == f"the picture was not saved: {NO_SPACE}"
+    assert app.trouble().startswith(f"the picture was not saved: {NO_SPACE}: clip-")
     for what in export_actions.OFFERS:
         request = export_actions.export_request(app.state, what)
         if request is None:

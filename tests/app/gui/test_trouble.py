@@ -89,7 +89,7 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
     with monkeypatch.context() as patch:
         patch.setattr("app.atomic.os.fsync", full)
         app.save()
-        assert app.trouble() == "the picture was not saved: No space left on device"
+        assert app.trouble().startswith("the picture was not saved: No space left on device: clip-")
         request = session_actions.save_request(app.state)
         assert request is not None
         app.channels.sessions.ask(request)

@@ -1,0 +1,76 @@
+"""`python -m tests.benchmarks.train_memory [--size 640x512] [--frames 250 1000 4000]`: memory against frames.
+
+Each clip has the frames of one phantom over and over, by hard links; each training is a process of its own,
+so that its peak is its own. The model and its checkpoint grow with the frames, by the control values of its
+curves; the frames themselves are held up to a bound.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from renderer.phantom import PhantomParams, write_phantom
+
+ORIGINALS = 16
+"""Frames of the phantom."""
+
+
+def main() -> None:
+    """Prints a table in MB of 10^6 bytes."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--size", default="640x512")
+    parser.add_argument("--frames", type=int, nargs="*", default=[250, 500, 1000, 2000, 4000])
+    parser.add_argument("--iterations", type=int, default=60)
+    parser.add_argument("--flags", nargs="*", default=[], help="of train, without their dashes")
+    given = parser.parse_args()
+    width, height = map(int, given.size.split("x"))
+    print("frames   peak MB   checkpoint MB   wall s")
+    with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as scratch:
+        phantom = Path(scratch) / "phantom"
+        write_phantom(phantom, PhantomParams(n_frames=ORIGINALS, width=width, height=height, seed=3))
+        for count in given.frames:
+            clip, run = Path(scratch) / f"clip-{count}", Path(scratch) / f"run-{count}"
+            repeated(phantom, clip, count)
+            flags = [f"--{flag}" if not flag[0].isdigit() else flag for flag in given.flags]
+            peak, seconds = _trained(clip, run, given.iterations, flags)
+            stored = max(path.stat().st_size for path in run.glob("checkpoint-*"))
+            print(f"{count:6d} {peak / 1e6:9.0f} {stored / 1e6:15.0f} {seconds:8.0f}", flush=True)
+            shutil.rmtree(run)
+
+
+def repeated(phantom: Path, clip: Path, count: int) -> None:
+    """A clip of `count` frames in the layout of EndoNeRF, of those of another, forwards and backwards."""
+    order = [*range(ORIGINALS), *reversed(range(ORIGINALS))]
+    for folder in (path for path in phantom.iterdir() if path.is_dir()):
+        (clip / folder.name).mkdir(parents=True)
+        files = sorted(folder.iterdir())
+        for index in range(count):
+            source = files[order[index % len(order)]]
+            os.link(source, clip / folder.name / f"{index:06d}{source.suffix}")
+    poses = np.load(phantom / "poses_bounds.npy")
+    np.save(clip / "poses_bounds.npy", poses[[order[index % len(order)] for index in range(count)]])
+
+
+def _trained(clip: Path, run: Path, iterations: int, flags: list[str]) -> tuple[int, float]:
+    """Peak of resident memory in bytes, and seconds."""
+    command = [sys.executable, "-m", "app", "train", str(clip), "--run", str(run)]
+    began = time.perf_counter()
+    child = subprocess.Popen([*command, "--iterations", str(iterations), *flags], stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        raise SystemExit(f"training ended with {child.returncode}")
+    return used.ru_maxrss * 1024, time.perf_counter() - began
+
+
+if __name__ == "__main__":
+    main()
