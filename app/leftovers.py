@@ -50,7 +50,7 @@ def clear(folder: Path) -> None:
     with suppress(OSError):
         for item in sorted(folder.iterdir()):
             found = _NAME.match(item.name)
-            if found and found[2] == _machine() and not _lives(int(found[1]), item):
+            if found and found[2] == _machine() and not lives(int(found[1]), item):
                 with suppress(OSError):
                     _settle(item, found[3])
 
@@ -65,8 +65,11 @@ def _settle(item: Path, kind: str) -> None:
         item.unlink()
 
 
-def _lives(process: int, item: Path) -> bool:
-    """Whether the process that made it runs; numbers are used again, by processes that began later."""
+def lives(process: int, item: Path) -> bool:
+    """Whether the process of this machine that made a file runs.
+
+    Numbers are used again, by processes that began later.
+    """
     if process == os.getpid():
         return True
     try:

@@ -1,36 +1,51 @@
 """The newest model of a training process, in shared memory: one slot, overwritten, never queued.
 
-The training process writes, the window reads. The reader never waits: while the slot is busy, or if the
-writer died holding it, it keeps what it has.
+The training process writes, the window reads. The reader never waits: while the slot is being written, or
+if the writer died meanwhile, it keeps what it has. There is no lock, which a killed process could take along.
 """
 
 from __future__ import annotations
 
 import ctypes
+import os
 import secrets
+import threading
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.context import SpawnContext
 from multiprocessing.shared_memory import SharedMemory
-from multiprocessing.synchronize import Lock
+from pathlib import Path
+from typing import Final
 
 import numpy as np
 from safetensors.numpy import load, save
 
+from app.leftovers import lives
 from renderer.gaussians import DynamicGaussians
+
+PREFIX: Final = "vs-"
+"""Of the names of blocks; the number of the window's process follows."""
+SHARED: Final = Path("/dev/shm")
+"""Where Linux keeps them."""
+SEQUENCE: Final = 2
+"""Place of the sequence number."""
+_MUTEX = threading.Lock()
 
 
 @dataclass(frozen=True)
 class Slot:
-    """What both processes know: the blocks' common name and, under a lock, which block holds what."""
+    """What both processes know: the blocks' common name, and which block holds what."""
 
     name: str
     state: ctypes.Array[ctypes.c_longlong]
-    """(generation of the block, bytes in use, sequence number); all 0 before the first write."""
-    lock: Lock
+    """(generation of the block, bytes in use, sequence number); all 0 before the first write. The number is
+    odd while the others, or the block, are being written."""
 
     @classmethod
     def make(cls, context: SpawnContext) -> Slot:
-        return cls(f"vs{secrets.token_hex(6)}", context.RawArray(ctypes.c_longlong, 3), context.Lock())
+        """A new one; blocks of processes that are gone are removed."""
+        _clear()
+        return cls(f"{PREFIX}{os.getpid()}-{secrets.token_hex(4)}", context.RawArray(ctypes.c_longlong, 3))
 
     def block_name(self, generation: int) -> str:
         return f"{self.name}-{generation}"
@@ -46,15 +61,18 @@ class SlotWriter:
     def write(self, model: DynamicGaussians) -> None:
         """Put `model` in the slot; a larger block takes the place of one that is too small."""
         content = save({name: np.ascontiguousarray(value) for name, value in model.arrays().items()})
-        with self.slot.lock:
-            generation, _, sequence = self.slot.state[:]
-            block = self._block
-            if block is None or block.size < len(content):
-                generation += 1
-                block = self._grown(generation, 2 * len(content))
-            assert block.buf is not None
-            block.buf[: len(content)] = content
-            self.slot.state[:] = [generation, len(content), sequence + 1]
+        generation, _, sequence = self.slot.state[:]
+        self.slot.state[SEQUENCE] = sequence + 1
+        _order()
+        block = self._block
+        if block is None or block.size < len(content):
+            generation += 1
+            block = self._grown(generation, 2 * len(content))
+        assert block.buf is not None
+        block.buf[: len(content)] = content
+        self.slot.state[:SEQUENCE] = [generation, len(content)]
+        _order()
+        self.slot.state[SEQUENCE] = sequence + 2
 
     def _grown(self, generation: int, size: int) -> SharedMemory:
         larger = SharedMemory(self.slot.block_name(generation), create=True, size=size)
@@ -83,17 +101,18 @@ class SlotReader:
         return self._newest
 
     def _take(self) -> bytes | None:
-        if not self.slot.lock.acquire(block=False):
+        sequence = self.slot.state[SEQUENCE]
+        if sequence == self._sequence or sequence % 2:
             return None
-        try:
-            generation, size, sequence = self.slot.state[:]
-            if sequence == self._sequence:
-                return None
-            self._sequence = sequence
-            block = self._attached(generation)
-            return None if block is None or block.buf is None else bytes(block.buf[:size])
-        finally:
-            self.slot.lock.release()
+        _order()
+        generation, size = self.slot.state[:SEQUENCE]
+        block = self._attached(generation)
+        content = None if block is None or block.buf is None else bytes(block.buf[:size])
+        _order()
+        if self.slot.state[SEQUENCE] != sequence:
+            return None  # It was overwritten meanwhile: the next one is whole.
+        self._sequence = sequence
+        return content
 
     def _attached(self, generation: int) -> SharedMemory | None:
         if generation != self._generation:
@@ -114,6 +133,22 @@ class SlotReader:
                 block.close()
                 block.unlink()
         self._block, self._generation = None, 0
+
+
+def _order() -> None:
+    """What is read and written before stays before, also on processors that would change the order."""
+    for _ in range(2):
+        with _MUTEX:
+            pass
+
+
+def _clear() -> None:
+    """Blocks of windows that were killed together with their training. Only Linux lists them."""
+    for block in SHARED.glob(f"{PREFIX}*-*"):
+        process = block.name.removeprefix(PREFIX).split("-")[0]
+        if process.isdigit() and not lives(int(process), block):
+            with suppress(OSError):
+                block.unlink()
 
 
 def _open(name: str) -> SharedMemory | None:

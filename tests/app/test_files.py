@@ -1,8 +1,7 @@
-"""Files that appear whole or not at all, and the shared slot's reader that never waits."""
+"""Files that appear whole or not at all, and sheets of pictures."""
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import stat
 import tempfile
@@ -18,11 +17,9 @@ from app.atomic import filled, replaced, write_bytes
 from app.errors import UserError
 from app.leftovers import temporary_name
 from app.pictures import read_image, write_image
-from app.shared_model import Slot, SlotReader, SlotWriter
 from app.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
 from app.video import Timing, write_video
 from renderer.readers.pictures import read_rgb
-from tests.app.fake_steps import model_of
 
 
 def _write_half(path: Path) -> None:
@@ -154,27 +151,6 @@ def test_a_video_of_mixed_sizes_is_refused_and_not_written(tmp_path: Path) -> No
     with pytest.raises(UserError, match="32x16"):
         write_video(tmp_path / "out.mp4", iter(frames), Timing(25.0))
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_reader_of_a_busy_slot_keeps_what_it_has() -> None:
-    slot = Slot.make(multiprocessing.get_context("spawn"))
-    writer, reader = SlotWriter(slot), SlotReader(slot)
-    try:
-        assert reader.newest() is None
-        writer.write(model_of(3))
-        first = reader.newest()
-        writer.write(model_of(4))
-        with slot.lock:  # as a writer that was killed in the middle would leave it
-            assert reader.newest() is first
-        newest = reader.newest()
-        assert first is not None
-        assert newest is not None
-        assert (len(first), len(newest)) == (3, 4)
-        # What was read is a copy: writing again does not change it.
-        writer.write(model_of(5))
-        assert np.array_equal(newest.means, model_of(4).means)
-    finally:
-        reader.close()
 
 
 def test_a_sheet_shows_every_tile_where_its_label_is() -> None:

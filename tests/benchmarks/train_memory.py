@@ -30,7 +30,7 @@ def main() -> None:
     parser.add_argument("--size", default="640x512")
     parser.add_argument("--frames", type=int, nargs="*", default=[250, 500, 1000, 2000, 4000])
     parser.add_argument("--iterations", type=int, default=60)
-    parser.add_argument("--flags", nargs="*", default=[], help="of train, without their dashes")
+    parser.add_argument("--method", default="vesselsplat")
     given = parser.parse_args()
     width, height = map(int, given.size.split("x"))
     print("frames   peak MB   checkpoint MB   wall s")
@@ -40,8 +40,8 @@ def main() -> None:
         for count in given.frames:
             clip, run = Path(scratch) / f"clip-{count}", Path(scratch) / f"run-{count}"
             repeated(phantom, clip, count)
-            flags = [f"--{flag}" if not flag[0].isdigit() else flag for flag in given.flags]
-            peak, seconds = _trained(clip, run, given.iterations, flags)
+            flags = ["--iterations", str(given.iterations), "--method", given.method]
+            peak, seconds = _trained(clip, run, flags)
             stored = max(path.stat().st_size for path in run.glob("checkpoint-*"))
             print(f"{count:6d} {peak / 1e6:9.0f} {stored / 1e6:15.0f} {seconds:8.0f}", flush=True)
             shutil.rmtree(run)
@@ -60,11 +60,11 @@ def repeated(phantom: Path, clip: Path, count: int) -> None:
     np.save(clip / "poses_bounds.npy", poses[[order[index % len(order)] for index in range(count)]])
 
 
-def _trained(clip: Path, run: Path, iterations: int, flags: list[str]) -> tuple[int, float]:
+def _trained(clip: Path, run: Path, flags: list[str]) -> tuple[int, float]:
     """Peak of resident memory in bytes, and seconds."""
     command = [sys.executable, "-m", "app", "train", str(clip), "--run", str(run)]
     began = time.perf_counter()
-    child = subprocess.Popen([*command, "--iterations", str(iterations), *flags], stdout=subprocess.DEVNULL)
+    child = subprocess.Popen([*command, *flags], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, used = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode:
