@@ -19,13 +19,23 @@ from app.shared_model import Slot, SlotReader
 from app.training import TrainRequest, run_training
 from app.worker import Cancelled, Ended, Failed, Paused, Resumed, Steps, Word, work
 from renderer.gaussians import DynamicGaussians
-from renderer.train.events import Evaluated, Finished, Preparing, Progress, Started, Warned
+from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 
 __all__ = ["Cancelled", "Failed", "JobEvent", "Paused", "Resumed", "State", "TrainingJob"]
 
 State = Literal["new", "running", "paused", "finished", "cancelled", "failed"]
 JobEvent = (
-    Preparing | Started | Progress | Evaluated | Warned | Finished | Paused | Resumed | Cancelled | Failed
+    Preparing
+    | Planned
+    | Started
+    | Progress
+    | Evaluated
+    | Warned
+    | Finished
+    | Paused
+    | Resumed
+    | Cancelled
+    | Failed
 )
 
 SECONDS_TO_END = 2.0

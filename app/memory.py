@@ -1,13 +1,18 @@
-"""How much memory this process has needed, and giving back what it no longer needs."""
+"""How much memory this process has needed and may still take, and giving back what it no longer needs."""
 
 from __future__ import annotations
 
 import ctypes
 import re
 import sys
+from contextlib import suppress
 from pathlib import Path
+from typing import Final
 
 import psutil
+
+CONTAINER: Final = Path("/sys/fs/cgroup")
+"""Where Linux tells the limits of the group of processes that this one belongs to."""
 
 
 def peak_memory_mb() -> float:
@@ -23,6 +28,16 @@ def peak_memory_mb() -> float:
         return 1024 * int(own[1]) / 1e6
     unit = 1 if sys.platform == "darwin" else 1024
     return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+
+
+def free_memory() -> int:
+    """Bytes that processes may still take without swapping; of a container, what its limit leaves."""
+    free = int(psutil.virtual_memory().available)
+    with suppress(OSError, ValueError):
+        most, used = (int((CONTAINER / f"memory.{name}").read_text()) for name in ("max", "current"))
+        cached = re.search(r"^inactive_file (\d+)$", (CONTAINER / "memory.stat").read_text(), re.MULTILINE)
+        free = min(free, most - used + (int(cached[1]) if cached else 0))
+    return free
 
 
 def give_back() -> None:

@@ -19,6 +19,7 @@ from app.memory import peak_memory_mb
 from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.preparing import ReadAhead, reading, told_meanwhile
 from app.provenance import digest, version
+from app.room import planned_in
 from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
 from app.utf8 import require_utf8
@@ -94,6 +95,7 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     if run.is_finished:
         yield _finished_before(run)
         return
+    yield planned_in(run.path, clip, request.config)
     clock.before = run.wall_before()
     device = device_of(request).device
     ahead = ReadAhead(clip, nearest_folder(run.path))

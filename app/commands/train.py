@@ -19,12 +19,13 @@ from app.methods import PAPER, Look
 from app.picture_mask import PictureMask
 from app.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.provenance import provenance, strict_json
+from app.room import told
 from app.run_folder import RunFolder
 from app.training import PRESETS, TrainRequest, device_of, run_training
 from app.wall_clock import STEPS, WALL, in_all
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
+from renderer.train.events import Evaluated, Finished, Omission, Planned, Preparing, Progress, Started, Warned
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -159,6 +160,8 @@ def follow(request: TrainRequest, device: Device) -> Finished:
                 case Preparing():
                     report = shown.of(event.stage, event.total, SECONDS_BETWEEN_STAGE_LINES)
                     report(event.done, "" if event.total else f"{event.seconds:.0f} s so far")
+                case Planned():
+                    sys.stderr.write(f"{told(event)}\n")
                 case Started():
                     shown.of(training, request.config.iterations)
                 case Progress():

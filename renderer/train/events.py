@@ -35,6 +35,14 @@ class Preparing:
 
 
 @dataclass(frozen=True)
+class Planned:
+    """About what the training will need, in bytes, before it starts."""
+
+    memory: int
+    disk: int
+
+
+@dataclass(frozen=True)
 class Started:
     iteration: int
     """0, or the iteration of the checkpoint that is resumed."""
@@ -97,4 +105,4 @@ class Finished:
     """Of all that `train` did; None: not recorded."""
 
 
-TrainEvent = Preparing | Started | Progress | Snapshot | Evaluated | Warned | Finished
+TrainEvent = Preparing | Planned | Started | Progress | Snapshot | Evaluated | Warned | Finished

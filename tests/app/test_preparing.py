@@ -19,7 +19,7 @@ from app.training import TrainRequest, run_training
 from renderer.clip import Clip, ClipError, Frame
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
-from renderer.train.events import Finished, Preparing, Started, TrainEvent
+from renderer.train.events import Finished, Planned, Preparing, Started, TrainEvent
 from tests.app.conftest import CONFIG, Call, request_of
 
 Cli = Callable[..., Call]
@@ -123,7 +123,7 @@ def test_training_tells_what_it_prepares(eager: None, clip_path: Path, tmp_path:
     events: list[TrainEvent] = list(run_training(request_of(clip_path, tmp_path / "run")))
     before = events[: [isinstance(event, Started) for event in events].index(True)]
     assert before
-    assert all(isinstance(event, Preparing) for event in before)
+    assert all(isinstance(event, Preparing | Planned) for event in before)
     assert isinstance(events[-1], Finished)
     assert "Preparing" not in (tmp_path / "run" / "events.jsonl").read_text()
 

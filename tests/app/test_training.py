@@ -30,7 +30,7 @@ from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Started, Warned
+from renderer.train.events import Finished, Planned, Started, Warned
 from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.test_job import events_until, is_a
 
@@ -123,7 +123,8 @@ def test_a_killed_run_goes_on_to_the_same_model(clip_path: Path, tmp_path: Path)
     with pytest.raises(UserError, match="--resume"):
         list(run_training(request_of(clip_path, killed.path, config=config)))
     resumed = list(run_training(request_of(clip_path, killed.path, config=config, resume=True)))
-    started, finished = resumed[0], resumed[-1]
+    planned, started, finished = *resumed[:2], resumed[-1]
+    assert isinstance(planned, Planned)
     assert isinstance(started, Started)
     assert isinstance(finished, Finished)
     assert 0 < started.iteration < 400
@@ -200,7 +201,7 @@ def test_the_job_trains_a_real_run_and_cancel_leaves_it_to_be_resumed(
     finally:
         job.close()
     steps = run_training(request_of(clip_path, run.path, config=config, resume=True))
-    started = next(steps)
+    started = next(event for event in steps if not isinstance(event, Planned))
     steps.close()
     assert isinstance(started, Started)
     assert started.iteration > 0

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -33,7 +34,7 @@ def main() -> None:
     parser.add_argument("--method", default="vesselsplat")
     given = parser.parse_args()
     width, height = map(int, given.size.split("x"))
-    print("frames   peak MB   checkpoint MB   wall s")
+    print("frames   peak MB   told MB   checkpoint MB   wall s")
     with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as scratch:
         phantom = Path(scratch) / "phantom"
         write_phantom(phantom, PhantomParams(n_frames=ORIGINALS, width=width, height=height, seed=3))
@@ -41,9 +42,9 @@ def main() -> None:
             clip, run = Path(scratch) / f"clip-{count}", Path(scratch) / f"run-{count}"
             repeated(phantom, clip, count)
             flags = ["--iterations", str(given.iterations), "--method", given.method]
-            peak, seconds = _trained(clip, run, flags)
+            peak, told, seconds = _trained(clip, run, flags)
             stored = max(path.stat().st_size for path in run.glob("checkpoint-*"))
-            print(f"{count:6d} {peak / 1e6:9.0f} {stored / 1e6:15.0f} {seconds:8.0f}", flush=True)
+            print(f"{count:6d} {peak / 1e6:9.0f} {told:9.0f} {stored / 1e6:15.0f} {seconds:8.0f}", flush=True)
             shutil.rmtree(run)
 
 
@@ -60,16 +61,20 @@ def repeated(phantom: Path, clip: Path, count: int) -> None:
     np.save(clip / "poses_bounds.npy", poses[[order[index % len(order)] for index in range(count)]])
 
 
-def _trained(clip: Path, run: Path, flags: list[str]) -> tuple[int, float]:
-    """Peak of resident memory in bytes, and seconds."""
+def _trained(clip: Path, run: Path, flags: list[str]) -> tuple[int, float, float]:
+    """Peak of resident memory in bytes, what was told of it before in MB, and seconds."""
     command = [sys.executable, "-m", "app", "train", str(clip), "--run", str(run)]
     began = time.perf_counter()
-    child = subprocess.Popen([*command, *flags], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    child = subprocess.Popen([*command, *flags], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    assert child.stderr is not None
+    said = child.stderr.read()
     _, status, used = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode:
-        raise SystemExit(f"training ended with {child.returncode}")
-    return used.ru_maxrss * 1024, time.perf_counter() - began
+        raise SystemExit(said)
+    found = re.search(r"up to ([\d.]+) GB of memory", said)
+    assert found is not None
+    return used.ru_maxrss * 1024, 1000 * float(found[1]), time.perf_counter() - began
 
 
 if __name__ == "__main__":

@@ -182,10 +182,12 @@ def _draw_status(run: Reconstruction) -> None:
     progress = run.progress
     imgui.text_unformatted(STATUS[run.status])
     if run.request is not None:
-        explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}")
+        needs = f"\n{capital(run.planned)}." if run.planned else ""
+        explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
     if progress is None:
         if run.is_alive and run.preparing is not None:
             _draw_preparing(run.preparing)
+            imgui.text_colored(theme.now().muted, capital(run.planned))
         return
     left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
     imgui.same_line()

@@ -66,6 +66,8 @@ class Reconstruction:
     """What the run was begun with."""
     preparing: Preparing | None = None
     """What is done before it starts."""
+    planned: str = ""
+    """What it will need of memory and disk."""
     started: Started | None = None
     progress: Progress | None = None
     told: Told = NOTHING_TOLD

@@ -7,9 +7,10 @@ from dataclasses import replace
 from app.gui.actions import actions, job_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.job import Cancelled, Failed, Paused, Resumed
+from app.room import told
 from app.run_folder import RunFolder
 from app.wall_clock import in_all
-from renderer.train.events import Evaluated, Finished, Preparing, Progress, Started, Warned
+from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 
 
 def follow_job(state: AppState) -> None:
@@ -36,6 +37,8 @@ def _hear(state: AppState, event: object) -> None:
     match event:
         case Preparing():
             run.preparing = event
+        case Planned():
+            run.planned = told(event)
         case Started():
             run.started, run.status, run.preparing = event, "running", None
             # What was done after the checkpoint is done again.
