@@ -20,6 +20,10 @@ def _identity() -> FloatArray:
     return np.eye(4)
 
 
+class CameraError(ValueError):
+    """Numbers that are no camera: the text says what was expected."""
+
+
 @dataclass(frozen=True, eq=False)
 class Camera:
     """Intrinsics in pixels and the (4, 4) float64 world-to-camera matrix ("viewmat" in the field).
@@ -28,7 +32,8 @@ class Camera:
     pixel (column, row) covers [column, column + 1) x [row, row + 1).
 
     Raises:
-        ValueError: sizes or focal lengths that are not positive, or a matrix that is not a finite (4, 4).
+        CameraError: sizes or focal lengths that are not positive, or out of range; or a matrix that is not a
+            finite (4, 4).
     """
 
     fx: float
@@ -41,17 +46,17 @@ class Camera:
 
     def __post_init__(self) -> None:
         if self.width < 1 or self.height < 1:
-            raise ValueError(f"Camera size must be at least 1x1 pixels, got {self.width}x{self.height}")
+            raise CameraError(f"Camera size must be at least 1x1 pixels, got {self.width}x{self.height}")
         numbers = (self.fx, self.fy, self.cx, self.cy)
         if not all(math.isfinite(value) for value in numbers) or self.fx <= 0 or self.fy <= 0:
-            raise ValueError(f"Camera needs finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
+            raise CameraError(f"Camera needs finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
         if not all(NARROWEST <= self.width / focal <= WIDEST for focal in (self.fx, self.fy)):
             widths = f"{1 / WIDEST:g} to {1 / NARROWEST:g} widths"
-            raise ValueError(f"Camera needs focal lengths of {widths}, got {self.fx} and {self.fy}")
+            raise CameraError(f"Camera needs focal lengths of {widths}, got {self.fx} and {self.fy}")
         budget().require(pixels=self.width * self.height)
         matrix = np.array(self.camera_from_world, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-            raise ValueError(f"camera_from_world must be a finite (4, 4) matrix, got shape {matrix.shape}")
+            raise CameraError(f"camera_from_world must be a finite (4, 4) matrix, got shape {matrix.shape}")
         matrix.setflags(write=False)
         object.__setattr__(self, "camera_from_world", matrix)
 

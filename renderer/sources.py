@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from renderer.budget import OverBudget
+from renderer.camera import CameraError
 from renderer.clip import Clip, ClipError
 from renderer.depth.clip_depth import with_depth
 from renderer.depth.maps_beside import with_maps
@@ -38,6 +40,8 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         return with_depth(replace(_thinned(clip, options.frame_step), split=options.split), options)
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
+    except (CameraError, OverBudget) as error:
+        raise ClipError(f"{error}: {path}") from error
 
 
 def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:

@@ -9,13 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import ClipError, Frame, SparsePoints
+from renderer.clip import Clip, ClipError, Frame, SparsePoints
 from renderer.depth.sparse_depth import depth_between
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
 
 Float32Array = NDArray[np.float32]
 
+MOST_DISTANT = 1e9
+"""Depth in the clip's unit; the reciprocal is the least."""
+RESOLVED = 0.5
+"""Of a pixel on the tissue, by which float32 may round a position."""
 # Depth at both ends of a frame's range is stereo error more often than tissue.
 LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 0.1, 99.9
 
@@ -33,12 +37,26 @@ def scene_size(frames: Iterable[Frame]) -> float:
     """Median depth of the tissue in the clip's unit: every length in training is relative to it.
 
     Raises:
-        ClipError: no frame has depth on tissue.
+        ClipError: no frame has depth on tissue, or that is no length that can be calculated with.
     """
     medians = [float(np.median(frame.depth[frame.depth_mask])) for frame in frames if _has_depth(frame)]  # type: ignore[index]
     if not medians:
         raise ClipError("reconstruction expects measured depth on the tissue, and this clip has none")
-    return float(np.median(medians))
+    size = float(np.median(medians))
+    if not 1 / MOST_DISTANT < size < MOST_DISTANT:
+        least = f"{1 / MOST_DISTANT:g} to {MOST_DISTANT:g}"
+        raise ClipError(f"expected tissue at a depth of {least}, got a median of {size:g}")
+    return size
+
+
+def require_resolved(clip: Clip, size: float) -> None:
+    """Raises ClipError where cameras are so far from the origin that float32 cannot tell pixels apart."""
+    pixel = size / max(camera.fx for camera in clip.cameras)
+    most = RESOLVED * pixel / float(np.finfo(np.float32).eps)
+    farthest = max(float(np.abs(camera.position).max()) for camera in clip.cameras)
+    if not farthest <= most:
+        expected = f"expected cameras within {most:.3g} of the origin: beyond, float32 tells no pixels apart"
+        raise ClipError(f"{expected}; got one at {farthest:.3g}: {clip.path}")
 
 
 def sampled(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:

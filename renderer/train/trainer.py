@@ -32,7 +32,7 @@ from renderer.train.frames import TrainFrame, halved, train_frame
 from renderer.train.guards import LossWatch
 from renderer.train.held_out import HeldOut, evaluated
 from renderer.train.hidden import settled
-from renderer.train.initialize import scene_size, with_points
+from renderer.train.initialize import require_resolved, scene_size, with_points
 from renderer.train.losses import Measured
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
@@ -71,7 +71,8 @@ def train(
 
     Raises:
         ClipError: frames cannot be read, or there is no depth to start from.
-        TrainingError: the checkpoint belongs to another run, or the loss is no longer finite.
+        TrainingError: the checkpoint belongs to another run, the loss is no longer finite, or no frame shows
+            anything of the model.
     """
     opened, spilled = time.perf_counter(), nearest_folder(folder) if folder else None
     require_depth(clip)
@@ -79,6 +80,7 @@ def train(
     frames = FrameStore.of((clip.read_frame(index) for index in fit), spilled)
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
     size = scene_size(seeds)
+    require_resolved(clip, size)
     needs = decide(clip, frames, config)
     recipe = recipe_for(config, needs)
     raw = recipe.initialize(seeds)
@@ -120,6 +122,8 @@ def train(
     omitted: tuple[Omission, ...] = ()
     if "unseen" not in config.keep:
         gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
+    if not len(gaussians):
+        raise TrainingError("no training frame shows any Gaussian: depth and poses do not fit together")
     if "hidden" not in config.keep and (needs.has_masks or not clip.camera_is_fixed):
         gaussians, resting = settled(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
