@@ -20,11 +20,16 @@ import psutil
 from renderer.atomic_files import PARTIAL, sync_folder
 
 COMMIT: Final = ".commit"
+LONGEST: Final = 120
+"""Bytes of a name; systems allow 255 with all that is added."""
 _NAME = re.compile(r"^\..*-(\d+)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
 
 
 def temporary_name(name: str, suffix: str = "") -> str:
     """Of this process; `suffix` is one by which writers choose their format."""
+    whole = name.encode(errors="surrogateescape")
+    if len(whole) > LONGEST:
+        name = f"{whole[:LONGEST].decode(errors='ignore')}-{crc32(whole):08x}"
     return f".{name}-{os.getpid()}-{_machine()}{PARTIAL}{suffix}"
 
 

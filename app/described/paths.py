@@ -17,6 +17,7 @@ from renderer.readers.endonerf import is_endonerf
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import photo_folder
 from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
+from renderer.regular_files import require_regular
 
 
 def described(path: Path) -> tuple[Fact, ...]:
@@ -25,17 +26,16 @@ def described(path: Path) -> tuple[Fact, ...]:
     Reads headers and a handful of frames, and writes nothing.
 
     Raises:
-        UserError, ClipError: nothing there, or nothing that can be read.
+        UserError, ClipError, OSError: nothing there, or nothing that can be read.
     """
     if not path.exists():
         raise UserError(
             f"expected a clip, picture, video, run, splat file or session, got no such path: {path}"
         )
-    return (
-        (Fact("path", str(path)), *_folder(path))
-        if path.is_dir()
-        else (Fact("path", str(path)), *_file(path))
-    )
+    if path.is_dir():
+        return Fact("path", str(path)), *_folder(path)
+    require_regular(path)
+    return Fact("path", str(path)), *_file(path)
 
 
 def _file(path: Path) -> tuple[Fact, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -82,13 +83,14 @@ def read_npy(path: Path) -> NDArray[Any]:
 
     Raises:
         OSError: it is no regular file.
-        ValueError: it is damaged, or holds several arrays.
+        ValueError: it is damaged, holds several arrays, or has more pixels than the budget.
     """
     require_regular(path)
     try:
         mapped = np.load(path, mmap_mode="r", allow_pickle=False)
-        if isinstance(mapped, np.ndarray):
-            return np.array(mapped)
     except UNREADABLE_ARRAY as error:
         raise ValueError(f"it is damaged, or no array: {path}") from error
-    raise ValueError(f"it holds several arrays: {path}")
+    if not isinstance(mapped, np.ndarray):
+        raise ValueError(f"it holds several arrays: {path}")
+    budget().require(pixels=math.prod(mapped.shape[:2]))
+    return np.array(mapped)

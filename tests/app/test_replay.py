@@ -243,3 +243,37 @@ def test_difference_counts_values_and_frames(tmp_path: Path) -> None:
     assert difference(a, a).is_none
     assert (difference(a, b).largest, difference(a, b).share) == (0.5, 1 / 60)
     assert "shape" in difference(a, c).text
+
+
+@pytest.mark.parametrize("name", ["/etc/hostname", "../1.png", "..\\1.png", "a/1.png", "..", "", "1.png\0"])
+def test_sources_are_looked_up_by_bare_names_alone(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file of anyone's says where its source is: nothing is opened, hashed or told of places elsewhere."""
+    assert vesselsplat("enhance", folder / "1.png", tmp_path / "deep" / "out.png").code == 0
+    out = tmp_path / "deep" / "out.png"
+    shutil.copyfile(folder / "1.png", tmp_path / "1.png")
+    changed(out, source=read_provenance(out)["source"] | {"name": name})
+    looked_at: list[Path] = []
+    monkeypatch.setattr("app.replay.sources.digest", lambda path: looked_at.append(path) or "")
+    call = vesselsplat("replay", out)
+    assert call.code == 2
+    assert call.error.count("\n") == 1
+    assert looked_at == []
+    monkeypatch.undo()
+    assert vesselsplat("replay", out, "--source", folder / "1.png").code == 0
+
+
+def test_a_link_that_leads_out_of_the_folder_is_no_source(
+    folder: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    place = tmp_path / "place"
+    assert vesselsplat("enhance", folder / "1.png", place / "out.png").code == 0
+    (place / "1.png").symlink_to(folder / "1.png")
+    assert vesselsplat("replay", place / "out.png").code == 2
+    assert vesselsplat("replay", place / "out.png", "--source", place / "1.png").code == 0
+    # Within the folder a link is a name like another.
+    shutil.copyfile(folder / "1.png", place / "kept.png")
+    (place / "1.png").unlink()
+    (place / "1.png").symlink_to(place / "kept.png")
+    assert vesselsplat("replay", place / "out.png").code == 0

@@ -222,3 +222,37 @@ def test_editing_begins_anew_with_another_model(splats: AppState) -> None:
     assert not splats.editing.active
     edit_actions.toggle(splats)
     assert not splats.editing.active
+
+
+def test_edits_that_another_window_saved_are_told_before_they_are_replaced(
+    state: AppState, places: Places, runs: dict[str, Path], tmp_path: Path
+) -> None:
+    folder = RunFolder(Path(shutil.copytree(runs["original"], tmp_path / "run")))
+    other = AppState(places)
+    halves = {}
+    for window, box in ((state, ((0, 0), (40, 80))), (other, ((40, 0), (96, 80)))):
+        opened(window, folder.path)
+        edit_actions.toggle(window)
+        settle(window)
+        drag(window, *box)
+        settle(window)
+        edit_actions.delete(window)
+        halves[id(window)] = window.editing.edits.deleted
+    count = halves[id(state)].count
+    assert halves[id(state)] != halves[id(other)]
+    assert edit_actions.save(state)
+    assert not edit_actions.save(other)
+    assert other.banner is not None
+    assert "another window" in other.banner.message
+    saved = read_edits(folder, count)
+    assert saved is not None
+    assert saved.deleted == halves[id(state)]
+    assert other.editing.is_unsaved
+    # Asked again, it replaces them: that is what the line said.
+    assert edit_actions.save(other)
+    saved = read_edits(folder, count)
+    assert saved is not None
+    assert saved.deleted == halves[id(other)]
+    # Its own save is no other window's.
+    edit_actions.undo(other)
+    assert edit_actions.save(other)

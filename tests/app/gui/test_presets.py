@@ -8,7 +8,14 @@ import pytest
 
 from app.gui.actions import actions, history_actions, preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import BUILT_IN, load_presets, preset_name, presets_file, save_presets
+from app.gui.state.presets import (
+    BUILT_IN,
+    load_presets,
+    merged_presets,
+    preset_name,
+    presets_file,
+    save_presets,
+)
 from app.training import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -74,3 +81,24 @@ def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> 
     assert state.banner is not None
     assert "cannot be kept" in state.banner.message
     assert not state.presets
+
+
+def test_two_windows_keep_each_other_s_presets(state: AppState) -> None:
+    other = AppState(state.places)
+    preset_actions.keep(state, "mine")
+    preset_actions.keep(other, "theirs")
+    assert set(state.presets) | {"theirs"} == set(other.presets) == {"mine", "theirs"}
+    # What one forgets does not come back by the other, which never heard of it.
+    preset_actions.forget(other, "mine")
+    preset_actions.keep(state, "third")
+    found, _ = load_presets(presets_file(state.places))
+    assert set(found) == set(state.presets) == {"theirs", "third"}
+
+
+def test_the_later_change_of_one_name_counts(tmp_path: Path) -> None:
+    path, one, two = tmp_path / "presets.json", EnhanceParams(z=0.3), EnhanceParams(z=0.6)
+    save_presets(path, {"a": one, "b": one})
+    assert merged_presets(path, {"a": two, "b": one}, {"a": one, "b": one}) == {"a": two, "b": one}
+    save_presets(path, {"a": two, "c": two})
+    assert merged_presets(path, {"a": one, "b": two}, {"a": one, "b": one}) == {"a": two, "b": two, "c": two}
+    assert merged_presets(path, {}, {"a": one, "b": one}) == {"c": two}

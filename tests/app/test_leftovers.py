@@ -1,0 +1,169 @@
+"""What killed processes leave: a set of files is wholly old or wholly new after the next start."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from app import leftovers
+from app.atomic import filled, together, write_bytes
+from app.leftovers import COMMIT, clear, commit_name, temporary_name
+from renderer.atomic_files import PARTIAL
+from tests.app.conftest import ROOT
+
+OLD, NEW = {"a.mp4": "old", "a.mp4.json": "old"}, {"a.mp4": "new", "a.mp4.json": "new"}
+
+KILLED = """
+    import os, sys
+    from pathlib import Path
+    from app.atomic import together
+    left = int(sys.argv[2])
+
+    def counted(call):
+        def wrapped(*arguments, **named):
+            global left
+            if left == 0:
+                os._exit(9)
+            left -= 1
+            return call(*arguments, **named)
+        return wrapped
+
+    for name in ("mkdir", "replace", "rename", "fsync", "unlink", "rmdir", "open", "remove"):
+        setattr(os, name, counted(getattr(os, name)))
+    with together(Path(sys.argv[1]) / "a.mp4") as place:
+        place.write_text("new")
+        (place.parent / "a.mp4.json").write_text("new")
+"""
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir() if not path.name.startswith(".")}
+
+
+def write_and_die(folder: Path, calls: int) -> int:
+    """In a process that is gone at that call of the system."""
+    script = [sys.executable, "-c", textwrap.dedent(KILLED), str(folder), str(calls)]
+    return subprocess.run(script, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=False).returncode
+
+
+def test_a_kill_at_any_call_leaves_all_old_or_all_new(tmp_path: Path) -> None:
+    before, after, ended = 0, 0, False
+    for calls in range(100):
+        folder = tmp_path / str(calls)
+        folder.mkdir()
+        for name, text in OLD.items():
+            (folder / name).write_text(text)
+        ended = write_and_die(folder, calls) == 0
+        clear(folder)
+        assert contents(folder) in (OLD, NEW), f"after {calls} calls"
+        assert sorted(path.name for path in folder.iterdir()) == sorted(OLD), f"after {calls} calls"
+        before += contents(folder) == OLD
+        after += contents(folder) == NEW
+        if ended:
+            break
+    assert ended
+    # Some kills fell before the commit, some within it and after.
+    assert before > 2
+    assert after > 2
+
+
+def test_the_next_writer_into_the_folder_completes_what_was_cut_off(tmp_path: Path) -> None:
+    for calls in range(100):
+        for name, text in OLD.items():
+            (tmp_path / name).write_text(text)
+        ended = write_and_die(tmp_path, calls) == 0
+        write_bytes(tmp_path / "other", b"")
+        assert contents(tmp_path) in (OLD | {"other": ""}, NEW | {"other": ""})
+        assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+        if ended:
+            return
+    pytest.fail("the set was never written")
+
+
+def name_of(process: int) -> str:
+    return temporary_name("run").replace(f"-{os.getpid()}-", f"-{process}-")
+
+
+def gone() -> int:
+    """Of a process that has ended."""
+    child = subprocess.Popen([sys.executable, "-c", ""])
+    child.wait()
+    return child.pid
+
+
+def test_only_what_processes_that_are_gone_left_is_cleared(tmp_path: Path) -> None:
+    dead = gone()
+    elsewhere = f".run-{dead}-00000000{PARTIAL}"
+    kept = [
+        temporary_name("mine"),
+        name_of(os.getppid()),
+        elsewhere,
+        "own.partial",
+        ".note",
+        f".run{PARTIAL}",
+    ]
+    for name in (*kept, name_of(dead), f"{name_of(dead)}.json"):
+        (tmp_path / name).write_text("half")
+    clear(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(kept)
+
+
+def test_a_folder_that_was_being_filled_goes_and_a_link_of_that_name_is_not_followed(tmp_path: Path) -> None:
+    dead, outside = gone(), tmp_path / "outside"
+    work = tmp_path / "work"
+    work.mkdir()
+    for folder in (outside, work / name_of(dead)):
+        folder.mkdir()
+        (folder / "0.png").write_text("picture")
+    commit = work / commit_name(name_of(dead).replace("run", "linked"))
+    commit.symlink_to(outside)
+    clear(work)
+    assert (outside / "0.png").read_text() == "picture"
+    assert not (work / name_of(dead)).exists()
+    assert not (work / "0.png").exists()
+
+
+def write_new(folder: Path) -> None:
+    with together(folder / "a.mp4") as place:
+        for name, text in NEW.items():
+            (place.parent / name).write_text(text)
+
+
+def test_a_set_whose_files_cannot_be_moved_now_is_completed_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows, while another program has one of them open."""
+    real = os.replace
+
+    def busy(source: Path, target: Path) -> None:
+        if Path(target).name == "a.mp4.json":
+            raise PermissionError(13, "in use", str(target))
+        real(source, target)
+
+    for name, text in OLD.items():
+        (tmp_path / name).write_text(text)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", busy)
+        with pytest.raises(PermissionError):
+            write_new(tmp_path)
+    (commit,) = (path for path in tmp_path.iterdir() if path.name.endswith(COMMIT))
+    monkeypatch.setattr(leftovers, "lives", lambda process, item: False)
+    clear(tmp_path)
+    assert contents(tmp_path) == NEW
+    assert not commit.exists()
+
+
+def test_names_of_any_length_and_kind_are_written(tmp_path: Path) -> None:
+    """The name beside which the temporary one lies may be as long as the system allows."""
+    for name in ("x" * 250 + ".png", "a b.png", "-.png", "é" * 120 + ".png"):
+        write_bytes(tmp_path / name, b"new")
+        assert (tmp_path / name).read_bytes() == b"new"
+    long = tmp_path / ("y" * 250)
+    with filled(long) as staging:
+        (staging / "0.png").write_bytes(b"new")
+    assert (long / "0.png").read_bytes() == b"new"
