@@ -1,37 +1,65 @@
-"""SIGTERM and SIGHUP, as batch systems and lost terminals send them, end a command as Ctrl+C does."""
+"""Ctrl+C, and SIGTERM and SIGHUP of batch systems and lost terminals, end a command in one way."""
 
 from __future__ import annotations
 
+import _thread
 import signal
+import sys
 import threading
 from types import FrameType
 from typing import Any
 
+SOON = 0.05  # s
 INTERRUPTED = 128
 """Added to a signal's number, it is the exit code."""
-ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+UNTOUCHED = (signal.SIG_DFL, signal.default_int_handler)
+
+
+class Interrupted(KeyboardInterrupt):
+    """Where a plain KeyboardInterrupt has passed a library in C, Python ends by SIGINT whatever its code."""
 
 
 class EndingSignals:
-    """While it is entered, these signals raise KeyboardInterrupt in the main thread."""
+    """While it is entered, these signals raise KeyboardInterrupt in the main thread, and none is lost.
+
+    Where Python cannot raise it, as in what a library in C calls back, it is raised again a moment later.
+    """
 
     def __init__(self) -> None:
         self.code = INTERRUPTED + signal.SIGINT
         """Exit code of a command that was interrupted."""
         self._before: dict[int, Any] = {}
+        self._unraisable_before = sys.unraisablehook
+        self._entered, self._number = False, signal.SIGINT
 
     def __enter__(self) -> EndingSignals:
+        self._entered, self._unraisable_before = True, sys.unraisablehook
+        sys.unraisablehook = self._unraisable
         if threading.current_thread() is threading.main_thread():
             for number in ENDING:
                 # What was ignored stays so, as under nohup.
-                if signal.getsignal(number) is signal.SIG_DFL:
+                if signal.getsignal(number) in UNTOUCHED:
                     self._before[number] = signal.signal(number, self._interrupt)
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._entered, sys.unraisablehook = False, self._unraisable_before
         for number, before in self._before.items():
             signal.signal(number, before)
 
+    def _unraisable(self, told: sys.UnraisableHookArgs) -> None:
+        if not issubclass(told.exc_type, KeyboardInterrupt):
+            self._unraisable_before(told)
+            return
+        timer = threading.Timer(SOON, self._raise_again)
+        timer.daemon = True
+        timer.start()
+
+    def _raise_again(self) -> None:
+        if self._entered:
+            _thread.interrupt_main(self._number)
+
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        self.code = INTERRUPTED + number
-        raise KeyboardInterrupt
+        self.code, self._number = INTERRUPTED + number, signal.Signals(number)
+        raise Interrupted

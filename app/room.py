@@ -25,16 +25,16 @@ def planned_in(folder: Path, clip: Clip, config: TrainConfig) -> Planned:
     disk = shutil.disk_usage(nearest_folder(folder)).free
     for needed, free, where in ((planned.memory, free_memory(), "memory"), (planned.disk, disk, "disk")):
         if needed > free:
-            expected = f"expected {gigabytes(needed)} of free {where} to train on {what}"
+            expected = f"expected {amount(needed)} of free {where} to train on {what}"
             way = "take fewer frames (--frames, --frame-step)"
-            raise UserError(f"{expected}, got {gigabytes(free)}: {way}")
+            raise UserError(f"{expected}, got {amount(free)} ({way}): {folder}")
     return planned
 
 
 def told(planned: Planned) -> str:
     """In words."""
-    return f"needs up to {gigabytes(planned.memory)} of memory and {gigabytes(planned.disk)} of disk"
+    return f"needs up to {amount(planned.memory)} of memory and {amount(planned.disk)} of disk"
 
 
-def gigabytes(size: int) -> str:
-    return f"{size / 1e9:.1f} GB"
+def amount(size: int) -> str:
+    return f"{size / 1e9:.1f} GB" if size >= 1e9 else f"{size / 1e6:.0f} MB"

@@ -20,8 +20,8 @@ from typing import Final
 import numpy as np
 from safetensors.numpy import load, save
 
-from app.leftovers import lives
 from renderer.gaussians import DynamicGaussians
+from renderer.leftovers import lives
 
 PREFIX: Final = "vs-"
 """Of the names of blocks; the number of the window's process follows."""

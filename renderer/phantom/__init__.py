@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass as plain_dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
 
 import cv2
@@ -19,6 +19,7 @@ from pydantic.dataclasses import dataclass
 
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, ClipError, Frame
+from renderer.leftovers import clear, temporary_name
 from renderer.phantom.surface import DISTANCE, Surface, grow_surface
 from renderer.phantom.tissue import Tissue, paint_tissue, sample
 from renderer.phantom.tools import Capsule, ToolHits, hit_tools, instrument
@@ -210,11 +211,14 @@ def write_phantom(
     writers = {"endonerf": write_endonerf, "scared": write_scared}
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=f".{out.name}-", suffix=".partial", dir=out.parent) as temporary:
-            partial = Path(temporary) / out.name
+        clear(out.parent)
+        partial = out.parent / temporary_name(out.name)
+        try:
             (partial / "vessel_masks").mkdir(parents=True)
             writers[layout](partial, _drawn(Phantom(params), partial / "vessel_masks"))
             partial.rename(out)
+        finally:
+            shutil.rmtree(partial, ignore_errors=True)
     except OSError as error:
         raise ClipError(f"cannot write the phantom, {error.strerror or error}: {out}") from error
 

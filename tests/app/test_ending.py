@@ -53,6 +53,26 @@ def test_a_command_ends_in_one_line_and_leaves_nothing(tmp_path: Path, name: str
     assert sorted(path.name for path in tmp_path.iterdir()) == ["given"]
 
 
+def test_an_interrupt_that_python_cannot_raise_comes_again() -> None:
+    """As in what numba's compiler calls back, where Python prints it and goes on."""
+
+    class Held:
+        def __del__(self) -> None:
+            raise KeyboardInterrupt
+
+    def wait() -> None:
+        until = time.monotonic() + 10
+        while time.monotonic() < until:
+            time.sleep(0.01)
+
+    hook = sys.unraisablehook
+    with EndingSignals():
+        Held()
+        with pytest.raises(KeyboardInterrupt):
+            wait()
+    assert sys.unraisablehook is hook
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signals")
 def test_a_signal_that_was_ignored_stays_so() -> None:
     """As nohup leaves it."""

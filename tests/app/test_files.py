@@ -15,10 +15,10 @@ from PIL import Image, ImageOps
 
 from app.atomic import filled, replaced, write_bytes
 from app.errors import UserError
-from app.leftovers import temporary_name
 from app.pictures import read_image, write_image
 from app.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
 from app.video import Timing, write_video
+from renderer.leftovers import temporary_name
 from renderer.readers.pictures import read_rgb
 
 

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from app import leftovers
 from app.atomic import filled, together, write_bytes
-from app.leftovers import COMMIT, clear, commit_name, temporary_name
+from renderer import leftovers
 from renderer.atomic_files import PARTIAL
+from renderer.leftovers import COMMIT, clear, commit_name, temporary_name
 from tests.app.conftest import ROOT
 
 OLD, NEW = {"a.mp4": "old", "a.mp4.json": "old"}, {"a.mp4": "new", "a.mp4.json": "new"}

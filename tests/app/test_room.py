@@ -34,8 +34,8 @@ def test_too_little_memory_is_one_line_before_anything_is_read(
     monkeypatch.setattr("app.training.ReadAhead", None)
     assert train(clip_path, tmp_path / "run") == 2
     said = capsys.readouterr().err
-    assert "GB of free memory" in said
-    assert "got 0.1 GB" in said
+    assert "MB of free memory" in said
+    assert "got 100 MB" in said
     assert said.count("\n") == 1
     assert not (tmp_path / "run").exists()
 
@@ -51,7 +51,7 @@ def test_a_full_disk_is_told_before_training(
 
 def test_the_need_is_said(clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert train(clip_path, tmp_path / "run", "--method", "static") == 0
-    assert "needs up to 0.5 GB of memory and 0.1 GB of disk" in capsys.readouterr().err
+    assert "needs up to 457 MB of memory and 71 MB of disk" in capsys.readouterr().err
 
 
 def test_frames_beyond_the_bound_cost_disk_and_no_memory(clip_path: Path) -> None:

@@ -72,9 +72,10 @@ def _trained(clip: Path, run: Path, flags: list[str]) -> tuple[int, float, float
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode:
         raise SystemExit(said)
-    found = re.search(r"up to ([\d.]+) GB of memory", said)
+    found = re.search(r"up to ([\d.]+) (GB|MB) of memory", said)
     assert found is not None
-    return used.ru_maxrss * 1024, 1000 * float(found[1]), time.perf_counter() - began
+    told = float(found[1]) * (1000 if found[2] == "GB" else 1)
+    return used.ru_maxrss * 1024, told, time.perf_counter() - began
 
 
 if __name__ == "__main__":
