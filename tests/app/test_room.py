@@ -51,7 +51,7 @@ def test_a_full_disk_is_told_before_training(
 
 def test_the_need_is_said(clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert train(clip_path, tmp_path / "run", "--method", "static") == 0
-    assert "needs up to 457 MB of memory and 71 MB of disk" in capsys.readouterr().err
+    assert "needs up to 493 MB of memory and 71 MB of disk" in capsys.readouterr().err
 
 
 def test_frames_beyond_the_bound_cost_disk_and_no_memory(clip_path: Path) -> None:
