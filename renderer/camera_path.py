@@ -53,10 +53,8 @@ class CameraPath:
     def __post_init__(self) -> None:
         for place, key in enumerate(self.keyframes):
             if not (abs(key.seconds) <= LATEST and 0 <= key.time <= 1):
-                expected = (
-                    f"keyframe {place} needs finite seconds of at most {LATEST:.0f} and a time in [0, 1]"
-                )
-                raise ValueError(f"{expected}, got {key.seconds}, {key.time}")
+                wanted = f"finite seconds of at most {LATEST:.0f} and a time in [0, 1]"
+                raise ValueError(f"keyframe {place} needs {wanted}, got {key.seconds}, {key.time}")
         seconds = [key.seconds for key in self.keyframes]
         if seconds:
             budget().require(seconds=seconds[-1] - seconds[0])

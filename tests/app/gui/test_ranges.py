@@ -1,4 +1,4 @@
-"""What files of the window hold is within the ranges of its controls: what is not is as at first, and said."""
+"""What the window's files hold is within the ranges of its controls; what is not is as at first."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from renderer.camera_files import NamedCamera
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 from renderer.view_files import LONGEST, MOST, Views, views_json
-from tests.app.gui.conftest import FakeJob, make_model, start_live
+from tests.app.gui.conftest import make_model, start_live
 
 CAMERA = Camera.from_fov(60.0, 64, 48).to_json()
 FLAT = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]]
@@ -249,4 +249,3 @@ def test_a_restored_session_is_kept_in_passing_as_it_was(state: AppState, clip: 
     session_actions.restore(state, kept)
     again = snapshot(state, places.config)
     assert (again.zoom, again.center, again.notes, again.view_time) == (MIN_ZOOM, (1.0, 0.0), "x", 1.0)
-    assert FakeJob().told == []
