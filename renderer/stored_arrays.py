@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 
+from renderer.regular_files import require_regular
+
 Arrays = dict[str, NDArray[Any]]
 OR_NONE = "?"
 FIRST, SECOND = "first.", "second."
@@ -42,6 +44,7 @@ def read_arrays(path: Path) -> tuple[Arrays, dict[str, str]]:
         ValueError: it cannot be read, or is damaged.
     """
     try:
+        require_regular(path)
         with safe_open(path, framework="numpy") as file:
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             return arrays, file.metadata() or {}

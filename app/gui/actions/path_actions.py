@@ -12,9 +12,9 @@ from app.gui.state.app_state import AppState
 from app.gui.views.free_view import FreeView
 from app.stamp import stamp
 from renderer.camera import Camera
-from renderer.camera_files import CameraFileError, NamedCamera, off_center, splatting_json
+from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.camera_path import CameraPath, Keyframe
-from renderer.view_files import LONGEST, Views, import_views, views_json
+from renderer.view_files import LONGEST, Views, views_json
 
 KEYFRAME_STEP = 2.0
 """Seconds from the last keyframe to one that is added after it."""
@@ -178,13 +178,8 @@ def advance_path(state: AppState, elapsed: float) -> None:
     seek_path(state, min(seconds, path.end))
 
 
-def load_views(state: AppState, path: Path) -> None:
+def add_views(state: AppState, read: Views, path: Path) -> None:
     """Add the named views of a file, ours or another program's, and take over its path if it has one."""
-    try:
-        read = import_views(path)
-    except CameraFileError as error:
-        actions.fail(state, str(error))
-        return
     now = state.cameras.views
     try:
         added = replace(read, named=(*now.named, *read.named))

@@ -53,6 +53,8 @@ class Banner:
     """What went wrong, in one sentence, until it is dismissed."""
 
     message: str
+    can_stop: bool = False
+    """It is of an opening that takes long, which can be given up."""
 
 
 @dataclass(frozen=True)

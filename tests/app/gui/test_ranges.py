@@ -31,7 +31,7 @@ from renderer.camera import Camera
 from renderer.camera_files import NamedCamera
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
-from renderer.view_files import LONGEST, MOST, Views, views_json
+from renderer.view_files import LONGEST, MOST, Views, import_views, views_json
 from tests.app.gui.conftest import make_model, start_live
 
 CAMERA = Camera.from_fov(60.0, 64, 48).to_json()
@@ -224,10 +224,10 @@ def test_more_views_than_a_session_takes_are_refused_in_a_line(
     assert f"at most {MOST} views" in state.banner.message
     file, state.banner = tmp_path / "views.json", None
     file.write_bytes(views_json(Views((NamedCamera("x" * 1000, camera),))))
-    path_actions.load_views(state, file)
+    path_actions.add_views(state, import_views(file), file)
     assert state.banner is not None
     state.cameras.views = Views()
-    path_actions.load_views(state, file)
+    path_actions.add_views(state, import_views(file), file)
     assert [len(one.name) for one in state.cameras.views.named] == [LONGEST]
     snapshot(state, tmp_path)
 
