@@ -14,6 +14,8 @@ from pydantic.fields import FieldInfo
 from app.errors import UserError
 
 AUTO = "auto"
+LONGEST = 120
+"""Characters of a wrong value that are shown."""
 
 
 T = TypeVar("T")
@@ -58,7 +60,13 @@ def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) ->
         return f"{error.title}: {wanted}"
     place = ".".join(str(part) for part in first["loc"])
     shown = flag_of[str(first["loc"][0])] if flag_of else place
-    return f"{shown}: {wanted}, got {first['input']!r}"
+    return f"{shown}: {wanted}, got {shortened(first['input'])}"
+
+
+def shortened(given: object) -> str:
+    """As Python writes it, cut where it is long: a file may hold anything."""
+    text = repr(given)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
 
 
 def positive(text: str) -> float:

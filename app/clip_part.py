@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
 from app.picture_mask import NO_MASK, PictureMask
+from app.settable import FrameNumber
 from renderer.clip import Clip
 
 
@@ -17,7 +18,7 @@ from renderer.clip import Clip
 class ClipPart:
     """Of one clip; a clip of which nothing was said counts as a whole."""
 
-    trim: tuple[int, int] | None = None
+    trim: tuple[FrameNumber, FrameNumber] | None = None
     """First and last frame that count, from 0."""
     mask: PictureMask = field(default_factory=PictureMask)
 

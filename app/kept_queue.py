@@ -19,6 +19,8 @@ from renderer.json_files import read_json
 KIND: Final = "queue"
 SUFFIX: Final = ".json"
 REQUEST = TypeAdapter(TrainRequest)
+MOST_WAITING: Final = 1000
+"""Of one process, that the next takes over."""
 
 
 def queue_file(folder: Path) -> Path:
@@ -63,7 +65,7 @@ def _read(path: Path) -> tuple[list[TrainRequest], bool]:
     if not isinstance(told, list):
         return [], True
     requests = []
-    for one in told:
+    for one in told[:MOST_WAITING]:
         with suppress(ValidationError):
             requests.append(REQUEST.validate_python(one))
     return requests, len(requests) < len(told)

@@ -12,8 +12,11 @@ from pydantic.dataclasses import dataclass
 
 from renderer.clip import BoolImage
 
-Box = tuple[float, float, float, float]
-Circle = tuple[float, float, Annotated[float, Interval(ge=0)]]
+FARTHEST: Final = 1e9
+"""Pixels from the picture's corner: a hand may draw far beyond the picture."""
+Edge = Annotated[float, Interval(ge=-FARTHEST, le=FARTHEST)]
+Box = tuple[Edge, Edge, Edge, Edge]
+Circle = tuple[Edge, Edge, Annotated[float, Interval(ge=0, le=2 * FARTHEST)]]
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))

@@ -36,6 +36,7 @@ from renderer.readers.pictures import is_picture
 from renderer.readers.scared import is_scared
 from renderer.readers.stereomis import is_stereomis
 from renderer.readers.structure_from_motion import is_structure_from_motion
+from renderer.regular_files import require_regular
 
 NOTICE = "Research use only. Not a medical device."
 KEYWORD = "vesselsplat"
@@ -107,8 +108,11 @@ def digest(path: Path) -> str:
 
     Of a clip the manifest holds what its reader uses, so that a run kept inside it, or what a file manager
     leaves there, is no change; of another folder, its visible files.
+
+    Raises OSError: there is no such file or folder, or it is something else.
     """
-    if path.is_file():
+    if not path.is_dir():
+        require_regular(path)
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     manifest = hashlib.sha256()

@@ -9,7 +9,7 @@ import base64
 import binascii
 import zlib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
@@ -19,12 +19,16 @@ from app.atomic import write_bytes
 from app.errors import UserError
 from app.provenance import digest, strict_json, version
 from app.run_folder import RunFolder
+from app.settable import at_most
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.json_files import read_text
 
 MOST = 100_000_000
 """Gaussians: no file makes the program ask for more memory than their masks take."""
+LONGEST: Final = 4 * (MOST // 8 + MOST // 800) // 3
+"""Characters of a mask of so many, where nothing of it can be made shorter."""
+MaskText = Annotated[str, at_most(LONGEST)]
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -37,8 +41,8 @@ class EditsRecord:
     """Of model.safetensors."""
     gaussians: Annotated[int, Field(ge=0, le=MOST)]
     """Of that model, before any edit."""
-    deleted: str
-    hidden: str
+    deleted: MaskText
+    hidden: MaskText
 
 
 RECORD = TypeAdapter(EditsRecord)

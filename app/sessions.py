@@ -5,43 +5,74 @@ Sources are named relative to the file, with their bytes' digest where it was sa
 
 from __future__ import annotations
 
+import math
 import os
 from contextlib import suppress
-from dataclasses import field
+from dataclasses import field, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from annotated_types import Interval
+from pydantic import AfterValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.arguments import problem
+from app.arguments import shortened
 from app.atomic import write_bytes
 from app.clip_part import ClipPart
 from app.errors import UserError
+from app.mended import mended
 from app.own_files import left_behind, own_file
 from app.provenance import strict_json, version
-from app.run_edits import MOST
+from app.run_edits import MOST, MaskText
 from app.run_folder import RecordedLook
+from app.settable import (
+    ENHANCED,
+    MOST_VALUES,
+    ORIGINAL,
+    SLOTS,
+    FrameNumber,
+    InputKind,
+    Mode,
+    Name,
+    Notes,
+    PathText,
+    Scope,
+    Share,
+    Slot,
+    Source,
+    Zoom,
+    at_most,
+    one_of,
+)
+from app.tuning import METRICS
 from app.views import ViewKind
 from enhance import EnhanceParams
+from enhance.params import DFactor
+from enhance.vessel import VesselParams
+from renderer.camera import Camera
 from renderer.json_files import parsed, read_text
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
+from renderer.view_files import views_of
 
 SUFFIX: Final = ".vesselsplat"
 AUTOSAVE: Final = "autosave"
 MOST_STEPS = 50
 """Of undo that are kept."""
+MOST_VARIED: Final = 1e6
+"""What a parameter that is tuned goes to; each has a range of its own within."""
+PARAMETERS: Final = ("", *(item.name for kind in (EnhanceParams, VesselParams) for item in fields(kind)))
+"""That can be tuned, of either method; empty: none."""
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
 class SessionSource:
     """A clip, a run or a file of splats."""
 
-    path: str
+    path: PathText
     """Relative to the folder of the session file, with forward slashes; absolute on another drive."""
-    sha256: str | None = None
+    sha256: Annotated[str, at_most(64)] | None = None
     """None: saved in passing."""
 
     @classmethod
@@ -59,22 +90,38 @@ class SessionSource:
         return next((place for place in places if place.exists()), None)
 
 
+def _camera(told: dict[str, Any]) -> dict[str, Any]:
+    Camera.from_json(told)
+    return told
+
+
+def _direction(told: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not 0.5 <= math.hypot(*told) <= 2.0:
+        raise ValueError(f"expected a direction of unit length, got {told}")
+    return told
+
+
+def _views(told: dict[str, Any]) -> dict[str, Any]:
+    views_of(told)
+    return told
+
+
 @dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
 class FreeCamera:
     """Where the 3D view is seen from, away from the clip's camera."""
 
-    camera: dict[str, Any]
-    down: tuple[float, float, float]
+    camera: Annotated[dict[str, Any], AfterValidator(_camera)]
+    down: Annotated[tuple[float, float, float], AfterValidator(_direction)]
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
 class ComparedAs:
     """What the panes of the pictures show, and how."""
 
-    mode: Literal["side by side", "wipe", "flip", "difference"] = "side by side"
-    left: str = "original"
-    right: str = "enhanced"
-    wipe: float = 0.5
+    mode: Mode = "side by side"
+    left: Source = ORIGINAL
+    right: Source = ENHANCED
+    wipe: Share = 0.5
     flipped: bool = False
     zebra: bool = False
 
@@ -83,19 +130,19 @@ class ComparedAs:
 class Varied:
     """A parameter of the tuning grid."""
 
-    name: str
-    first: float
-    last: float
-    count: int
+    name: Annotated[str, one_of(PARAMETERS)]
+    first: Annotated[float, Interval(ge=-MOST_VARIED, le=MOST_VARIED)]
+    last: Annotated[float, Interval(ge=-MOST_VARIED, le=MOST_VARIED)]
+    count: Annotated[int, Interval(ge=1, le=MOST_VALUES)]
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
 class UnsavedEdits:
     """Of the open model, not kept beside its run yet; masks as in edits.json."""
 
-    gaussians: Annotated[int, Field(ge=0, le=MOST)]
-    deleted: str
-    hidden: str
+    gaussians: Annotated[int, Interval(ge=0, le=MOST)]
+    deleted: MaskText
+    hidden: MaskText
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
@@ -103,8 +150,8 @@ class Session:
     """Everything of a session that another start can take up."""
 
     schema: Literal[1] = 1
-    version: str = ""
-    saved: str = ""
+    version: Name = ""
+    saved: Name = ""
     """UTC, ISO 8601."""
     source: SessionSource | None = None
     """What was opened."""
@@ -114,36 +161,36 @@ class Session:
     part: ClipPart | None = None
     """Trim and mask; None: not said."""
     edits: UnsavedEdits | None = None
-    frame: int = 0
-    frozen: int | None = None
+    frame: FrameNumber = 0
+    frozen: FrameNumber | None = None
     params: RecordedLook = EnhanceParams()
-    past: tuple[RecordedLook, ...] = ()
+    past: Annotated[tuple[RecordedLook, ...], at_most(MOST_STEPS)] = ()
     """Settled parameters, oldest first."""
-    scope: Literal["image", "clip"] = "image"
+    scope: Scope = "image"
     tissue_only: bool = False
     enhancing: bool = True
-    stored: dict[str, RecordedLook] = field(default_factory=dict)
+    stored: Annotated[dict[Slot, RecordedLook], at_most(len(SLOTS))] = field(default_factory=dict)
     """Settings kept under a letter, to compare with."""
     comparison: ComparedAs = ComparedAs()
-    zoom: float | None = None
-    center: tuple[float, float] = (0.5, 0.5)
+    zoom: Zoom | None = None
+    center: tuple[Share, Share] = (0.5, 0.5)
     linked: bool = True
-    view_time: float = 0.0
+    view_time: Share = 0.0
     free: FreeCamera | None = None
-    views: dict[str, Any] | None = None
+    views: Annotated[dict[str, Any], AfterValidator(_views)] | None = None
     """Named views and the camera path, as their own files hold them."""
     view_kind: ViewKind = "color"
     snapped: bool = False
-    blend: float = 0.5
+    blend: Share = 0.5
     """Share of the photo over a snapped view."""
     config: TrainConfig = TrainConfig()
-    input: Literal["original", "enhanced", "both in turn"] = "original"
-    d_factor: float = 0.5
-    run_name: str = ""
-    varied: tuple[Varied, ...] = ()
+    input: InputKind = "original"
+    d_factor: DFactor = 0.5
+    run_name: Name = ""
+    varied: Annotated[tuple[Varied, ...], at_most(2)] = ()
     tuning_shown: bool = False
-    sort: str = ""
-    notes: str = ""
+    sort: Annotated[str, one_of(("", *METRICS))] = ""
+    notes: Notes = ""
 
 
 SESSION = TypeAdapter(Session)
@@ -172,42 +219,31 @@ def mended_session(path: Path) -> tuple[Session, str]:
     except OSError as error:
         raise UserError(f"the session cannot be read, {error.strerror}: {path}") from error
     kept = path.with_name(f"{path.name}.broken")
-    try:
-        return SESSION.validate_json(content), ""
-    except ValidationError as error:
-        session, left_out = _readable(content)
-        if session is None or (session.source is None and session.run is None):
-            with suppress(OSError):
-                os.replace(path, kept)
-            raise UserError(
-                f"the session is damaged and was kept as {kept.name} ({problem(error)}): {path}"
-            ) from error
-    with suppress(OSError):
-        kept.write_bytes(content)
-    return session, (
-        f"of the session, {', '.join(left_out)} cannot be read and is as at first; "
-        f"the file as it was is kept as {kept.name}"
-    )
+    session, wrong = _readable(content)
+    if not wrong and session is not None:
+        return session, ""
+    if session is None or (session.source is None and session.run is None):
+        with suppress(OSError):
+            os.replace(path, kept)
+        raise UserError(f"the session is damaged and was kept as {kept.name} ({wrong}): {path}")
+    with suppress(OSError, UserError):
+        write_bytes(kept, content)
+    return session, f"of the session, {wrong} and is as at first; the file as it was is kept as {kept.name}"
 
 
-def _readable(content: bytes) -> tuple[Session | None, list[str]]:
-    """The session without the parts that are not valid, and their names; None for no session at all."""
+def _readable(content: bytes) -> tuple[Session | None, str]:
+    """The session without the parts that are not valid, and what is wrong; None for no session at all."""
     try:
         told = parsed(content)
     except ValueError:
-        return None, []
-    if not isinstance(told, dict) or told.get("schema", 1) != 1:
-        return None, []
-    left_out: list[str] = []
-    while True:
-        try:
-            return SESSION.validate_python(told), left_out
-        except ValidationError as error:
-            wrong = sorted({str(each["loc"][0]) for each in error.errors() if each["loc"]} & set(told))
-            if not wrong:
-                return None, []
-            left_out += wrong
-            told = {name: value for name, value in told.items() if name not in wrong}
+        return None, "it is no JSON"
+    if not isinstance(told, dict):
+        return None, "it is no JSON object"
+    if told.get("schema", 1) != 1:
+        return None, f"expected schema 1, got {shortened(told['schema'])}"
+    found = mended(SESSION, told)
+    session, left_out = found
+    return session, f"{', '.join(left_out)} cannot be read" if left_out else ""
 
 
 def autosave_path(folder: Path) -> Path:

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from itertools import chain, tee
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 from app.clip_part import WHOLE, ClipPart
 from app.device import Asked, Choice, Device, choose, pictures_on
@@ -22,6 +22,7 @@ from app.provenance import digest, version
 from app.room import planned_in
 from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
+from app.settable import LONGEST_PATH, at_most
 from app.utf8 import require_utf8
 from app.wall_clock import WallClock
 from enhance import EnhanceParams
@@ -51,8 +52,8 @@ PRESETS: Final[Mapping[Preset, Look]] = MappingProxyType(
 class TrainRequest:
     """One training run, by value: crosses to the training process as it stands."""
 
-    clip_path: Path
-    run_path: Path
+    clip_path: Annotated[Path, at_most(LONGEST_PATH)]
+    run_path: Annotated[Path, at_most(LONGEST_PATH)]
     config: TrainConfig
     clip_options: ClipOptions = DEFAULTS
     part: ClipPart = WHOLE

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 PForm = Literal["literal", "continuous"]
 Exponent = Annotated[float, Interval(ge=0.0, le=4.0)]
 Radius = Annotated[int, Interval(ge=1, le=512), Unit("px")]
+DFactor = Annotated[float, Interval(ge=0.0, le=4.0)]
 
 
 @dataclass(
@@ -41,7 +42,7 @@ class EnhanceParams:
     subsample: Annotated[int, Interval(ge=1, le=8)] = 2
     """The guided filter's coefficients are computed on an image this many times smaller, those of wide
     windows on one of half its size. 1: on the image itself."""
-    d_factor: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.0
+    d_factor: DFactor = 1.0
     """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation alone."""
     keep_black: bool = True
     """Keep the black surround of an endoscope black; without it, black becomes grey 51 at z = 0."""

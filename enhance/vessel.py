@@ -21,7 +21,7 @@ from enhance.brightness import level, z_from_level
 from enhance.enhancer import Enhancer
 from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
 from enhance.opening import opened
-from enhance.params import EnhanceParams
+from enhance.params import DFactor, EnhanceParams
 from enhance.result import EnhanceResult
 from enhance.saturation import pull
 from enhance.statistics import Statistics
@@ -56,7 +56,7 @@ class VesselParams:
     """Share of the brightening of Eq 1 that is applied."""
     gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 1.2
     """Exponent of V afterwards: above 1 deepens the middle tones; black and white stay."""
-    d_factor: Annotated[float, Interval(ge=0.0, le=4.0)] = 0.5
+    d_factor: DFactor = 0.5
     """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation alone."""
     most_color: Annotated[float, Interval(ge=1.0, le=4.0)] = 1.4
     """Bound on the gain of saturation, which never falls below 1: greys and highlights keep their colour."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,10 @@ from renderer.budget import budget
 FloatArray = NDArray[np.float64]
 NARROWEST, WIDEST = 1e-7, 1e4
 """Width by focal length; 2 is 90 degrees."""
+FLATTEST: Final = 1e-6
+"""Volume that a pose leaves of a cube, which is 1 for a rotation."""
+FARTHEST: Final = 1e30
+"""Of all numbers of a pose: what float32 holds, with room to spare."""
 
 
 def _identity() -> FloatArray:
@@ -33,7 +37,7 @@ class Camera:
 
     Raises:
         CameraError: sizes or focal lengths that are not positive, or out of range; or a matrix that is not a
-            finite (4, 4).
+            finite (4, 4), or cannot be undone.
     """
 
     fx: float
@@ -57,6 +61,7 @@ class Camera:
         matrix = np.array(self.camera_from_world, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
             raise CameraError(f"camera_from_world must be a finite (4, 4) matrix, got shape {matrix.shape}")
+        _require_pose(matrix)
         matrix.setflags(write=False)
         object.__setattr__(self, "camera_from_world", matrix)
 
@@ -157,3 +162,11 @@ class Camera:
 
     def __hash__(self) -> int:
         return hash(self._key())
+
+
+def _require_pose(matrix: FloatArray) -> None:
+    volume = abs(float(np.linalg.det(matrix[:3, :3])))
+    if not (FLATTEST <= volume <= 1 / FLATTEST and np.abs(matrix).max() <= FARTHEST):
+        raise CameraError(f"camera_from_world must turn and move, got determinant {volume:.3g}")
+    if np.abs(matrix[3] - (0, 0, 0, 1)).max() > FLATTEST:
+        raise CameraError(f"camera_from_world must end with 0 0 0 1, got {matrix[3].tolist()}")

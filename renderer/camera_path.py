@@ -21,6 +21,9 @@ from renderer.rotations import conjugate, logarithm, matrix, product, quaternion
 SAME: Final = 1e-9
 """Two poses nearer than this, in radians or in shares of the path's size, are one: there the camera rests."""
 
+LATEST: Final = 1e6
+"""Seconds of a keyframe: controls tell hundredths of it apart."""
+
 TRACK: Final = 24
 """Points of a track from one keyframe to the next."""
 
@@ -49,9 +52,9 @@ class CameraPath:
 
     def __post_init__(self) -> None:
         for place, key in enumerate(self.keyframes):
-            if not (math.isfinite(key.seconds) and 0 <= key.time <= 1):
-                got = f"{key.seconds}, {key.time}"
-                raise ValueError(f"keyframe {place} needs finite seconds and a time in [0, 1], got {got}")
+            if not (abs(key.seconds) <= LATEST and 0 <= key.time <= 1):
+                wanted = f"finite seconds of at most {LATEST:.0f} and a time in [0, 1]"
+                raise ValueError(f"keyframe {place} needs {wanted}, got {key.seconds}, {key.time}")
         seconds = [key.seconds for key in self.keyframes]
         if seconds:
             budget().require(seconds=seconds[-1] - seconds[0])

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
+from renderer.regular_files import require_regular
+
 Arrays = dict[str, NDArray[Any]]
 OR_NONE = "?"
 FIRST, SECOND = "first.", "second."
@@ -45,6 +47,7 @@ def read_arrays(path: Path) -> tuple[Arrays, dict[str, str]]:
         ValueError: it cannot be read, or is damaged.
     """
     try:
+        require_regular(path)
         with safe_open(path, framework="numpy") as file:
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             return arrays, file.metadata() or {}

@@ -18,12 +18,20 @@ VERSION: Final = 1
 UNITS: Final = {"seconds": "s from the path's beginning", "time": "of the clip, 0 to 1", "lens": "px"}
 HEAD: Final = 256
 """Bytes of a file that say whether it is one of ours."""
+MOST: Final = 2000
+"""Named views, and keyframes."""
+LONGEST: Final = 100
+"""Characters of a name; the rest is cut off."""
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Views:
-    """What a person keeps of where to look from."""
+    """What a person keeps of where to look from.
+
+    Raises:
+        ValueError: more views or keyframes than there may be.
+    """
 
     named: tuple[NamedCamera, ...] = ()
     path: CameraPath = field(default_factory=lambda: CameraPath(()))
@@ -31,6 +39,11 @@ class Views:
     """Played again and again."""
     unit: str = "scene units"
     """Of lengths."""
+
+    def __post_init__(self) -> None:
+        for count, what in ((len(self.named), "views"), (len(self.path.keyframes), "keyframes")):
+            if count > MOST:
+                raise ValueError(f"expected at most {MOST} {what}, got {count}")
 
 
 def views_json(views: Views) -> bytes:
@@ -73,12 +86,20 @@ def import_views(path: Path) -> Views:
     Raises CameraFileError as `read_views` and `read_cameras` do.
     """
     if path.suffix.lower() == ".txt":
-        return Views(read_cameras(path.parent))
+        return _of_others(path.parent)
     try:
         ours = path.is_file() and _begins_as_ours(path)
     except OSError as error:
         raise CameraFileError(f"expected a camera file, {error.strerror}: {path}") from error
-    return read_views(path) if ours else Views(read_cameras(path))
+    return read_views(path) if ours else _of_others(path)
+
+
+def _of_others(path: Path) -> Views:
+    cameras = read_cameras(path)
+    try:
+        return Views(tuple(NamedCamera(one.name[:LONGEST], one.camera) for one in cameras))
+    except ValueError as error:
+        raise CameraFileError(f"{error}: {path}") from error
 
 
 def _begins_as_ours(path: Path) -> bool:
@@ -117,13 +138,13 @@ def _each(items: list[Any], place: str, read: Callable[[dict[str, Any]], T]) -> 
             if not isinstance(item, dict):
                 raise ValueError(f"expected an object, got {type(item).__name__}")
             found.append(read(item))
-        except ValueError as error:
+        except (ValueError, OverflowError) as error:
             raise ValueError(f"{error} (in {place}[{index}])") from error
     return tuple(found)
 
 
 def _named(item: dict[str, Any]) -> NamedCamera:
-    return NamedCamera(_get(item, "name", str), Camera.from_json(_get(item, "camera", dict)))
+    return NamedCamera(_get(item, "name", str)[:LONGEST], Camera.from_json(_get(item, "camera", dict)))
 
 
 def _keyframe(item: dict[str, Any]) -> Keyframe:

@@ -14,7 +14,6 @@ from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 from app.errors import UserError
 from app.gui.actions import (
     actions,
-    path_actions,
     preset_actions,
     queue_actions,
     second_actions,
@@ -55,9 +54,8 @@ from app.gui.state.app_state import AppState
 from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places, Theme, load_settings
 from app.gui.update.update import Channels, take_pictures, update
-from app.gui.work.background import Worker
+from app.gui.work.background import Apart, Worker
 from app.job import TrainingJob
-from app.report.saved import holds_report
 from assets import phantom_path
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -98,8 +96,13 @@ class Window:
         state.known_clips = load_clips(state.places.config)
         self._make_job = make_job
         self._channels = Channels()
-        self._worker = Worker(self._channels.all, self._refresh)
-        self._beside = Worker(self._channels.beside, self._refresh)
+        apart = self._channels.apart
+        in_turn = [channel for channel in self._channels.all if channel not in apart]
+        beside = [channel for channel in self._channels.beside if channel not in apart]
+        self._workers: tuple[Worker | Apart, ...] = (
+            *(Worker(channels, self._refresh) for channels in (in_turn, beside)),
+            *(Apart(channel, self._refresh) for channel in apart),
+        )
         self._dialogs = Dialogs(self._open, Path.home())
         self.writing = Writing(state, self._channels, self._dialogs)
         self._openers = Openers(
@@ -344,20 +347,17 @@ class Window:
                 item.release()
 
     def _end_work(self) -> None:
-        for worker in (self._worker, self._beside):
+        for worker in self._workers:
             worker.close()
 
     def _open(self, path: Path) -> None:
-        if path.suffix.lower() == ".json" and not holds_report(path):
-            path_actions.load_views(self.state, path)
-        else:
-            actions.open_path(self.state, path)
+        actions.open_path(self.state, path)
 
     def _open_second(self, path: Path) -> None:
         second_actions.open_second(self.state, path)
 
     def _import_views(self) -> None:
-        self._dialogs.ask("file", lambda path: path_actions.load_views(self.state, path))
+        self._dialogs.ask("file", self._open)
 
     def _open_phantom(self) -> None:
         self._open(phantom_path())

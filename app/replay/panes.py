@@ -10,7 +10,7 @@ from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
-from app.gui.work.enhancing import PictureRequest, Scope
+from app.gui.work.enhancing import PictureRequest
 from app.gui.work.measure_table import MADE_AGAIN, measured_rows, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
@@ -27,6 +27,7 @@ from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
 from app.scene_view import SceneView
 from app.series import timing_of
+from app.settable import Scope
 from app.video import Timing, write_video
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE

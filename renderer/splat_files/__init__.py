@@ -29,7 +29,8 @@ def read_splats(path: Path) -> SplatFile:
         require_regular(path)
         return _read(path.read_bytes(), path.name)
     except OSError as error:
-        raise SplatFileError(f"expected a file of splats, got none that can be read: {path}") from error
+        why = f" ({error.strerror})" if error.strerror else ""
+        raise SplatFileError(f"expected a file of splats, got none that can be read{why}: {path}") from error
     except (PlyError, SplatFileError, OverBudget) as error:
         raise SplatFileError(f"{error}: {path}") from error
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from renderer.file_signatures import ANYWHERE
-from renderer.json_files import parsed
+from renderer.json_files import parsed, read_text
 
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
 SOG: Final = f"SOG: {CONVERT}"
@@ -50,7 +50,7 @@ def named_kind(content: bytes, name: str) -> str | None:
 def is_sog_list(path: Path) -> bool:
     """Whether a file is the list of an unpacked SOG, by its name and what it says."""
     try:
-        return path.name.endswith(SOG_LIST) and _is_sog_list(path.read_bytes(), path.name)
+        return path.name.endswith(SOG_LIST) and _is_sog_list(read_text(path), path.name)
     except OSError:
         return False
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal
 
-from annotated_types import Interval
+from annotated_types import Interval, Len
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
@@ -90,9 +90,9 @@ class TrainConfig:
     """Degree of the spherical harmonics, by which colours depend on the view; auto: as the clip needs."""
     render_mode: RenderMode = "default"
     """How splats narrower than a pixel are drawn, see RenderMode; a run is drawn as it was trained."""
-    keep: tuple[Part, ...] = ()
+    keep: Annotated[tuple[Part, ...], Len(0, 10)] = ()
     """Parts that stay in although the clip does not need them, to measure what they cost."""
-    leave_out: tuple[Literal["deformation", "color_curves"], ...] = ()
+    leave_out: Annotated[tuple[Literal["deformation", "color_curves"], ...], Len(0, 2)] = ()
     """Parts that stay out whatever the clip needs."""
     hold_out: bool = False
     """Keep every seventh training frame out and evaluate on it: for choosing settings."""

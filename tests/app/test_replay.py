@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 
 from app.gui.views.free_view import FreeView
-from app.gui.work.enhancing import PictureRequest, Scope
+from app.gui.work.enhancing import PictureRequest
 from app.gui.work.opening import OpenRequest, open_path
 from app.picture_mask import PictureMask
 from app.pictures import read_image
 from app.provenance import read_provenance, write_png
 from app.replay import replay
 from app.replay.difference import difference
+from app.settable import Scope
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -18,7 +18,7 @@ from app.gui.state.second import Second
 from app.gui.state.settings import Theme, save_settings
 from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
-from app.gui.work.opening import Opened, OpenRequest
+from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
 from app.methods import Look
 
 TOAST_SECONDS = 6.0
@@ -83,7 +83,17 @@ def open_path(state: AppState, path: Path) -> None:
         state.opening = OpenRequest(path.absolute(), state.clip_options)
         state.banner = None
 
-    leave(state, go)
+    if path.suffix.lower() in VIEW_SUFFIXES:
+        go()  # What joins the session ends no edits.
+    else:
+        leave(state, go)
+
+
+def stop_opening(state: AppState) -> None:
+    """Wait no longer for what is being opened: its answer, should one come, is of no use."""
+    for request in filter(None, (state.opening, state.second.opening)):
+        say(state, f"{request.path} was not waited for")
+    state.opening = state.second.opening = state.banner = None
 
 
 def leave(state: AppState, go: Callable[[], None]) -> None:

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Mode, Side, Slot
+from app.gui.state.comparison import Side
+from app.settable import Mode, Slot
 
 WIPE_STEP = 0.02
 

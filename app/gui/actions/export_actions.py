@@ -8,7 +8,7 @@ from typing import Literal
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import ENHANCED, ORIGINAL, SIDES, Side, label_of
+from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
 from app.gui.work.enhancing import PictureRequest
@@ -17,6 +17,7 @@ from app.gui.work.shots import Arrangement, Panes, Shot
 from app.gui.work.view_pages import Views
 from app.gui.work.viewing import ShownModel, ViewRequest
 from app.moments import FRAMES_PER_SECOND
+from app.settable import ENHANCED, ORIGINAL
 
 What = Literal[
     "panes and 3D view",

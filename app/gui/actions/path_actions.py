@@ -12,9 +12,9 @@ from app.gui.state.app_state import AppState
 from app.gui.views.free_view import FreeView
 from app.stamp import stamp
 from renderer.camera import Camera
-from renderer.camera_files import CameraFileError, NamedCamera, off_center, splatting_json
+from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.camera_path import CameraPath, Keyframe
-from renderer.view_files import Views, import_views, views_json
+from renderer.view_files import LONGEST, Views, views_json
 
 KEYFRAME_STEP = 2.0
 """Seconds from the last keyframe to one that is added after it."""
@@ -45,7 +45,7 @@ def save_view(state: AppState) -> None:
     if camera is None:
         return
     taken = {one.name for one in cameras.views.named}
-    name = cameras.name.strip() or next(
+    name = cameras.name.strip()[:LONGEST] or next(
         text for text in (f"View {number}" for number in range(1, len(taken) + 2)) if text not in taken
     )
     cameras.name = ""
@@ -56,7 +56,7 @@ def rename_view(state: AppState, index: int, name: str) -> None:
     """An empty name changes nothing."""
     named = list(state.cameras.views.named)
     if name.strip():
-        named[index] = NamedCamera(name.strip(), named[index].camera)
+        named[index] = NamedCamera(name.strip()[:LONGEST], named[index].camera)
         _change(state, named=tuple(named))
 
 
@@ -109,12 +109,20 @@ def delete_keyframe(state: AppState, index: int) -> None:
 
 
 def _change_path(state: AppState, keys: list[Keyframe]) -> None:
-    _change(state, path=CameraPath(tuple(keys)))
+    try:
+        path = CameraPath(tuple(keys))
+    except ValueError as error:
+        actions.fail(state, f"the path stays as it is: {error}")
+    else:
+        _change(state, path=path)
 
 
 def _change(state: AppState, **parts: object) -> None:
     unit = state.model.unit if state.model is not None else state.cameras.views.unit
-    state.cameras.views = replace(state.cameras.views, unit=unit, **parts)  # type: ignore[arg-type]
+    try:
+        state.cameras.views = replace(state.cameras.views, unit=unit, **parts)  # type: ignore[arg-type]
+    except ValueError as error:
+        actions.fail(state, str(error))
 
 
 def set_loop(state: AppState, loop: bool) -> None:
@@ -170,15 +178,14 @@ def advance_path(state: AppState, elapsed: float) -> None:
     seek_path(state, min(seconds, path.end))
 
 
-def load_views(state: AppState, path: Path) -> None:
+def add_views(state: AppState, read: Views, path: Path) -> None:
     """Add the named views of a file, ours or another program's, and take over its path if it has one."""
-    try:
-        read = import_views(path)
-    except CameraFileError as error:
-        actions.fail(state, str(error))
-        return
     now = state.cameras.views
-    added = replace(read, named=(*now.named, *read.named))
+    try:
+        added = replace(read, named=(*now.named, *read.named))
+    except ValueError as error:
+        actions.fail(state, f"{error}: {path}")
+        return
     if not read.path.keyframes:
         added = replace(added, path=now.path, loop=now.loop)
     state.cameras.views = added

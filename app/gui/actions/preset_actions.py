@@ -7,13 +7,15 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.presets import (
     BUILT_IN,
-    LONGEST_NAME,
+    MOST_PRESETS,
+    is_preset_name,
     load_presets,
     merged_presets,
     presets_file,
     save_presets,
 )
 from app.methods import Look
+from app.settable import LONGEST_NAME
 
 
 def load(state: AppState) -> None:
@@ -35,8 +37,11 @@ def choose(state: AppState, name: str) -> None:
 def keep(state: AppState, name: str) -> None:
     """The present setting under this name, in place of an own preset of the same name."""
     name = name.strip()[:LONGEST_NAME]
-    if not name or name in BUILT_IN:
+    if not is_preset_name(name):
         actions.fail(state, "expected a name for the preset that is not one of the built-in ones")
+        return
+    if len(state.presets | {name: state.params}) > MOST_PRESETS:
+        actions.fail(state, f"expected at most {MOST_PRESETS} presets: delete some of them")
         return
     _save(state, {**state.presets, name: state.params}, f"kept as preset {name}")
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from app.errors import UserError
 from app.gui.actions import actions, edit_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SOURCES, Comparison
+from app.gui.state.comparison import Comparison
 from app.gui.views.free_view import FreeView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import Choice
@@ -32,7 +32,6 @@ from app.sessions import (
     recoverable,
     write_session,
 )
-from app.tuning import METRICS
 from renderer.camera import Camera
 from renderer.json_files import parsed
 from renderer.view_files import views_json, views_of
@@ -120,15 +119,13 @@ def restore(state: AppState, session: Session) -> None:
         _restore_edits(state, session.edits)
     actions.seek(state, session.frame)
     last = len(state.clip) - 1 if state.clip is not None else 0
-    state.frozen_index = min(max(session.frozen, 0), last) if session.frozen is not None else None
+    state.frozen_index = min(session.frozen, last) if session.frozen is not None else None
     state.params = session.params
     state.scope, state.tissue_only, state.enhancing = session.scope, session.tissue_only, session.enhancing
     state.stored = dict(session.stored)
-    compared = session.comparison
-    if {compared.left, compared.right} <= set(SOURCES):
-        state.comparison = Comparison(**asdict(compared)).wiped(compared.wipe)
+    state.comparison = Comparison(**asdict(session.comparison)).wiped(session.comparison.wipe)
     state.picture_view = replace(state.picture_view, zoom=session.zoom, center=session.center)
-    state.linked, state.view_time = session.linked, min(max(session.view_time, 0.0), 1.0)
+    state.linked, state.view_time = session.linked, session.view_time
     _restore_views(state, session)
     draft = state.reconstruction
     draft.name, draft.d_factor = session.run_name, session.d_factor
@@ -138,7 +135,7 @@ def restore(state: AppState, session: Session) -> None:
         first, second = (Choice(one.name, one.first, one.last, one.count) for one in session.varied)
         state.tuning.choices = (first, second)
     state.tuning.shown = session.tuning_shown
-    state.tuning.sort = session.sort if session.sort in METRICS else ""
+    state.tuning.sort = session.sort
     state.notes = session.notes
     actions.rebase(state, session.past or (session.params,))
 
@@ -162,17 +159,13 @@ def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
 
 
 def _restore_views(state: AppState, session: Session) -> None:
-    """Cameras that make no sense are left out, with a line in the log."""
     state.view_kind = session.view_kind
     state.viewer.snapped = session.snapped and state.has_photos
-    state.viewer.blend = min(max(session.blend, 0.0), 1.0)
-    try:
-        if session.free is not None:
-            state.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
-        if session.views is not None:
-            state.cameras.views = views_of(session.views)
-    except (KeyError, TypeError, ValueError) as error:
-        actions.say(state, f"a camera of the session was left out: {error}")
+    state.viewer.blend = session.blend
+    if session.free is not None:
+        state.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
+    if session.views is not None:
+        state.cameras.views = views_of(session.views)
 
 
 def save_request(state: AppState) -> WriteRequest | None:

@@ -23,7 +23,7 @@ from app.gui.commands.edit_commands import edit_sections
 from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import MODES, SLOTS, Mode, Slot
+from app.settable import MODES, SLOTS, Mode, Slot
 
 MODE_KEYS = dict(zip(MODES, ("V", "W", "T", "D"), strict=True))
 MODE_TEXTS: dict[Mode, str] = {

@@ -15,9 +15,10 @@ from app.gui.look import theme
 from app.gui.look.widgets import beside, beside_of, button, centered, em, explain
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import MODES, SIDES, SLOTS, SOURCES, Side, label_of
+from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
 from app.gui.work.enhancing import Pictures
+from app.settable import MODES, SLOTS, SOURCES
 
 MODE_LABELS = [mode.capitalize() for mode in MODES]
 MODE_TEXT = (

@@ -16,9 +16,9 @@ from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measur
 from app.gui.panels.enhancement_scales import draw_scales
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import BUILT_IN, LONGEST_NAME, preset_name
-from app.gui.work.enhancing import Scope
+from app.gui.state.presets import BUILT_IN, preset_name
 from app.methods import PAPER, VESSEL, Look
+from app.settable import LONGEST_NAME, Scope
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 

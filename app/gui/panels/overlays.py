@@ -70,8 +70,12 @@ def draw_banner(state: AppState) -> None:
             imgui.align_text_to_frame_padding()
             imgui.text_unformatted(message)
         imgui.same_line(0, em(1))
+        can_stop = state.banner.can_stop
         if imgui.button("Dismiss"):
             state.banner = None
+        if can_stop:
+            imgui.same_line()
+            button("Stop waiting", lambda: actions.stop_opening(state))
 
 
 def draw_toast(state: AppState) -> None:

@@ -15,7 +15,8 @@ from app.gui.look.widgets import button, declared, em, explain, row, seconds, sl
 from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
-from app.gui.state.reconstruction import InputKind, Reconstruction
+from app.gui.state.reconstruction import Reconstruction
+from app.settable import LONGEST_NAME, InputKind
 from app.wall_clock import in_all
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
@@ -87,7 +88,8 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
         run.config = replace(config, method=METHODS[method], iterations=iterations)
     row("Name", "Folder of the run; empty: the clip's name and the time.")
     imgui.set_next_item_width(-em(0.1))
-    _, run.name = imgui.input_text_with_hint("##name", "automatic", run.name)
+    _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
+    run.name = name[:LONGEST_NAME]
 
 
 def _draw_part(state: AppState) -> None:

@@ -7,6 +7,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from app.gui.actions import session_actions
 from app.gui.look.widgets import em, explain
 from app.gui.state.app_state import AppState
+from app.settable import LONGEST_NOTES
 
 OFFER = "The last session ended unexpectedly"
 
@@ -17,7 +18,7 @@ def draw_notes(state: AppState) -> None:
     changed, text = imgui.input_text_multiline("##notes", state.notes, ImVec2(-1, max(space.y, em(3))))
     explain("Kept with the session (Ctrl+S) and over a crash. Exports do not carry it.")
     if changed:
-        state.notes = text
+        state.notes = text[:LONGEST_NOTES]
 
 
 def draw_recovery(state: AppState) -> None:

@@ -15,8 +15,9 @@ from app.gui.look import theme
 from app.gui.look.widgets import beside_of, button, centered, declared, em, explain, tag
 from app.gui.panels.enhancement import VESSEL_SLIDERS
 from app.gui.state.app_state import AppState
-from app.gui.work.tuning import MOST_VALUES, Choice, GridCell
+from app.gui.work.tuning import Choice, GridCell
 from app.methods import Look
+from app.settable import MOST_VALUES
 from app.tuning import DEFINITIONS, METRICS, SMALLER_IS_BETTER, Setting
 from enhance import EnhanceParams
 from renderer.clip import ByteImage

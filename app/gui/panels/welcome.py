@@ -42,7 +42,7 @@ def draw_welcome(state: AppState, openers: Openers) -> None:
     )
     for label, choose in choices:
         imgui.set_cursor_pos_x((imgui.get_window_width() - em(WIDTH)) / 2)
-        button(label, choose, enabled=state.opening is None, width=WIDTH)
+        button(label, choose, width=WIDTH)
     if state.opening is not None:
         centered(f"Opening {state.opening.path.name}…", theme.now().text)
     elif state.settings.recent:

@@ -21,7 +21,7 @@ from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
 from app.gui.work.baking import Baked
 from app.gui.work.editing import Editing
-from app.gui.work.enhancing import PictureRequest, Pictures, Scope
+from app.gui.work.enhancing import PictureRequest, Pictures
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import OpenRequest
@@ -34,6 +34,7 @@ from app.gui.work.tuning import Tuning
 from app.gui.work.viewing import ShownModel, View, ViewRequest
 from app.methods import Look
 from app.sessions import Session
+from app.settable import Scope, Slot
 from app.views import ViewKind
 from enhance import EnhanceParams
 from renderer.clip import Clip
@@ -52,6 +53,8 @@ class Banner:
     """What went wrong, in one sentence, until it is dismissed."""
 
     message: str
+    can_stop: bool = False
+    """It is of an opening that takes long, which can be given up."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +119,7 @@ class AppState:
     asked_at: float = 0.0
     """When the newest pictures were asked for, on the window's clock."""
     comparison: Comparison = field(default_factory=Comparison)
-    stored: dict[str, Look] = field(default_factory=dict)
+    stored: dict[Slot, Look] = field(default_factory=dict)
     """Settings kept as "A" and "B", to compare with."""
     presets: dict[str, Look] = field(default_factory=dict)
     """A person's own, by name."""

@@ -7,9 +7,8 @@ from typing import Final
 
 from app.clip_part import WHOLE, ClipPart
 from app.gui.state.comparison import Comparison
-from app.gui.state.reconstruction import InputKind
-from app.gui.work.enhancing import Scope
 from app.methods import Look
+from app.settable import InputKind, Scope
 from app.training import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from renderer.train.config import TrainConfig

@@ -6,22 +6,11 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
 from app.gui.legible import named
-from app.methods import METHODS, PAPER, VESSEL
+from app.methods import PAPER, VESSEL
+from app.settable import ENHANCED, ORIGINAL, RENDER, Mode
 
-Mode = Literal["side by side", "wipe", "flip", "difference"]
 Side = Literal["left", "right"]
-Slot = Literal["A", "B"]
-
-MODES: Final[tuple[Mode, ...]] = get_args(Mode)
 SIDES: Final[tuple[Side, ...]] = get_args(Side)
-SLOTS: Final[tuple[Slot, ...]] = get_args(Slot)
-
-ORIGINAL: Final = "original"
-ENHANCED: Final = "enhanced"
-RENDER: Final = "render"
-SOURCES: Final = (ORIGINAL, ENHANCED, *SLOTS, RENDER, *METHODS)
-"""What a pane can show: the photo, the photo enhanced as set now, by a stored setting, or by another method
-with its own defaults, and the picture that the open reconstruction gives of the same moment."""
 SOURCE_LABELS: Final = {
     ORIGINAL: "Original",
     ENHANCED: "Enhanced (this setting)",

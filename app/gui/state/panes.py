@@ -9,12 +9,13 @@ import numpy as np
 
 from app.gui.legible import legible, named
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import ENHANCED, ORIGINAL, RENDER, SIDES, Mode, Side
+from app.gui.state.comparison import SIDES, Side
 from app.gui.work.enhancing import Pictures
 from app.gui.work.others import Difference, DifferenceRequest, Other, OtherRequest
 from app.gui.work.page import describe
 from app.gui.work.viewing import ShownModel
 from app.methods import PAPER, VESSEL, Look
+from app.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import BoolImage, ByteImage
@@ -86,7 +87,8 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
 def _look(state: AppState, source: str) -> Look | None:
     """The parameters behind a source, None for a method without."""
     defaults: dict[str, Look] = {PAPER: EnhanceParams(), VESSEL: VesselParams()}
-    return state.stored[source] if source in ("A", "B") else defaults.get(source)
+    stored = (look for slot, look in state.stored.items() if slot == source)
+    return next(stored, defaults.get(source))
 
 
 def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from app.atomic import write_bytes
+from app.errors import UserError
 from app.gui.state.settings import Places
+from app.mended import mended
 from app.methods import Look
 from app.provenance import strict_json
 from app.run_folder import RecordedLook
+from app.settable import LONGEST_NAME
 from app.training import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.json_files import read_text
+from renderer.json_files import read_json
 
 BUILT_IN: Final[Mapping[str, Look]] = MappingProxyType(
     {
@@ -28,7 +32,8 @@ BUILT_IN: Final[Mapping[str, Look]] = MappingProxyType(
     }
 )
 OWN: TypeAdapter[dict[str, Look]] = TypeAdapter(dict[str, RecordedLook])
-LONGEST_NAME: Final = 60
+MOST_PRESETS: Final = 500
+DAMAGED: Final = "it is damaged"
 
 
 def presets_file(places: Places) -> Path:
@@ -36,21 +41,38 @@ def presets_file(places: Places) -> Path:
 
 
 def load_presets(path: Path) -> tuple[dict[str, Look], str]:
-    """The own presets and what went wrong with them, empty when nothing did.
+    """The own presets that can be read and what went wrong with the others, empty when nothing did.
 
-    A file that cannot be understood is put aside, so that the next save does not destroy it.
+    A file that cannot be understood as a whole is put aside, so that the next save does not destroy it.
     """
     try:
-        return OWN.validate_json(read_text(path)), ""
+        told = read_json(path)
     except FileNotFoundError:
         return {}, ""
-    except (OSError, ValidationError) as error:
-        return {}, _put_aside(path, error)
+    except OSError as error:
+        return {}, _put_aside(path, error.strerror or DAMAGED)
+    except ValueError:
+        return {}, _put_aside(path, DAMAGED)
+    if not isinstance(told, dict):
+        return {}, _put_aside(path, DAMAGED)
+    named = [(name, look) for name, look in told.items() if is_preset_name(name)]
+    readable = mended(OWN, dict(named[:MOST_PRESETS]))
+    found = readable[0]
+    if found is None or len(found) == len(told):
+        return found or {}, ""
+    trouble = _put_aside(path, f"{len(told) - len(found)} of {len(told)} are damaged")
+    with suppress(OSError, UserError):
+        save_presets(path, found)
+    return found, trouble
 
 
-def _put_aside(path: Path, error: Exception) -> str:
+def is_preset_name(name: str) -> bool:
+    """Of an own preset."""
+    return 0 < len(name) <= LONGEST_NAME and name not in BUILT_IN
+
+
+def _put_aside(path: Path, what: str) -> str:
     aside = path.with_suffix(".damaged.json")
-    what = error.strerror if isinstance(error, OSError) else "it is damaged"
     try:
         os.replace(path, aside)
     except OSError:

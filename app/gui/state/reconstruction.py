@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from app.gui.work.told import NOTHING_TOLD, Told
+from app.settable import InputKind
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
@@ -15,7 +16,6 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Preparing, Progress, Started
 
 JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
-InputKind = Literal["original", "enhanced", "both in turn"]
 
 
 class Job(Protocol):

@@ -6,11 +6,15 @@ import json
 import os
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import platformdirs
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter
+from pydantic.dataclasses import dataclass as pydantic_dataclass
 
 from app.atomic import write_bytes
+from app.mended import mended
+from app.settable import PathText, at_most
 from renderer.json_files import read_json
 
 RECENT_LIMIT = 8
@@ -45,18 +49,27 @@ def _folder(variable: str, default: Path) -> Path:
     return Path(os.environ.get(variable) or default)
 
 
-@dataclass(frozen=True)
+def _percent(told: int) -> int:
+    if told not in TEXT_PERCENTS:
+        raise ValueError(f"expected one of {TEXT_PERCENTS}")
+    return told
+
+
+def _newest(told: Any) -> Any:
+    return told[:RECENT_LIMIT] if isinstance(told, list) else told
+
+
+@pydantic_dataclass(frozen=True, config=ConfigDict(extra="ignore"))
 class Settings:
     """Kept as JSON in the user's own configuration folder, never beside a clip or in an export."""
 
-    acknowledged: bool = False
+    acknowledged: StrictBool = False
     """The notice "Research use only" has been read."""
-    remember_recent: bool = True
-    recent: tuple[str, ...] = ()
+    remember_recent: StrictBool = True
+    recent: Annotated[tuple[PathText, ...], at_most(RECENT_LIMIT), BeforeValidator(_newest)] = ()
     """Opened clips and runs, newest first."""
     theme: Theme = "dark"
-    text_percent: int = 100
-    """One of TEXT_PERCENTS."""
+    text_percent: Annotated[int, AfterValidator(_percent)] = 100
 
     def opened(self, path: Path) -> Settings:
         """With `path` in front of the recent ones, when they are remembered at all."""
@@ -75,23 +88,17 @@ class Settings:
         return replace(self, remember_recent=remember, recent=self.recent if remember else ())
 
 
+SETTINGS = TypeAdapter(Settings)
+
+
 def load_settings(path: Path) -> Settings:
-    """What `save_settings` wrote. A missing or damaged file gives the defaults: nothing in it is precious."""
+    """What `save_settings` wrote; defaults for what is missing or damaged: nothing in it is precious."""
     try:
-        values = read_json(path)
-        return Settings(
-            acknowledged=values["acknowledged"] is True,
-            remember_recent=values["remember_recent"] is not False,
-            recent=tuple(str(item) for item in values["recent"])[:RECENT_LIMIT],
-            theme="light" if values.get("theme") == "light" else "dark",
-            text_percent=_text_percent(values.get("text_percent")),
-        )
-    except (OSError, ValueError, KeyError, TypeError):
+        told = read_json(path)
+    except (OSError, ValueError):
         return Settings()
-
-
-def _text_percent(value: object) -> int:
-    return value if isinstance(value, int) and value in TEXT_PERCENTS else 100
+    found = mended(SETTINGS, told)[0] if isinstance(told, dict) else None
+    return found or Settings()
 
 
 def save_settings(path: Path, settings: Settings) -> None:

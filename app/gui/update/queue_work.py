@@ -9,7 +9,8 @@ from typing import Any
 
 from app.gui.actions import actions, queue_actions
 from app.gui.state.app_state import AppState
-from app.gui.work.background import Channel, Failure
+from app.gui.update.opening_work import Patience
+from app.gui.work.background import Channel, Failure, NewestChannel
 from app.gui.work.taking_up import TakenUp, TakeUpRequest, take_up
 from app.kept_queue import keep_queue, queue_file
 from app.training import TrainRequest
@@ -34,7 +35,8 @@ class QueueWork:
     """Served after all that a picture waits for."""
 
     kept: Channel[KeepRequest, Path] = field(default_factory=lambda: Channel(keep))
-    clips: Channel[TakeUpRequest, TakenUp] = field(default_factory=lambda: Channel(take_up))
+    clips: Channel[TakeUpRequest, TakenUp] = field(default_factory=lambda: NewestChannel(take_up))
+    patience: Patience = field(default_factory=lambda: Patience(False))
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
@@ -55,5 +57,9 @@ class QueueWork:
     def ask(self, state: AppState) -> None:
         """Ask for what is not there."""
         self.kept.want(KeepRequest(queue_file(state.places.config), queue_actions.to_keep(state)))
-        if (wanted := queue_actions.without_clip(state)) is not None:
-            self.clips.want(TakeUpRequest(wanted, state.wakings))
+        wanted = queue_actions.without_clip(state)
+        request = TakeUpRequest(wanted, state.wakings) if wanted is not None else None
+        if request is not None:
+            self.clips.want(request)
+        clip = f"{wanted.run_path.name} waits for its clip {wanted.clip_path}" if wanted is not None else ""
+        self.patience.follow(state, request, clip)

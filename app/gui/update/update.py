@@ -15,7 +15,6 @@ from app.gui.actions import (
     export_actions,
     path_actions,
     run_actions,
-    second_actions,
     session_actions,
     tuning_actions,
 )
@@ -27,6 +26,7 @@ from app.gui.update.compare_work import CompareWork
 from app.gui.update.job_events import follow_job
 from app.gui.update.measure_work import MeasureWork
 from app.gui.update.memory_work import MemoryWork
+from app.gui.update.opening_work import OpeningWork
 from app.gui.update.queue_work import QueueWork
 from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
@@ -35,7 +35,6 @@ from app.gui.work.editing import Selected, Selector, SelectRequest
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.exporting import ExportRequest, Step, export
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
-from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.gui.work.photos import Photo, PhotoRequest, read_photo
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
@@ -58,14 +57,13 @@ REDUCED = 0.5
 class Channels:
     """The kinds of background work, in the order in which the worker serves them."""
 
-    opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
+    opening: OpeningWork = field(default_factory=OpeningWork)
     pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
     picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
     selecting: Channel[SelectRequest, Selected] = field(default_factory=lambda: Channel(Selector().select))
     photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
     view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
     second: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
-    second_opening: Channel[OpenRequest, Opened] = field(default_factory=lambda: Channel(open_path))
     bakes: BakeWork = field(default_factory=BakeWork)
     saving: Channel[ExportRequest, Step] = field(default_factory=lambda: Channel(export, depth=16))
     windows: Channel[WindowRequest, Step] = field(default_factory=lambda: Channel(save_window, depth=4))
@@ -84,6 +82,11 @@ class Channels:
     """A photo whose enhanced partner is being made."""
 
     @property
+    def apart(self) -> Sequence[Channel[Any, Any]]:
+        """What may never end, each request in a thread of its own: work without numba that opens files."""
+        return (*self.opening.all, self.queue.clips)
+
+    @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
         return (
@@ -97,8 +100,8 @@ class Channels:
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
-        first = (self.opening, self.pictures, self.picks, self.selecting, self.photos)
-        views = (self.view, self.second, self.second_opening)
+        first = (*self.opening.all, self.pictures, self.picks, self.selecting, self.photos)
+        views = (self.view, self.second)
         last = (self.saving, self.windows, self.cells, self.sessions, self.exports, self.batches)
         return (*first, *self.compare.all, *views, *self.bakes.all, *last)
 
@@ -108,7 +111,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     elapsed, state.now = now - state.now, now
     if state.toast is not None and now > state.toast.until:
         state.toast = None
-    _take_opened(state, channels)
+    channels.opening.take(state)
     take_pictures(state, channels)
     _take_pick(state, channels)
     _take_photo(state, channels)
@@ -132,21 +135,6 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _play(state, elapsed)
     path_actions.advance_path(state, elapsed)
     _ask(state, channels)
-
-
-def _take_opened(state: AppState, channels: Channels) -> None:
-    taken = channels.opening.take()
-    if taken is None or taken[0] is not state.opening:
-        return
-    request, answer = taken
-    if isinstance(answer, Failure):
-        state.opening = None
-        actions.fail(state, answer.message)
-    else:
-        actions.show_opened(state, request.path, answer)
-        if answer.session is not None:
-            session_actions.restore(state, answer.session)
-            session_actions.taken_up(state, request.path)
 
 
 def _ask_for_pictures(state: AppState, channels: Channels) -> bool:
@@ -233,13 +221,7 @@ def _take_view(state: AppState, channels: Channels) -> None:
 
 
 def _take_second(state: AppState, channels: Channels) -> None:
-    opened, drawn = channels.second_opening.take(), channels.second.take()
-    if opened is not None:
-        request, answer = opened
-        if isinstance(answer, Failure):
-            second_actions.refuse_second(state, request, answer.message)
-        else:
-            second_actions.take_second(state, request, answer)
+    drawn = channels.second.take()
     if drawn is None or drawn[0].shown is not state.second.shown:
         return
     if isinstance(drawn[1], Failure):
@@ -304,7 +286,7 @@ def is_slow(*views: View | None) -> bool:
 
 
 def _ask(state: AppState, channels: Channels) -> None:
-    channels.opening.want(state.opening)
+    channels.opening.ask(state)
     _ask_for_pictures(state, channels)
     channels.picks.want(state.viewer.pick)
     channels.selecting.want(state.editing.wish)
@@ -328,5 +310,4 @@ def _ask(state: AppState, channels: Channels) -> None:
 
 def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) -> None:
     """The second 3D view is of the first one's moment, camera and size."""
-    channels.second_opening.want(state.second.opening)
     channels.second.want(state.beside(first) if first is not None and state.processor_draws else None)

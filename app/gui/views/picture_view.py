@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-MIN_ZOOM, MAX_ZOOM = 0.05, 40.0
+from app.settable import MAX_ZOOM, MIN_ZOOM
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,13 @@ class PictureView:
     def panned(
         self, by: tuple[float, float], picture: tuple[int, int], pane: tuple[float, float]
     ) -> PictureView:
-        """Dragged by pane pixels; the middle of the pane stays on the picture."""
+        """Dragged by pane pixels; the middle of the pane stays on the picture.
+
+        One that fits the pane only beyond the range of zooms is seen whole and stays where it is.
+        """
         now = self.place(picture, pane)
+        if not MIN_ZOOM <= now.zoom <= MAX_ZOOM:
+            return self
         middle = now.picture_at(pane[0] / 2 - by[0], pane[1] / 2 - by[1])
         return replace(self, zoom=now.zoom, center=_inside(middle, picture))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Any, Generic, TypeVar
@@ -98,6 +99,15 @@ class Channel(Generic[Request, Answer]):
             self._answers.append((request, answer))
 
 
+class NewestChannel(Channel[Request, Answer]):
+    """Only answers to what was asked last count: a late one never takes the place of one that is awaited."""
+
+    def _put(self, request: Request, answer: Answer | Failure) -> None:
+        with self._lock:
+            if request is self.asked:
+                self._answers.append((request, answer))
+
+
 class SteppedChannel(Channel[Request, Answer]):
     """Long work, a step at a time, so that other channels are served between two answers."""
 
@@ -175,3 +185,29 @@ class Worker:
                     break
         for channel in self._channels:
             channel.close()
+
+
+class Apart:
+    """Serves a channel whose work may never end, as on a drive that does not answer: each request has a
+    thread of its own, so that one that hangs stops neither the next nor any other work.
+
+    Such work does without numba, whose thread pools must not meet.
+    """
+
+    def __init__(self, channel: Channel[Any, Any], on_answer: Callable[[], None]) -> None:
+        self._channel, self._on_answer = channel, on_answer
+        self._threads: tuple[threading.Thread, ...] = ()
+        channel.attach(self._begin)
+
+    def close(self, timeout: float = 2.0) -> None:
+        """The process does not wait longer for what is under way."""
+        end = time.monotonic() + timeout
+        for thread in self._threads:
+            thread.join(max(end - time.monotonic(), 0.0))
+
+    def _begin(self) -> None:
+        thread = threading.Thread(
+            target=self._channel.run_waiting, args=(self._on_answer,), name="vesselsplat-opening", daemon=True
+        )
+        self._threads = (*(each for each in self._threads if each.is_alive()), thread)
+        thread.start()

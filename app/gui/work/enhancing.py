@@ -7,18 +7,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import tee
 from time import perf_counter
-from typing import Literal
 
 import numpy as np
 
 from app.methods import Look, LookEnhancer, load_kernels
 from app.picture_mask import NO_MASK, PictureMask
+from app.settable import Scope
 from enhance import EnhanceParams, Statistics, measure
 from enhance.result import Omission
 from enhance.surround import inside
 from renderer.clip import BoolImage, ByteImage, Clip
 
-Scope = Literal["image", "clip"]
 POOLED_FRAMES = 16
 """Frames, evenly spread, whose statistics stand for the whole clip."""
 POOLS = 4

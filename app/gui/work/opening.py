@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 from app.errors import UserError
 from app.gui.work.origin import Origin, origin_of
@@ -12,19 +13,25 @@ from app.gui.work.reported import Reported, read
 from app.gui.work.told import Told, told
 from app.gui.work.viewing import ShownModel
 from app.provenance import digest
-from app.report.saved import is_report
+from app.report.saved import holds_report, is_report
 from app.run_edits import read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.scene import is_splat_file, splat_scene
 from app.sessions import SUFFIX, Session, mended_session
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.camera import Camera
+from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.regular_files import require_regular
 from renderer.sources import open_clip
 from renderer.train.checkpoint import read_newest_checkpoint
+from renderer.view_files import Views, import_views
+
+VIEW_SUFFIXES: Final = (".json", ".txt")
+"""Of reports, of views, and of cameras of other programs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,20 +76,23 @@ class Opened:
     """What was opened: of a session file, its source."""
     report: Reported | None = None
     """Nothing else is opened with one."""
+    views: Views | None = None
+    """Nothing else is opened with them."""
     warning: str = ""
     """What could not be opened of it."""
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
-    """Raises ClipError or UserError: one line for the banner."""
+    """Raises ClipError, UserError or OSError: one line for the banner."""
+    _require_file_or_folder(request.path)
     if request.path.suffix == SUFFIX:
         yield _open_session(request.path)
         return
     if is_splat_file(request.path):
         yield _open_splats(request.path)
         return
-    if is_report(request.path):
-        yield Opened(None, report=read(request.path))
+    if request.path.suffix.lower() in VIEW_SUFFIXES:
+        yield _open_beside(request.path)
         return
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)
@@ -95,6 +105,26 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     yield Opened(clip, notices=clip.notices, options=request.options)
 
 
+def _require_file_or_folder(path: Path) -> None:
+    """What is nothing at all is told by the reader of its kind."""
+    try:
+        require_regular(path)
+    except (FileNotFoundError, IsADirectoryError):
+        return
+    except OSError as error:
+        raise UserError(f"{error.strerror}: {path}") from error
+
+
+def _open_beside(path: Path) -> Opened:
+    """A report, or views and cameras: what joins the present session."""
+    if is_report(path) and holds_report(path):
+        return Opened(None, report=read(path))
+    try:
+        return Opened(None, views=import_views(path))
+    except CameraFileError as error:
+        raise UserError(f"expected a report, views or cameras: {error}") from error
+
+
 def _open_session(path: Path) -> Opened:
     """Its run where that can be opened, else its clip or file of splats."""
     session, damage = mended_session(path)
@@ -103,7 +133,8 @@ def _open_session(path: Path) -> Opened:
     if session.run is not None and run is not None and RunFolder(run).is_run:
         wanted, place = session.run, run
     if wanted is None or place is None:
-        name = Path(wanted.path).name if wanted else "a source"
+        named = session.source or session.run
+        name = Path(named.path).name if named else "a source"
         raise UserError(f"expected {name} where it was or beside the session, found it nowhere: {path}")
     (opened,) = open_path(OpenRequest(place, session.clip_options))
     notices = opened.notices

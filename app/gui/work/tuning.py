@@ -16,8 +16,6 @@ from enhance.vesselness import field_of_view, vessel_mask
 from renderer.clip import ByteImage
 
 THUMB_WIDTH = 320
-MOST_VALUES = 12
-"""Of one parameter."""
 
 
 @dataclass(frozen=True)

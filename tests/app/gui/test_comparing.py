@@ -12,12 +12,13 @@ import pytest
 from app.gui.actions import actions, comparing, history_actions
 from app.gui.legible import named
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SOURCES, Comparison
+from app.gui.state.comparison import Comparison
 from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Channel
 from app.gui.work.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.gui.work.viewing import ShownModel
+from app.settable import SOURCES
 from enhance import EnhanceParams, enhance
 from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels

@@ -9,12 +9,13 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions, path_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.update import Channels, update
 from app.gui.work.opening import Opened
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, read_cameras, splatting_json
 from renderer.camera_path import Keyframe
 from renderer.gaussians import DynamicGaussians
-from renderer.view_files import Views, read_views, views_json
+from renderer.view_files import Views, import_views, read_views, views_json
 from tests.app.gui.conftest import SIZE, FakeJob
 
 
@@ -155,7 +156,7 @@ def test_what_is_saved_is_loaded_again(seen: AppState) -> None:
     assert views_json(read_views(file)) == views_json(saved)
     for index in reversed(range(3)):
         path_actions.delete_keyframe(seen, index)
-    path_actions.load_views(seen, file)
+    path_actions.add_views(seen, import_views(file), file)
     assert seen.cameras.views.path == saved.path
     assert [one.name for one in seen.cameras.views.named] == ["View 1", "View 1"]
 
@@ -166,7 +167,7 @@ def test_cameras_of_other_programs_are_named_views(seen: AppState, tmp_path: Pat
     file = tmp_path / "cameras.json"
     turned = path.keyframes[1].camera
     file.write_bytes(splatting_json([NamedCamera("photo 7", turned)]))
-    path_actions.load_views(seen, file)
+    path_actions.add_views(seen, import_views(file), file)
     (one,) = seen.cameras.views.named
     assert one.name == "photo 7"
     assert one.camera.camera_from_world == pytest.approx(turned.camera_from_world, abs=1e-6)
@@ -196,7 +197,12 @@ def test_a_file_that_is_none_is_one_line_and_changes_nothing(
     before = seen.cameras.views
     file = tmp_path / "bad.json"
     file.write_bytes(content)
-    path_actions.load_views(seen, file)
+    actions.open_path(seen, file)
+    channels = Channels()
+    for step in range(3):
+        update(seen, channels, 0.1 * step)
+        channels.opening.first.run_waiting()
+    assert seen.opening is None
     assert seen.banner is not None
     assert str(file) in seen.banner.message
     assert "\n" not in seen.banner.message

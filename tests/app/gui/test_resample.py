@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.gui.drawing.textures import Textures
-from app.gui.views.picture_view import MAX_ZOOM, MIN_ZOOM, PictureView, Placement
+from app.gui.views.picture_view import PictureView, Placement
 from app.gui.views.resample import OVER, SHARP_ZOOM, UNDER, striped, visible
+from app.settable import MAX_ZOOM, MIN_ZOOM
 
 PANE = (90.0, 70.0)
 

@@ -239,7 +239,7 @@ def test_a_run_that_was_killed_is_looked_at_and_not_edited(opened: AppState) -> 
     channels = Channels()
     for step in range(3):
         update(opened, channels, 0.1 * step)
-        channels.opening.run_waiting()
+        channels.opening.first.run_waiting()
     assert opened.model is not None
     assert (opened.model.live, opened.model.iteration) == (True, 8)
     assert opened.editing.base is None

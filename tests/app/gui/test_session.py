@@ -31,7 +31,6 @@ from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.tuning import Choice
 from app.picture_mask import PictureMask
 from app.sessions import (
-    FreeCamera,
     Session,
     UnsavedEdits,
     autosave_path,
@@ -322,20 +321,11 @@ def test_of_a_damaged_session_all_that_can_be_read_comes_back(
     assert path.exists()
 
 
-def test_a_camera_that_makes_no_sense_is_left_out(places: Places, clip_path: Path) -> None:
-    state, _ = opened_state(places, clip_path)
-    for session in (Session(views={"format": "?"}), Session(free=FreeCamera({"fx": -1}, (0, 1, 0)))):
-        session_actions.restore(state, session)
-        assert "left out" in state.log[-1]
-    assert state.viewer.free is None
-
-
 def test_a_frame_beyond_the_clip_is_its_last(places: Places, clip_path: Path) -> None:
     state, _ = opened_state(places, clip_path)
-    session_actions.restore(state, Session(frame=999, frozen=999, view_time=7.0, free=None))
+    session_actions.restore(state, Session(frame=999, frozen=999))
     assert state.clip is not None
     assert state.frame_index == state.frozen_index == len(state.clip) - 1
-    assert state.view_time == 1.0
 
 
 def test_the_panels_draw(ui: Ui, state: AppState, tmp_path: Path) -> None:

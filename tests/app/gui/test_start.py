@@ -12,8 +12,10 @@ from imgui_bundle import immapp
 
 from app.commands import demo
 from app.errors import UserError
+from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
+from app.gui.update.update import Channels, update
 from app.gui.window import Window
 from renderer.view_files import Views, views_json
 
@@ -68,14 +70,18 @@ def test_the_layout_is_kept_only_where_it_can_be(places: Places, tmp_path: Path)
 
 
 def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp_path: Path) -> None:
-    window = Window(AppState(places, Settings(acknowledged=True)))
+    state = AppState(places, Settings(acknowledged=True))
+    channels = Channels()
     report = Path(__file__).parents[3] / "assets" / "pictures" / "report.json"
     views = tmp_path / "views.json"
-    views.write_bytes(views_json(Views()))
-    window._open(report)
-    opening = window.state.opening
-    assert opening is not None
-    assert opening.path == report
-    window._open(views)
-    assert window.state.opening is opening
-    assert window.state.banner is None
+    views.write_bytes(views_json(Views(loop=True)))
+    for path in (report, views):
+        actions.open_path(state, path)
+        for _ in range(2):
+            update(state, channels, state.now + 1)
+            channels.opening.first.run_waiting()
+        update(state, channels, state.now + 1)
+        assert (state.opening, state.banner) == (None, None)
+    assert state.report is not None
+    assert state.toast is not None
+    assert "0 views from views.json" in state.toast.message

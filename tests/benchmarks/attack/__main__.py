@@ -1,4 +1,4 @@
-"""`python -m tests.benchmarks.attack [--short] [--each N]`: figures, and exit code 1 for any failure."""
+"""`python -m tests.benchmarks.attack [--short] [--parts NAME ...]`: figures; exit code 1 for any failure."""
 
 from __future__ import annotations
 
@@ -7,38 +7,69 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from tests.benchmarks.attack.damaged_files import Failure, read_damaged
+from tests.benchmarks.attack.damaged_files import read_damaged
+from tests.benchmarks.attack.failure import Attack, Failure
+from tests.benchmarks.attack.full_disk import attack_full_disks
+from tests.benchmarks.attack.kills import attack_kills, attack_signals
 from tests.benchmarks.attack.seeds import make_seeds
+from tests.benchmarks.attack.sessions import attack_sessions
 
-SHORT, LONG = 8, 250
-"""Damaged files of each reader."""
+
+@dataclass(frozen=True)
+class Part:
+    """One kind of attack."""
+
+    attack: Attack
+    short: int
+    long: int
+    what: str
+    """Is counted."""
+
+
+PARTS = {
+    "files": Part(read_damaged, 8, 250, "damaged files"),
+    "sessions": Part(attack_sessions, 40, 500, "damaged sessions in a window"),
+    "kills": Part(attack_kills, 3, 100, "commands killed at random moments"),
+    "signals": Part(attack_signals, 3, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
+    "disks": Part(attack_full_disks, 4, 88, "commands on disks that fill up"),
+}
 
 
 def main() -> int:
     """Prints what was attacked, and each failure once with how often it came."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--short", action="store_true")
-    parser.add_argument("--each", type=int)
-    parser.add_argument("--only", nargs="*", default=())
+    parser.add_argument("--parts", nargs="+", choices=[*PARTS], default=[*PARTS])
+    parser.add_argument("--count", type=int, help="of each part; of files, of each reader")
+    parser.add_argument("--only", nargs="*", default=(), help="readers of files")
     parser.add_argument("--seeds", type=Path)
     given = parser.parse_args()
-    began = time.perf_counter()
+    parts = PARTS | {"files": Part(partial(read_damaged, only=tuple(given.only)), 8, 250, "damaged files")}
+    failed = False
     with tempfile.TemporaryDirectory() as scratch:
         seeds = given.seeds or Path(scratch) / "seeds"
         if not seeds.exists():
             make_seeds(seeds)
-        each = given.each or (SHORT if given.short else LONG)
-        count, failures = read_damaged(seeds, each, tuple(given.only))
-    print(f"{count} damaged files, {len(failures)} failures, {time.perf_counter() - began:.0f} s")
+        for name in given.parts:
+            part, began = parts[name], time.perf_counter()
+            count, failures = part.attack(seeds, given.count or (part.short if given.short else part.long))
+            seconds = time.perf_counter() - began
+            print(f"{count} {part.what}, {len(failures)} failures, {seconds:.0f} s", flush=True)
+            tell(failures)
+            failed = failed or bool(failures)
+    return int(failed)
+
+
+def tell(failures: Sequence[Failure]) -> None:
+    """Each once, the most frequent first."""
     for (reader, error), times in Counter((one.reader, one.error) for one in failures).most_common():
-        print(f"{times:4d} {reader} (first: {_first(failures, reader, error)}): {error}")
-    return int(bool(failures))
-
-
-def _first(failures: list[Failure], reader: str, error: str) -> int:
-    return min(one.number for one in failures if (one.reader, one.error) == (reader, error))
+        first = min(one.number for one in failures if (one.reader, one.error) == (reader, error))
+        print(f"{times:4d} {reader} (first: {first}): {error}")
 
 
 if __name__ == "__main__":

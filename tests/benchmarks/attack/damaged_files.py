@@ -7,23 +7,14 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tests.benchmarks.attack.failure import Failure
 from tests.benchmarks.attack.readers import readers
 
 WORKERS = 2
 MOST_SECONDS = 1200
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Of one file."""
-
-    reader: str
-    number: int
-    error: str
 
 
 def read_damaged(seeds: Path, each: int, only: tuple[str, ...] = ()) -> tuple[int, list[Failure]]:

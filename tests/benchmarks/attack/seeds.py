@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,14 +11,17 @@ import numpy as np
 from PIL import Image
 
 from app.__main__ import main
+from app.clip_part import ClipPart
 from app.gui.state.presets import save_presets
 from app.gui.state.settings import Settings, save_settings
 from app.kept_queue import keep_queue
-from app.run_edits import save_edits
+from app.picture_mask import PictureMask
+from app.run_edits import packed, save_edits
 from app.run_folder import RunFolder
-from app.sessions import Session, SessionSource, write_session
+from app.sessions import ComparedAs, FreeCamera, Session, SessionSource, UnsavedEdits, Varied, write_session
 from app.training import TrainRequest, run_training
 from enhance import EnhanceParams
+from enhance.vessel import VesselParams
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, splatting_json
 from renderer.camera_path import CameraPath, Keyframe
@@ -51,11 +55,48 @@ def _window_files(folder: Path, run: RunFolder) -> None:
     model = run.model()
     edits = Edits.none(len(model))
     save_edits(run, replace(edits, deleted=Mask.of(np.arange(len(model)) < 9)))
-    source = SessionSource.of(run.path, folder)
-    write_session(folder / "a.vesselsplat", Session(run=source, zoom=2.0, stored={"a": EnhanceParams()}))
+    write_session(folder / "a.vesselsplat", session_of(run, folder))
     save_settings(folder / "settings.json", Settings(recent=("a", "b")))
     save_presets(folder / "presets.json", {"mine": EnhanceParams()})
     keep_queue(folder / "queue-1.json", [TrainRequest(clip_path=folder, run_path=folder, config=CONFIG)])
+
+
+def session_of(run: RunFolder, folder: Path) -> Session:
+    """With every field set."""
+    model, camera = run.model(), run.record().camera(0)
+    mask = Mask.of(np.arange(len(model)) % 7 == 0)
+    path = CameraPath((Keyframe(0.0, 0.0, camera), Keyframe(2.0, 0.5, camera), Keyframe(3.0, 1.0, camera)))
+    views = Views((NamedCamera("a", camera), NamedCamera("b", camera)), path, loop=True, unit="mm")
+    return Session(
+        source=SessionSource("endonerf"),
+        run=SessionSource.of(run.path, folder),
+        part=ClipPart(trim=(1, 4), mask=PictureMask(text=(3, 4, 20, 9), view=(32, 24, 30))),
+        edits=UnsavedEdits(len(model), *packed(replace(Edits.none(len(model)), deleted=mask))),
+        frame=3,
+        frozen=2,
+        params=EnhanceParams(z=0.3, p=(0.2, 0.5, 1.0)),
+        past=(EnhanceParams(), VesselParams(), EnhanceParams(z=0.3, p=(0.2, 0.5, 1.0))),
+        scope="clip",
+        tissue_only=True,
+        stored={"A": EnhanceParams(z=0.7), "B": VesselParams(strength=3.0)},
+        comparison=ComparedAs("wipe", "A", "clahe", 0.3, zebra=True),
+        zoom=2.5,
+        center=(0.4, 0.6),
+        linked=False,
+        view_time=0.4,
+        free=FreeCamera(camera.to_json(), (0.0, 1.0, 0.0)),
+        views=json.loads(views_json(views)),
+        view_kind="depth",
+        blend=0.3,
+        config=replace(CONFIG, keep=("deformation",)),
+        input="enhanced",
+        d_factor=0.7,
+        run_name="second try",
+        varied=(Varied("d_factor", 0.0, 2.0, 3), Varied("p", 0.2, 0.8, 2)),
+        tuning_shown=True,
+        sort="dv_bv",
+        notes="Zwölf Uhr: ein Gefäß\nunclear",
+    )
 
 
 def _cameras(folder: Path, run: RunFolder) -> None:
