@@ -8,7 +8,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -32,11 +32,11 @@ class Part:
 
 
 PARTS = {
-    "files": Part(read_damaged, 8, 250, "damaged files"),
-    "sessions": Part(attack_sessions, 40, 500, "damaged sessions in a window"),
-    "kills": Part(attack_kills, 3, 100, "commands killed at random moments"),
-    "signals": Part(attack_signals, 3, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
-    "disks": Part(attack_full_disks, 4, 88, "commands on disks that fill up"),
+    "files": Part(read_damaged, 6, 250, "damaged files"),
+    "sessions": Part(attack_sessions, 12, 500, "damaged sessions in a window"),
+    "kills": Part(attack_kills, 1, 100, "commands killed at random moments"),
+    "signals": Part(attack_signals, 1, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
+    "disks": Part(attack_full_disks, 2, 88, "commands on disks that fill up"),
 }
 
 
@@ -49,7 +49,7 @@ def main() -> int:
     parser.add_argument("--only", nargs="*", default=(), help="readers of files")
     parser.add_argument("--seeds", type=Path)
     given = parser.parse_args()
-    parts = PARTS | {"files": Part(partial(read_damaged, only=tuple(given.only)), 8, 250, "damaged files")}
+    parts = PARTS | {"files": replace(PARTS["files"], attack=partial(read_damaged, only=tuple(given.only)))}
     failed = False
     with tempfile.TemporaryDirectory() as scratch:
         seeds = given.seeds or Path(scratch) / "seeds"
