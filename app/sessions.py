@@ -96,8 +96,9 @@ def _camera(told: dict[str, Any]) -> dict[str, Any]:
 
 
 def _direction(told: tuple[float, float, float]) -> tuple[float, float, float]:
-    if not 0.5 <= math.hypot(*told) <= 2.0:
-        raise ValueError(f"expected a direction of unit length, got {told}")
+    length = math.hypot(*told)
+    if abs(length - 1) > 1e-6:
+        raise ValueError(f"expected a direction of unit length, got {length:.3g}")
     return told
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from operator import mul
 from typing import Any, Final
 
 import numpy as np
@@ -14,10 +15,10 @@ from renderer.budget import budget
 FloatArray = NDArray[np.float64]
 NARROWEST, WIDEST = 1e-7, 1e4
 """Width by focal length; 2 is 90 degrees."""
-FLATTEST: Final = 1e-6
-"""Volume that a pose leaves of a cube, which is 1 for a rotation."""
-FARTHEST: Final = 1e30
-"""Of all numbers of a pose: what float32 holds, with room to spare."""
+FARTHEST: Final = 1e15
+"""Of positions, and pixels of the principal point: their squares are numbers in float32."""
+SKEWEST: Final = 0.1
+"""Largest element of R R^T - 1 that rounding and drift explain; beyond, R is no rotation."""
 
 
 def _identity() -> FloatArray:
@@ -36,8 +37,8 @@ class Camera:
     pixel (column, row) covers [column, column + 1) x [row, row + 1).
 
     Raises:
-        CameraError: sizes or focal lengths that are not positive, or out of range; or a matrix that is not a
-            finite (4, 4), or cannot be undone.
+        CameraError: sizes or focal lengths that are not positive, or a matrix that is not a finite (4, 4) or
+            does more than turn and move; or numbers beyond what can be drawn.
     """
 
     fx: float
@@ -57,6 +58,8 @@ class Camera:
         if not all(NARROWEST <= self.width / focal <= WIDEST for focal in (self.fx, self.fy)):
             widths = f"{1 / WIDEST:g} to {1 / NARROWEST:g} widths"
             raise CameraError(f"Camera needs focal lengths of {widths}, got {self.fx} and {self.fy}")
+        if max(abs(self.cx), abs(self.cy)) > FARTHEST:
+            raise CameraError(f"Camera needs a middle nearer than {FARTHEST:g}, got {self.cx} and {self.cy}")
         budget().require(pixels=self.width * self.height)
         matrix = np.array(self.camera_from_world, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
@@ -70,6 +73,19 @@ class Camera:
         """Centred camera at the origin with a horizontal field of view of `fov_x` degrees, in (0, 180)."""
         focal = 0.5 * width / math.tan(math.radians(fov_x) / 2)
         return cls(focal, focal, width / 2, height / 2, width, height)
+
+    @classmethod
+    def nearest(
+        cls, fx: float, fy: float, cx: float, cy: float, width: int, height: int, pose: FloatArray
+    ) -> Camera:
+        """From what was worked out of other cameras: lens and position are kept within what one may have."""
+        least, most = width / WIDEST * (1 + 1e-9), width / NARROWEST * (1 - 1e-9)
+        fx, fy = (min(max(focal, least), most) for focal in (fx, fy))
+        cx, cy = (min(max(middle, -FARTHEST), FARTHEST) for middle in (cx, cy))
+        if max(map(abs, pose[:3, 3].tolist())) > FARTHEST:
+            pose = pose.copy()
+            pose[:3, 3] = np.clip(pose[:3, 3], -FARTHEST, FARTHEST)
+        return cls(fx, fy, cx, cy, width, height, pose)
 
     @property
     def intrinsics(self) -> FloatArray:
@@ -88,19 +104,19 @@ class Camera:
     def resized(self, width: int, height: int) -> Camera:
         """The same view sampled with another number of pixels."""
         across, down = width / self.width, height / self.height
-        return replace(
-            self, fx=self.fx * across, cx=self.cx * across, fy=self.fy * down, cy=self.cy * down,
-            width=width, height=height,
+        return Camera.nearest(
+            self.fx * across, self.fy * down, self.cx * across, self.cy * down,
+            width, height, self.camera_from_world,
         )  # fmt: skip
 
     def fitted(self, width: int, height: int) -> Camera:
         """The whole field of view in the middle of a picture of another shape, pixels scaled evenly."""
         scale = min(width / self.width, height / self.height)
-        return replace(
-            self, fx=self.fx * scale, fy=self.fy * scale,
-            cx=self.cx * scale + (width - self.width * scale) / 2,
-            cy=self.cy * scale + (height - self.height * scale) / 2,
-            width=width, height=height,
+        return Camera.nearest(
+            self.fx * scale, self.fy * scale,
+            self.cx * scale + (width - self.width * scale) / 2,
+            self.cy * scale + (height - self.height * scale) / 2,
+            width, height, self.camera_from_world,
         )  # fmt: skip
 
     def shaped(self, width: int, height: int) -> Camera:
@@ -112,7 +128,7 @@ class Camera:
         return width * self.height == height * self.width
 
     def moved(self, camera_from_world: FloatArray) -> Camera:
-        """The same lens at another pose."""
+        """The same lens at another pose. Raises ValueError: it is none, see Camera."""
         return replace(self, camera_from_world=camera_from_world)
 
     def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -127,7 +143,7 @@ class Camera:
     def unproject(self, depth: NDArray[np.floating[Any]]) -> FloatArray:
         """Depth map (H, W) along +z to the world points (H, W, 3) behind the pixel centres."""
         if depth.shape != (self.height, self.width):
-            raise ValueError(f"depth must be {self.height}x{self.width}, got {depth.shape}")
+            raise CameraError(f"depth must be {self.height}x{self.width}, got {depth.shape}")
         z = depth.astype(np.float64)
         x = (np.arange(self.width) + 0.5 - self.cx) / self.fx * z
         y = (np.arange(self.height)[:, None] + 0.5 - self.cy) / self.fy * z
@@ -151,7 +167,9 @@ class Camera:
                 **numbers, width=int(values["width"]), height=int(values["height"]), camera_from_world=matrix
             )
         except (KeyError, TypeError, OverflowError) as error:
-            raise ValueError(f"expected fx fy cx cy width height camera_from_world, got {error!r}") from error
+            raise CameraError(
+                f"expected fx fy cx cy width height camera_from_world, got {error!r}"
+            ) from error
 
     def _key(self) -> tuple[Any, ...]:
         numbers = (self.fx, self.fy, self.cx, self.cy, self.width, self.height)
@@ -165,8 +183,19 @@ class Camera:
 
 
 def _require_pose(matrix: FloatArray) -> None:
-    volume = abs(float(np.linalg.det(matrix[:3, :3])))
-    if not (FLATTEST <= volume <= 1 / FLATTEST and np.abs(matrix).max() <= FARTHEST):
-        raise CameraError(f"camera_from_world must turn and move, got determinant {volume:.3g}")
-    if np.abs(matrix[3] - (0, 0, 0, 1)).max() > FLATTEST:
-        raise CameraError(f"camera_from_world must end with 0 0 0 1, got {matrix[3].tolist()}")
+    """In plain numbers: a tenth of the time that arrays so small take."""
+    *rows, last = matrix.tolist()
+    turn, place = [row[:3] for row in rows], [row[3] for row in rows]
+    skew = _skew(turn)
+    if skew > SKEWEST:
+        raise CameraError(f"camera_from_world must hold a rotation, got R R^T - 1 of up to {skew:.2g}")
+    if max(map(abs, place)) > FARTHEST or math.dist(last, (0, 0, 0, 1)) > SKEWEST:
+        raise CameraError(f"camera_from_world must move and end with 0 0 0 1, got {place} and {last}")
+
+
+def _skew(turn: list[list[float]]) -> float:
+    """The largest element of R R^T - 1; infinite where R has larger elements than any rotation."""
+    if max(abs(value) for row in turn for value in row) > 2:
+        return math.inf
+    pairs = ((i, j) for i in range(3) for j in range(i, 3))
+    return float(max(abs(sum(map(mul, turn[i], turn[j])) - (i == j)) for i, j in pairs))

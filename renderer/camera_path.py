@@ -24,6 +24,9 @@ SAME: Final = 1e-9
 LATEST: Final = 1e6
 """Seconds of a keyframe: controls tell hundredths of it apart."""
 
+SOONEST: Final = 1e-6
+"""Seconds from one keyframe to the next."""
+
 TRACK: Final = 24
 """Points of a track from one keyframe to the next."""
 
@@ -59,7 +62,7 @@ class CameraPath:
         if seconds:
             budget().require(seconds=seconds[-1] - seconds[0])
         for place, (before, after) in enumerate(pairwise(seconds), start=1):
-            if after <= before:
+            if after - before < SOONEST:
                 raise ValueError(f"keyframe {place} must come after {before} s, got {after} s")
 
     @property
@@ -156,7 +159,7 @@ class _Curve:
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = rotation, -rotation @ point
         fx, fy = np.exp(lens[:2])
-        camera = Camera(float(fx), float(fy), float(lens[2]), float(lens[3]), *self._size, pose)
+        camera = Camera.nearest(float(fx), float(fy), float(lens[2]), float(lens[3]), *self._size, pose)
         return Keyframe(float(self._seconds[a] + share * step), float(min(max(time[0], 0.0), 1.0)), camera)
 
 

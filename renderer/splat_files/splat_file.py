@@ -13,6 +13,8 @@ from renderer.splats import RenderMode
 
 PER_COLOR: Final = 0.28209479177387814
 """Colour that a spherical harmonic coefficient of degree 0 makes; 0.5 is added."""
+FARTHEST: Final = 1e14
+"""Positions and sizes: a camera that sees all of them can still stand before them."""
 MOST_LOGIT: Final = np.float32(80.0)
 """Opacities of 0 and 1 become those of this logit, which float32 does not tell from them."""
 
@@ -32,7 +34,7 @@ class SplatFile:
 
 
 def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
-    """Without the rows that cannot be drawn: values that are not finite, sizes beyond float32."""
+    """Without the rows that cannot be drawn: values that are not finite, places and sizes out of sight."""
     logits = np.clip(raw.opacity_logits, -MOST_LOGIT, MOST_LOGIT)
     lost = np.all(raw.quats == 0, axis=1)
     quats = np.where(lost[:, None], np.array([1, 0, 0, 0], np.float32), raw.quats)
@@ -41,11 +43,13 @@ def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
         scales = np.exp(raw.log_scales)
     values = (raw.means, raw.quats, scales, logits[:, None], raw.colors, *raw.harmonics.transpose(1, 0, 2))
     finite = [np.isfinite(value).all(axis=1) for value in values]
-    good: NDArray[np.bool_] = np.all([*finite, (scales > 0).all(axis=1)], axis=0)
+    near = [(np.abs(value) <= FARTHEST).all(axis=1) for value in (raw.means, scales)]
+    good: NDArray[np.bool_] = np.all([*finite, *near, (scales > 0).all(axis=1)], axis=0)
     notices = []
     if count := int(np.count_nonzero(~good)):
         notices.append(
-            f"{count} of {len(raw)} splats have a value that is not finite, or no size, and are left out"
+            f"{count} of {len(raw)} splats have a value that is not finite or too large, or no size, "
+            "and are left out"
         )
     if count := int(np.count_nonzero(lost & good)):
         notices.append(f"{count} of {len(raw)} splats have no rotation and are taken as they lie")

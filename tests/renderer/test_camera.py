@@ -74,6 +74,13 @@ def test_field_of_view() -> None:
         ({"cy": float("nan")}, "finite intrinsics"),
         ({"camera_from_world": np.eye(3)}, r"\(4, 4\)"),
         ({"camera_from_world": np.full((4, 4), np.inf)}, "finite"),
+        ({"camera_from_world": np.zeros((4, 4))}, "rotation"),
+        ({"camera_from_world": np.diag([1.0, 1, 0, 1])}, "rotation"),
+        ({"camera_from_world": np.diag([1e200, 1, 1, 1])}, "rotation"),
+        ({"camera_from_world": np.diag([2.0, 2, 2, 1])}, "rotation"),
+        ({"camera_from_world": np.diag([1.0, 1, 1, 0])}, "0 0 0 1"),
+        ({"camera_from_world": np.eye(4) + np.outer([1e20, 0, 0, 0], [0, 0, 0, 1])}, "must move"),
+        ({"cx": 1e20}, "middle"),
     ],
 )
 def test_impossible_cameras_are_refused(changes: dict[str, object], words: str) -> None:
@@ -103,3 +110,18 @@ def test_a_fitted_camera_holds_the_whole_field_in_the_middle(size: tuple[int, in
     assert fitted.fx / fitted.fy == pytest.approx(500 / 480)
     if size == (640, 512):
         assert fitted == camera
+
+
+@given(
+    st.floats(-6.5, 3.5), st.floats(-6.5, 3.5), st.floats(-1e15, 1e15), st.integers(1, 8000),
+    st.integers(1, 8000), st.integers(1, 4000), st.integers(1, 4000), st.floats(-1e15, 1e15),
+)  # fmt: skip
+def test_what_is_made_of_a_camera_is_one(
+    wide: float, high: float, middle: float, width: int, height: int, across: int, down: int, away: float
+) -> None:
+    pose = np.eye(4)
+    pose[2, 3] = away
+    camera = Camera(width / 10**wide, width / 10**high, middle, -middle, width, height, pose)
+    for made in (camera.fitted(across, down), camera.resized(across, down), camera.shaped(across, down)):
+        assert (made.width, made.height) == (across, down)
+        assert made.fitted(down, across).fitted(1, 1).resized(3000, 1).width == 3000

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.camera import Camera
+from renderer.camera import FARTHEST, Camera
 
 MIN_DISTANCE, MAX_DISTANCE = 0.05, 20.0
 """To the point that is turned around, as shares of the scene's distance."""
@@ -37,7 +37,8 @@ class FreeView:
     @classmethod
     def of(cls, camera: Camera) -> Self:
         """Seen through `camera`, which is upright."""
-        return cls(camera, vector(camera.camera_from_world[1, :3]))
+        down = camera.camera_from_world[1, :3]
+        return cls(camera, vector(down / np.linalg.norm(down)))
 
     def orbited(self, around: Vector, yaw: float, pitch: float) -> FreeView:
         """Turned by radians around a point that stays where it is on screen.
@@ -87,7 +88,7 @@ class FreeView:
 
     def _at(self, rotation: FloatArray, translation: FloatArray) -> FreeView:
         pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = rotation, translation
+        pose[:3, :3], pose[:3, 3] = rotation, np.clip(translation, -FARTHEST, FARTHEST)
         return replace(self, camera=self.camera.moved(pose))
 
 

@@ -51,6 +51,27 @@ def _close(place: Place, places: list[Place], rng: np.random.Generator) -> None:
         holder[key] = float(holder[key] * rng.choice([-1, 0, 0.1, 0.5, 0.9, 1.1, 2, 10]))
 
 
+def _camera(place: Place, places: list[Place], rng: np.random.Generator) -> None:
+    """A lens, a size or a position, within what a camera may have and a little beyond."""
+    cameras = [holder[key] for holder, key in places if isinstance(holder[key], dict) and "fx" in holder[key]]
+    if not cameras:
+        return
+    camera = _chosen(cameras, rng)
+    for _ in range(int(rng.integers(1, 4))):
+        name = _chosen(("fx", "fy", "cx", "cy", "width", "height", "camera_from_world"), rng)
+        if name == "camera_from_world":
+            row, column = int(rng.integers(3)), 3 if rng.random() < 0.7 else int(rng.integers(4))
+            camera[name][row][column] = _signed(rng, -3, 16) if column == 3 else _signed(rng, -6, 0.2)
+        elif name in ("width", "height"):
+            camera[name] = int(10 ** rng.uniform(0, 5))
+        else:
+            camera[name] = abs(_signed(rng, -4, 10)) if name.startswith("f") else _signed(rng, 0, 16)
+
+
+def _signed(rng: np.random.Generator, least: float, most: float) -> float:
+    return float(10 ** rng.uniform(least, most) * rng.choice([-1, 1]))
+
+
 def _other_type(place: Place, places: list[Place], rng: np.random.Generator) -> None:
     holder, key = place
     holder[key] = _chosen(VALUES, rng)
@@ -90,8 +111,8 @@ def _repeated(place: Place, places: list[Place], rng: np.random.Generator) -> No
 
 
 CHANGES: tuple[Change, ...] = (
-    _number, _number, _number, _number, _close, _close, _other_type, _removed, _another, _huge, _nested,
-    _repeated,
+    _number, _number, _number, _number, _close, _close, _camera, _camera, _camera, _other_type, _removed,
+    _another, _huge, _nested, _repeated,
 )  # fmt: skip
 
 
