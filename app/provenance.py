@@ -36,7 +36,7 @@ from renderer.readers.pictures import is_picture
 from renderer.readers.scared import is_scared
 from renderer.readers.stereomis import is_stereomis
 from renderer.readers.structure_from_motion import is_structure_from_motion
-from renderer.regular_files import require_regular
+from renderer.regular_files import read_whole, require_regular
 
 NOTICE = "Research use only. Not a medical device."
 KEYWORD = "vesselsplat"
@@ -180,7 +180,7 @@ def _chunk(kind: bytes, content: bytes) -> bytes:
 
 def read_provenance(path: Path) -> dict[str, Any]:
     """The facts inside a PNG of ours. Raises UserError when there are none."""
-    content = path.read_bytes()
+    content = read_whole(path)
     prefix = KEYWORD.encode() + b"\0\0\0\0\0"
     position = len(PNG_SIGNATURE)
     while content.startswith(PNG_SIGNATURE) and position + 12 <= len(content):

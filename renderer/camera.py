@@ -143,7 +143,7 @@ class Camera:
     def unproject(self, depth: NDArray[np.floating[Any]]) -> FloatArray:
         """Depth map (H, W) along +z to the world points (H, W, 3) behind the pixel centres."""
         if depth.shape != (self.height, self.width):
-            raise CameraError(f"depth must be {self.height}x{self.width}, got {depth.shape}")
+            raise ValueError(f"depth must be {self.height}x{self.width}, got {depth.shape}")
         z = depth.astype(np.float64)
         x = (np.arange(self.width) + 0.5 - self.cx) / self.fx * z
         y = (np.arange(self.height)[:, None] + 0.5 - self.cy) / self.fy * z

@@ -35,6 +35,12 @@ def what_else(path: Path) -> str:
     return KINDS.get(stat.S_IFMT(path.stat().st_mode), "something else")
 
 
+def read_whole(path: Path) -> bytes:
+    """The content of a regular file of any size. Raises OSError: it cannot be read, or is something else."""
+    require_regular(path)
+    return path.read_bytes()
+
+
 def read_regular(path: Path, most: int) -> bytes:
     """The content of a regular file of at most that many bytes.
 

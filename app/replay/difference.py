@@ -17,6 +17,7 @@ from app.pictures import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
 from renderer.readers.video import open_video
+from renderer.regular_files import read_whole
 
 Array = NDArray[Any]
 
@@ -68,7 +69,7 @@ def difference(first: Path, second: Path) -> Difference:
 def _arrays(path: Path) -> Iterator[Array]:
     suffix = path.suffix.lower()
     if suffix == ".ply":
-        elements = read_ply(path.read_bytes()).elements
+        elements = read_ply(read_whole(path)).elements
         return (structured_to_unstructured(element.rows) for element in elements)
     if suffix == ".csv":
         return _columns(path)
@@ -78,7 +79,7 @@ def _arrays(path: Path) -> Iterator[Array]:
 def _columns(path: Path) -> Iterator[Array]:
     """Of a table, then of the same in the JSON beside it: names, then each column as numbers or as text."""
     sidecar = path.with_name(f"{path.name}.json")
-    rows: list[dict[str, Any]] = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+    rows: list[dict[str, Any]] = list(csv.DictReader(read_whole(path).decode().splitlines()))
     for table in (rows, read_json(sidecar)["frames"]):
         names = list(table[0]) if table else []
         yield _text(names)

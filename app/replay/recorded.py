@@ -10,6 +10,7 @@ from app.provenance import KEYWORD, provenance, read_provenance
 from renderer.json_files import parsed
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
+from renderer.regular_files import read_whole
 
 Facts = dict[str, Any]
 HEAD = ("app", "version", "libraries", "schema", "utc", "notice")
@@ -31,7 +32,7 @@ def again(facts: Facts) -> Facts:
 
 def _in_comment(path: Path) -> Facts:
     try:
-        comments = read_ply(path.read_bytes()).comments
+        comments = read_ply(read_whole(path)).comments
     except PlyError as error:
         raise UserError(f"{error}: {path}") from error
     text = joined(KEYWORD, comments)
@@ -46,7 +47,7 @@ def _beside(path: Path) -> Facts:
     sidecar = path.with_name(f"{path.name}.json")
     if not sidecar.is_file():
         raise UserError(f"expected {sidecar.name} beside {path.name}, which holds its provenance: {path}")
-    return _parsed(sidecar.read_text(encoding="utf-8", errors="replace"), sidecar)
+    return _parsed(read_whole(sidecar).decode(errors="replace"), sidecar)
 
 
 def _parsed(text: str, path: Path) -> Facts:

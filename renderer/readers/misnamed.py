@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Final
 
 from renderer.file_signatures import ANYWHERE
+from renderer.regular_files import require_regular
 
 HEAD: Final = 256
 """Bytes that tell."""
@@ -33,6 +34,7 @@ STARTS: Final = MappingProxyType(
 def what_it_is(path: Path) -> str | None:
     """The kind of a file by its first bytes, and what can be done about it; None where nothing tells."""
     try:
+        require_regular(path)
         with path.open("rb") as file:
             head = file.read(HEAD)
     except OSError:

@@ -8,6 +8,7 @@ import numpy as np
 
 from renderer.clip import ClipError, SparsePoints
 from renderer.ply_elements import PlyError, read_ply
+from renderer.regular_files import read_whole
 
 _COLORS = ("red", "green", "blue")
 
@@ -22,7 +23,7 @@ def read_points(path: Path) -> SparsePoints:
         ClipError: the file is missing, no PLY, cut off, or has no positions.
     """
     try:
-        content = path.read_bytes()
+        content = read_whole(path)
     except OSError as error:
         raise ClipError(f"expected a PLY file, got none that can be read: {path}") from error
     try:

@@ -11,6 +11,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import ClipError
+from renderer.regular_files import read_whole
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ def read_rectified(path: Path, size: tuple[int, int]) -> Rectified:
 def _sections(path: Path) -> configparser.ConfigParser:
     values = configparser.ConfigParser(strict=False, interpolation=None)
     try:
-        values.read_string(path.read_text(encoding="utf-8", errors="replace"))
+        values.read_string(read_whole(path).decode(errors="replace"))
     except (OSError, configparser.Error) as error:
         raise ClipError(f"expected a calibration of the form NAME = VALUE, got none: {path}") from error
     return values

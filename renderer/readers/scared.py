@@ -22,6 +22,7 @@ from renderer.readers.numbered_files import beside, numbered, strays
 from renderer.readers.picture_files import require_size
 from renderer.readers.pictures import common_size, read_rgb
 from renderer.readers.poses import nearest_rotations
+from renderer.regular_files import read_whole
 
 NEAREST, FARTHEST = 30.0, 300.0
 """Depth in mm outside of which it is no measurement, as EndoSurf takes it (Zha et al., MICCAI 2023)."""
@@ -196,7 +197,7 @@ def _left_points(path: Path, height: int) -> FloatArray:
     """(height, W, 3) x y z in mm: the upper half of a TIFF that holds both eyes, or the whole of one."""
     try:
         require_size(path)
-        stored = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_UNCHANGED)
+        stored = cv2.imdecode(np.frombuffer(read_whole(path), np.uint8), cv2.IMREAD_UNCHANGED)
     except OverBudget as error:
         raise ClipError(f"{error}: {path}") from error
     except (OSError, cv2.error) as error:

@@ -18,6 +18,7 @@ from renderer.readers.pictures import common_size, is_picture, read_rgb, read_st
 from renderer.readers.point_ply import read_points
 from renderer.readers.poses import pose_matrix
 from renderer.readers.tool_masks import marked_pixels
+from renderer.regular_files import read_whole
 
 POSES, INTRINSICS, VIEWS = "motion.yaml", "camera_intrinsics_per_view", "visible_view_indexes"
 POINTS, MASK = "structure.ply", "undistorted_mask"
@@ -122,9 +123,7 @@ def _loose(pictures: dict[int, Path], numbers: list[int]) -> tuple[str, ...]:
 
 def _poses(path: Path, count: int) -> list[FloatArray]:
     """Camera-to-world matrices (4, 4) in the order of their numbers."""
-    found = {
-        int(pose[0]): pose[1:] for pose in _POSE.findall(path.read_text(encoding="utf-8", errors="replace"))
-    }
+    found = {int(pose[0]): pose[1:] for pose in _POSE.findall(read_whole(path).decode(errors="replace"))}
     if sorted(found) != list(range(count)):
         raise ClipError(f"expected poses 0 to {count - 1}, as many as views, got {len(found)}: {path}")
     return [_pose(found[number], number, path) for number in range(count)]

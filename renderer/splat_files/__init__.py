@@ -7,7 +7,7 @@ from pathlib import Path
 
 from renderer.budget import OverBudget
 from renderer.ply_elements import MAGIC, PlyError, read_ply
-from renderer.regular_files import require_regular
+from renderer.regular_files import read_whole
 from renderer.splat_files import inria_ply, other_kinds, packed_ply
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
@@ -26,8 +26,7 @@ def read_splats(path: Path) -> SplatFile:
     if path.is_dir() and is_named_as_splats(path):
         path /= other_kinds.SOG_LIST
     try:
-        require_regular(path)
-        return _read(path.read_bytes(), path.name)
+        return _read(read_whole(path), path.name)
     except OSError as error:
         why = f" ({error.strerror})" if error.strerror else ""
         raise SplatFileError(f"expected a file of splats, got none that can be read{why}: {path}") from error

@@ -10,6 +10,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import textwrap
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -25,6 +26,7 @@ from app.kept_queue import take_over
 from app.provenance import KEYWORD
 from app.report.saved import read_report
 from app.run_folder import RunFolder
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.view_files import FORMAT, VERSION
 from tests.app.conftest import ROOT, Call
 
@@ -291,3 +293,45 @@ def test_libraries_do_not_warn_past_our_own_lines(tmp_path: Path) -> None:
         check=False,
     )  # fmt: skip
     assert "Warning" not in done.stderr
+
+
+EACH_FILE = """
+    import os, shutil, signal, sys
+    from pathlib import Path
+    from renderer.clip import ClipError
+    from renderer.sources import open_clip
+
+    clip, scratch = Path(sys.argv[1]), Path(sys.argv[2])
+    seen = set()
+    for file in sorted(path for path in clip.rglob("*") if path.is_file()):
+        if (file.parent, file.suffix) in seen:
+            continue
+        seen.add((file.parent, file.suffix))
+        copy = scratch / "copy"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(clip, copy)
+        (copy / file.relative_to(clip)).unlink()
+        os.mkfifo(copy / file.relative_to(clip))
+        signal.alarm(10)
+        print(file.relative_to(clip), flush=True)
+        try:
+            opened = open_clip(copy)
+            for index in range(len(opened)):
+                opened.read_frame(index)
+        except ClipError as error:
+            assert str(copy) in str(error), error
+        signal.alarm(0)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes in folders")
+@pytest.mark.parametrize("layout", ["endonerf", "scared"])
+def test_a_pipe_within_a_clip_is_refused_and_never_waited_for(tmp_path: Path, layout: str) -> None:
+    params = PhantomParams(n_frames=3, width=64, height=48, seed=1)
+    write_phantom(tmp_path / "clip", params, layout)  # type: ignore[arg-type]
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(EACH_FILE), str(tmp_path / "clip"), str(tmp_path)],
+        env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, f"{done.stdout.splitlines()[-1:]} {done.stderr[-600:]}"
+    assert len(done.stdout.splitlines()) > 3
