@@ -337,8 +337,6 @@ class Window:
 
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""
-        if self.state.reconstruction.job is not None:
-            self.state.reconstruction.job.close()
         self._end_work()
         session_actions.end(self.state)
         queue_actions.keep_now(self.state)
@@ -347,6 +345,10 @@ class Window:
                 item.release()
 
     def _end_work(self) -> None:
+        """Also of a window that a signal ends: what the job shares would be left in memory."""
+        if self.state.reconstruction.job is not None:
+            self.state.reconstruction.job.close()
+            self.state.reconstruction.job = None
         for worker in self._workers:
             worker.close()
 

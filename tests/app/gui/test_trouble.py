@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
@@ -150,3 +151,24 @@ def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path
     opened = App(places, run.path)
     assert opened.state.reconstruction.run_path == run.path
     assert job_actions.can_continue(opened.state)
+
+
+def test_a_window_that_a_signal_ends_gives_back_what_its_job_shares(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    closed: list[bool] = []
+
+    class Job:
+        def close(self) -> None:
+            closed.append(True)
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    state = AppState(places)
+    shown = window.Window(state)
+    state.reconstruction.job = Job()  # type: ignore[assignment]
+    monkeypatch.setattr(window.immapp, "run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        shown.run()
+    assert closed == [True]
