@@ -7,6 +7,7 @@ from decimal import Decimal, localcontext
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.projection import (
@@ -23,7 +24,7 @@ from renderer.projection import (
     project,
 )
 from renderer.splats import Splats
-from renderer.stability.row import Row
+from renderer.stability.row import Row, worst
 from renderer.stability.scenes import CAMERA, NEAR, SCENES
 
 DIGITS: Final = 50
@@ -33,20 +34,34 @@ Exact = Decimal
 
 
 def rows() -> Iterator[Row]:
-    """Centre and depth, and the inverse of the covariance, of every splat of every scene."""
+    """Centre and depth, and the inverse of the covariance, of the splats of every scene."""
     for name, make in SCENES.items():
         splats = make()
         records, visible = _projected(splats)
-        centers, conics = [0.0], [0.0]
-        for row in np.flatnonzero(visible)[:20]:
+        drawn = _drawn(splats, CAMERA)
+        # A splat that is drawn and should not be, or is not and should, is infinitely far off.
+        centers, conics = [0.0 if np.array_equal(visible, drawn) else np.inf], []
+        for row in np.flatnonzero(drawn)[:20]:
             u, v, z, conic = exact(splats, int(row), CAMERA)
             got = records[row].astype(np.float64)
             centers.append(_apart(got[[CENTER_X, CENTER_Y]], (u, v), max(abs(float(u)), abs(float(v)), 1.0)))
             centers.append(_apart(got[[DEPTH]], (z,), float(z)))
             conics.append(_apart(got[[A, B, C]], conic, max(abs(float(one)) for one in conic)))
-        done = "" if visible.any() else "not drawn: z is not beyond the near plane, or alpha below the cut"
-        yield Row("projection (13): centre and depth", name, max(centers), 1e-6, "of itself", done)
-        yield Row("covariance (14, 15): its inverse", name, max(conics), 1e-6, "of its largest", done)
+        yield Row("projection (13): centre and depth", name, worst(centers), 1e-6, "of itself")
+        yield Row("covariance (14, 15): its inverse", name, worst(conics), 1e-6, "of its largest")
+
+
+def _drawn(splats: Splats, camera: Camera) -> NDArray[np.bool_]:
+    """(N,) True: beyond the near plane and not fainter than the cut."""
+    depths = [
+        sum(
+            Decimal(float(p)) * Decimal(float(m))
+            for p, m in zip(camera.camera_from_world[2], mean, strict=True)
+        )
+        for mean in np.column_stack([splats.means, np.ones(len(splats))])
+    ]
+    beyond = np.array([depth > Decimal(NEAR) for depth in depths])
+    return beyond & (splats.opacities.astype(np.float64) >= 1 / 255)
 
 
 def _projected(splats: Splats) -> tuple[np.ndarray, np.ndarray]:

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from renderer.camera import Camera
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Splats
 
 CAMERA: Final = Camera(40.0, 42.0, 19.3, 15.6, 40, 32)
@@ -111,3 +112,22 @@ SCENES: Final[dict[str, Callable[[], Splats]]] = {
     "colours of 1e3 and -1e3": lambda: joined(splat(color=(1e3, -1e3, 0)), ordinary(50)),
 }
 """Made when they are asked for."""
+
+
+def raw_of(splats: Splats) -> RawGaussians:
+    """The same, as training has them."""
+    return RawGaussians(
+        means=splats.means,
+        quats=splats.quats,
+        log_scales=np.log(splats.scales),
+        opacity_logits=np.log(splats.opacities / (1 - splats.opacities)),
+        colors=splats.colors,
+        harmonics=splats.harmonics,
+    )
+
+
+def noisy_gradients(raw: RawGaussians, rng: np.random.Generator) -> RawGaussians:
+    """Of about 1, by every raw value."""
+    return RawGaussians(**{
+        name: (1 + rng.normal(size=value.shape)).astype(np.float32) for name, value in raw.arrays().items()
+    })  # fmt: skip

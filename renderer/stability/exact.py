@@ -1,0 +1,83 @@
+"""Pictures, depths and gradients in float64, by the literal reading of Eqs 13-16; it takes torch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+from renderer.splats import Splats
+from renderer.stability.scenes import CAMERA, NEAR, SCENES
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+FloatArray = NDArray[np.float64]
+NAMES: Final = ("means", "quats", "scales", "opacities", "colors")
+
+
+@dataclass(frozen=True, eq=False)
+class Exact:
+    """Of one set of splats."""
+
+    image: FloatArray
+    alpha: FloatArray
+    depth: FloatArray
+    gradients: dict[str, FloatArray]
+    """By each of NAMES, of the loss that has these `slopes`."""
+
+
+def slopes() -> tuple[FloatArray, FloatArray]:
+    """Of a loss by colour (H, W, 3) and by depth (H, W)."""
+    rng = np.random.default_rng(5)
+    shape = CAMERA.height, CAMERA.width
+    return rng.normal(size=(*shape, 3)), 0.05 * rng.normal(size=shape)
+
+
+@cache
+def of_scene(name: str) -> Exact:
+    """Of one of SCENES."""
+    return exact(SCENES[name]())
+
+
+def exact(splats: Splats) -> Exact:
+    """Before CAMERA, over black."""
+    import torch
+
+    from renderer.rasterize.reference import rasterize_reference
+
+    by_image, by_depth = slopes()
+
+    def tensor(name: str) -> Tensor:
+        return torch.tensor(getattr(splats, name).astype(np.float64), requires_grad=True)
+
+    inputs = [tensor(name) for name in NAMES]
+    means, quats, scales, opacities, colors = inputs
+    drawn = rasterize_reference(means, quats, scales, opacities, colors, CAMERA, near=NEAR)
+    loss = (drawn.image * torch.tensor(by_image)).sum() + (drawn.depth * torch.tensor(by_depth)).sum()
+    loss.backward()  # type: ignore[no-untyped-call]
+    zero = torch.zeros(1, dtype=torch.float64)
+    gradients = {
+        name: (zero.expand_as(value) if value.grad is None else value.grad).numpy()
+        for name, value in zip(NAMES, inputs, strict=True)
+    }
+    image, alpha, depth = (part.detach().numpy() for part in (drawn.image, drawn.alpha, drawn.depth))
+    return Exact(image, alpha, depth, gradients)
+
+
+def loss(splats: Splats, camera: Camera) -> float:
+    """What `slopes` are of."""
+    import torch
+
+    from renderer.rasterize.reference import rasterize_reference
+
+    means, quats, scales, opacities, colors = (
+        torch.tensor(getattr(splats, name).astype(np.float64)) for name in NAMES
+    )
+    drawn = rasterize_reference(means, quats, scales, opacities, colors, camera, near=NEAR)
+    by_image, by_depth = slopes()
+    return float((drawn.image.numpy() * by_image).sum() + (drawn.depth.numpy() * by_depth).sum())
