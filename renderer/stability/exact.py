@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 NAMES: Final = ("means", "quats", "scales", "opacities", "colors")
+BACKDROP: Final = (0.3, 0.7, 0.1)
+"""What the loss sees behind the splats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,17 +27,26 @@ class Exact:
     """Of one set of splats."""
 
     image: FloatArray
+    """Over black."""
     alpha: FloatArray
     depth: FloatArray
     gradients: dict[str, FloatArray]
     """By each of NAMES, of the loss that has these `slopes`."""
 
 
-def slopes() -> tuple[FloatArray, FloatArray]:
-    """Of a loss by colour (H, W, 3) and by depth (H, W)."""
+class Slopes(NamedTuple):
+    """Of a loss by colour over BACKDROP (H, W, 3), by alpha and by depth (H, W)."""
+
+    image: FloatArray
+    alpha: FloatArray
+    depth: FloatArray
+
+
+def slopes() -> Slopes:
+    """Random ones."""
     rng = np.random.default_rng(5)
     shape = CAMERA.height, CAMERA.width
-    return rng.normal(size=(*shape, 3)), 0.05 * rng.normal(size=shape)
+    return Slopes(rng.normal(size=(*shape, 3)), rng.normal(size=shape), 0.05 * rng.normal(size=shape))
 
 
 @cache
@@ -45,12 +56,10 @@ def of_scene(name: str) -> Exact:
 
 
 def exact(splats: Splats) -> Exact:
-    """Before CAMERA, over black."""
+    """Before CAMERA."""
     import torch
 
     from renderer.rasterize.reference import rasterize_reference
-
-    by_image, by_depth = slopes()
 
     def tensor(name: str) -> Tensor:
         return torch.tensor(getattr(splats, name).astype(np.float64), requires_grad=True)
@@ -58,7 +67,9 @@ def exact(splats: Splats) -> Exact:
     inputs = [tensor(name) for name in NAMES]
     means, quats, scales, opacities, colors = inputs
     drawn = rasterize_reference(means, quats, scales, opacities, colors, CAMERA, near=NEAR)
-    loss = (drawn.image * torch.tensor(by_image)).sum() + (drawn.depth * torch.tensor(by_depth)).sum()
+    seen = drawn.image + (1 - drawn.alpha)[..., None] * torch.tensor(BACKDROP, dtype=torch.float64)
+    parts = zip((seen, drawn.alpha, drawn.depth), slopes(), strict=True)
+    loss = torch.stack([(part * torch.tensor(by)).sum() for part, by in parts]).sum()
     loss.backward()  # type: ignore[no-untyped-call]
     zero = torch.zeros(1, dtype=torch.float64)
     gradients = {
@@ -78,6 +89,6 @@ def loss(splats: Splats, camera: Camera) -> float:
     means, quats, scales, opacities, colors = (
         torch.tensor(getattr(splats, name).astype(np.float64)) for name in NAMES
     )
-    drawn = rasterize_reference(means, quats, scales, opacities, colors, camera, near=NEAR)
-    by_image, by_depth = slopes()
-    return float((drawn.image.numpy() * by_image).sum() + (drawn.depth.numpy() * by_depth).sum())
+    drawn = rasterize_reference(means, quats, scales, opacities, colors, camera, BACKDROP, near=NEAR)
+    parts = zip((drawn.image, drawn.alpha, drawn.depth), slopes(), strict=True)
+    return float(sum((part.numpy() * by).sum() for part, by in parts))

@@ -19,7 +19,7 @@ from renderer.stability.scenes import CAMERA, ordinary, raw_of
 from renderer.train.adam import corrected_rate, update_rows
 from renderer.train.config import TrainConfig
 from renderer.train.densify import Densifier, DensityControl, Plan
-from renderer.train.guards import leave_out_broken
+from renderer.train.guards import hold_scales, leave_out_broken
 from renderer.train.initialize import sampled, scene_size
 
 FloatArray = NDArray[np.float64]
@@ -34,11 +34,11 @@ def adam() -> Iterator[Row]:
     """200 steps of noisy gradients of one size, against float64, in steps of full length."""
     hazard, steps, rate = "Adam", 200, 1e-3
     for size in (0.0, 1e-30, 1e-16, 1e-8, 1.0, 1e8, 1e18, 1e20):
-        gradients = size * (1 + np.random.default_rng(0).normal(size=(steps, 50, 1)))
+        gradients = size * (1 + np.random.default_rng(0).normal(size=(steps, 25, 2)))
         given = gradients.astype(np.float32)
-        values, first, second = (np.zeros((50, 1), np.float32) for _ in range(3))
-        seen = np.ones(50, bool)
-        exact, *moments = (np.zeros((50, 1)) for _ in range(3))
+        values, first, second = (np.zeros((25, 2), np.float32) for _ in range(3))
+        seen = np.ones(25, bool)
+        exact, *moments = (np.zeros((25, 2)) for _ in range(3))
         for step, gradient in enumerate(given, 1):
             update_rows(values, gradient, first, second, seen, corrected_rate(rate, step))
             wide, (m, v) = gradient.astype(np.float64), moments
@@ -48,6 +48,13 @@ def adam() -> Iterator[Row]:
         yield Row(hazard, f"gradients of {size:g}", apart, 0.05, "steps", done)
     yield Row(hazard, "gradients of NaN and 1e20: rows not left out, or others that are", _kept(), 0, "rows",
               "left out of the step, counted, and said at the end")  # fmt: skip
+    log_scales = np.linspace(-30, 30, 90, dtype=np.float32).reshape(30, 3)
+    held = np.clip(log_scales.astype(np.float64), np.log(1e-7 * SIZE), np.log(SIZE))
+    beyond = np.count_nonzero(held != log_scales)
+    missed = abs(hold_scales(log_scales, SIZE) - beyond)
+    error = float(np.abs(log_scales - held).max()) if missed == 0 else np.inf
+    yield Row("scales that run away", "held at 1e-7 and 1 of the scene size", error, 1e-5, "of the logarithm",
+              "held, counted, and said at the end")  # fmt: skip
 
 
 def _kept() -> float:

@@ -14,8 +14,6 @@ from renderer.projection import (
     CENTER_X,
     CENTER_Y,
     DEPTH,
-    LOG2_E,
-    LOW_PASS,
     RECORD_SIZE,
     A,
     B,
@@ -90,11 +88,11 @@ def exact(splats: Splats, row: int, camera: Camera) -> tuple[Exact, Exact, Exact
             factor = [Decimal(focal) / z * (pose[line][k] - slope * pose[2][k]) for k in range(3)]
             axes.append([sum(factor[k] * turned[k][j] for k in range(3)) * scale[j] for j in range(3)])
         first, second = axes
-        low_pass = Decimal(LOW_PASS)
+        low_pass = Decimal("0.3")
         xx = sum((one * one for one in first), low_pass)
         yy = sum((one * one for one in second), low_pass)
         xy = sum((a * b for a, b in zip(first, second, strict=True)), Decimal(0))
-        half = Decimal(LOG2_E) / 2 / (xx * yy - xy * xy)
+        half = 1 / Decimal(2).ln() / 2 / (xx * yy - xy * xy)
         u = Decimal(camera.fx) * x / z + Decimal(camera.cx)
         v = Decimal(camera.fy) * y / z + Decimal(camera.cy)
         return u, v, z, (-half * yy, 2 * half * xy, -half * xx)
