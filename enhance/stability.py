@@ -120,7 +120,13 @@ def _exponents(image: NDArray[np.uint8]) -> Iterator[Row]:
         "literal": (23 / 13 - 7 / 4, 7 / 13 - 1 / 2),
         "continuous": (0, 0),
     }
+    sigmas = np.linspace(0, 127.5, 1021)
     for form, jumps in printed.items():
+        ends = (2.0, 10.0) if form == "literal" else (2.125, 10.25)
+        middle = (27 - 2 * sigmas) / 13
+        exact = np.where(sigmas <= ends[0], 7 / 4, np.where(sigmas < ends[1], middle, 1 / 2))
+        found = np.array([detail.exponent(sigma, form) for sigma in sigmas.tolist()])
+        yield Row(hazard, f"{form}, P at every sigma", _most(found, exact), 1e-12, "P")
         for sigma, jump in zip((2.0, 10.0), jumps, strict=True):
             case = f"{form}, sigma = {sigma:g}"
             below, above = (detail.exponent(sigma + side, form) for side in (-1e-6, 1e-6))
@@ -139,12 +145,20 @@ def _constants(_: NDArray[np.uint8]) -> Iterator[Row]:
         given = np.full((20, 30), level, np.uint8)
         result, exact = enhance(given, PLAIN), enhance_reference(given, PLAIN)[0]
         yield Row("constant images", f"grey {level}, against Eq 1", _most(result.image, 255 * exact), 0.5)
-        yield Row(
-            "constant images", f"grey {level}, sigma", _most(np.array(result.statistics.sigmas), 0.0), 1e-3
-        )
+        sigma = _most(np.array(result.statistics.sigmas), 0.0)
+        if level > 0:  # of black it is nothing else
+            yield Row("constant images", f"grey {level}, sigma", sigma, 1e-3)
     black, white = np.zeros((20, 30, 3), np.uint8), np.full((20, 30, 3), 255, np.uint8)
     yield Row("constant images", "black stays black", float(enhance(black, WHOLE).image.max()), 0)
     yield Row("constant images", "white stays white", 255 - float(enhance(white, WHOLE).image.min()), 0)
+
+
+def _hues(image: NDArray[np.uint8]) -> Iterator[Row]:
+    """Tissue is red: each of the other colours as the largest, and all hues."""
+    for name, order in (("green", (1, 0, 2)), ("blue", (2, 1, 0))):
+        yield Row("other hues", f"{name} is the largest", _error(image[..., order] / 255, WHOLE), 0.001)
+    noise = np.random.default_rng(3).uniform(0, 1, (40, 50, 3))
+    yield Row("other hues", "every hue and saturation", _error(noise, WHOLE), 0.001)
 
 
 def _sizes(image: NDArray[np.uint8]) -> Iterator[Row]:
@@ -266,6 +280,7 @@ PARTS: Final[dict[str, Callable[[NDArray[np.uint8]], Iterator[Row]]]] = {
     "ends": _ends,
     "exponents": _exponents,
     "constants": _constants,
+    "hues": _hues,
     "sizes": _sizes,
     "filter": _filter,
     "saturation": _saturation,

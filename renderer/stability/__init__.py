@@ -6,7 +6,18 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final, get_args
 
-from renderer.stability import blending, bumps, harmonics, learning, losses, motion, planes, projection, runs
+from renderer.stability import (
+    blending,
+    bumps,
+    harmonics,
+    learning,
+    losses,
+    motion,
+    planes,
+    projection,
+    runs,
+    steps,
+)
 from renderer.stability.blending import Draw
 from renderer.stability.row import Row
 from renderer.torch_presence import has_torch
@@ -29,12 +40,14 @@ PARTS: Final[dict[str, Callable[[], Iterator[Row]]]] = {
     "adam": learning.adam,
     "density": learning.density,
     "initialisation": learning.initialisation,
+    "one step": steps.rows,
+    "unseen": steps.unseen,
     **{f"whole run, {method}": partial(runs.of_method, method) for method in get_args(Method)},
     "whole run, refused": runs.refused,
     "whole run, units": runs.units,
 }
 """Rows by what they are of."""
-BY_TORCH: Final = ("pictures", "depths", "gradients", "broken splat")
+BY_TORCH: Final = ("pictures", "depths", "gradients", "broken splat", "one step")
 """Parts whose oracle takes torch."""
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.splats import Splats
-from renderer.stability.scenes import CAMERA, NEAR, SCENES
+from renderer.stability.scenes import CAMERA, NEAR, SCENES, camera_of
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -52,11 +52,11 @@ def slopes() -> Slopes:
 @cache
 def of_scene(name: str) -> Exact:
     """Of one of SCENES."""
-    return exact(SCENES[name]())
+    return exact(SCENES[name](), camera_of(name))
 
 
-def exact(splats: Splats) -> Exact:
-    """Before CAMERA."""
+def exact(splats: Splats, camera: Camera = CAMERA) -> Exact:
+    """As `camera`, of CAMERA's size, sees them."""
     import torch
 
     from renderer.rasterize.reference import rasterize_reference
@@ -66,7 +66,7 @@ def exact(splats: Splats) -> Exact:
 
     inputs = [tensor(name) for name in NAMES]
     means, quats, scales, opacities, colors = inputs
-    drawn = rasterize_reference(means, quats, scales, opacities, colors, CAMERA, near=NEAR)
+    drawn = rasterize_reference(means, quats, scales, opacities, colors, camera, near=NEAR)
     seen = drawn.image + (1 - drawn.alpha)[..., None] * torch.tensor(BACKDROP, dtype=torch.float64)
     parts = zip((seen, drawn.alpha, drawn.depth), slopes(), strict=True)
     loss = torch.stack([(part * torch.tensor(by)).sum() for part, by in parts]).sum()

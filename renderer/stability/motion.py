@@ -141,6 +141,9 @@ def _trained() -> Iterator[Row]:
     for name, curves in exact.items():
         error = float(np.abs(getattr(trainer.motion, name) - curves.values).max()) / RATE
         yield Row(SPLINE, f"20 training steps: {name}", error, 0.05, "steps")
+        moments = trainer.state()[f"first.{name}"]
+        error = float(np.abs(moments - curves.first).max() / np.abs(curves.first).max())
+        yield Row(SPLINE, f"20 training steps: mean gradient of {name}", error, 1e-5, "of the largest")
 
 
 def _rates() -> SplineRates:
@@ -153,7 +156,7 @@ class _Curves:
 
     def __init__(self, controls: NDArray[np.float32]) -> None:
         self.values = controls.astype(np.float64)
-        self._first, self._second = np.zeros_like(self.values), np.zeros_like(self.values)
+        self.first, self._second = np.zeros_like(self.values), np.zeros_like(self.values)
         self._steps = np.zeros(controls.shape[1], np.int64)
 
     def step(self, gradients: NDArray[np.floating], basis: FloatArray, seen: NDArray[np.bool_]) -> None:
@@ -162,9 +165,9 @@ class _Curves:
         for k in range(start, start + 4):
             self._steps[k] += 1
             by = basis[k] * gradients[seen]
-            moments = self._first[seen, k], self._second[seen, k]
+            moments = self.first[seen, k], self._second[seen, k]
             now = exact_adam.moved(self.values[seen, k], by, moments, RATE, int(self._steps[k]))
-            self.values[seen, k], self._first[seen, k], self._second[seen, k] = now
+            self.values[seen, k], self.first[seen, k], self._second[seen, k] = now
         for k in range(max(start, 1), min(start + 3, len(basis) - 2) + 1):
             middle = (self.values[seen, k - 1] + self.values[seen, k + 1]) / 2
             self.values[seen, k] += SMOOTHING * (middle - self.values[seen, k])
@@ -173,7 +176,7 @@ class _Curves:
 def nodes() -> Iterator[Row]:
     """Gaussians in the view, beside it, behind the camera and in its centre hold on to some node; those
     around them lie about where they are seen, or at the edge next to that."""
-    odd = [[0, 0, 10], [1e9, 0, 10], [0, 0, -10], [0, 0, 0], [np.nan, 0, 10], [-1e-9, 0, 1e-9]]
+    odd = [[0, 0, 10], [1e9, 0, 10], [0, 1e9, 10], [0, 0, -10], [0, 0, 0], [np.nan, 0, 10], [-1e-9, 0, 1e-9]]
     means = np.concatenate([np.array(odd, np.float32), ordinary(50).means])
     columns, rows = 20, 16
     indices, weights = attach(means, CAMERA, (columns, rows))

@@ -35,6 +35,9 @@ def rows() -> Iterator[Row]:
 
 
 def _features() -> Iterator[Row]:
+    rows = [time_taps(time, 25)[0] for time in TIMES]
+    outside = float(sum(row < 0 or row > 23 for row in rows))
+    yield Row(PLANES, "rows of time that do not exist", outside, 0, "rows")
     resolutions = np.array([[9, 7, 2], [64, 48, 16]], np.int32)
     layout, rng = Layout.of(resolutions), np.random.default_rng(2)
     planes = rng.normal(size=(1, layout.n_plane_cells, LANES)).astype(np.float32)
@@ -60,9 +63,6 @@ def _features() -> Iterator[Row]:
             errors.append(float(np.abs(got - exact).max()) / largest)
         yield Row(PLANES, name, worst(errors), 1e-5, "of the largest")
     yield Row(PLANES, "where points lie in each box", worst(shares), 1e-6, "of the box")
-    rows = [time_taps(time, 25)[0] for time in TIMES]
-    outside = float(sum(row < 0 or row > 23 for row in rows))
-    yield Row(PLANES, "rows of time that do not exist", outside, 0, "rows")
 
 
 def _shares(means: FloatArray, box: NDArray[np.float32]) -> FloatArray:

@@ -23,7 +23,7 @@ from renderer.projection import (
 )
 from renderer.splats import Splats
 from renderer.stability.row import Row, worst
-from renderer.stability.scenes import CAMERA, NEAR, SCENES
+from renderer.stability.scenes import NEAR, SCENES, camera_of
 
 DIGITS: Final = 50
 GUARD: Final = 0.15
@@ -35,12 +35,13 @@ def rows() -> Iterator[Row]:
     """Centre and depth, and the inverse of the covariance, of the splats of every scene."""
     for name, make in SCENES.items():
         splats = make()
-        records, visible = _projected(splats)
-        drawn = _drawn(splats, CAMERA)
+        camera = camera_of(name)
+        records, visible = _projected(splats, camera)
+        drawn = _drawn(splats, camera)
         # A splat that is drawn and should not be, or is not and should, is infinitely far off.
         centers, conics = [0.0 if np.array_equal(visible, drawn) else np.inf], []
         for row in np.flatnonzero(drawn)[:20]:
-            u, v, z, conic = exact(splats, int(row), CAMERA)
+            u, v, z, conic = exact(splats, int(row), camera)
             got = records[row].astype(np.float64)
             centers.append(_apart(got[[CENTER_X, CENTER_Y]], (u, v), max(abs(float(u)), abs(float(v)), 1.0)))
             centers.append(_apart(got[[DEPTH]], (z,), float(z)))
@@ -62,12 +63,12 @@ def _drawn(splats: Splats, camera: Camera) -> NDArray[np.bool_]:
     return beyond & (splats.opacities.astype(np.float64) >= 1 / 255)
 
 
-def _projected(splats: Splats) -> tuple[np.ndarray, np.ndarray]:
+def _projected(splats: Splats, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
     count = len(splats)
     records, visible = np.zeros((count, RECORD_SIZE), np.float32), np.zeros(count, bool)
     project(
         splats.means, splats.quats, splats.scales, splats.opacities, splats.colors,
-        camera_vector(CAMERA, NEAR), False, records, visible,
+        camera_vector(camera, NEAR), False, records, visible,
     )  # fmt: skip
     return records, visible
 
