@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final, get_args, get_type_hints
 
@@ -11,7 +12,6 @@ from annotated_types import Interval
 from numpy.typing import NDArray
 
 from enhance import detail
-from enhance.brightness import brighten
 from enhance.guided_filter import Grids, Window, WindowModels
 from enhance.image import AnyImage, ImageError, full_scale
 from enhance.params import EnhanceParams, PForm
@@ -43,7 +43,7 @@ class Row:
 
 def stability(image: NDArray[np.uint8]) -> Iterator[Row]:
     """All rows; `image` (H, W, 3) is ordinary tissue for the cases that need some."""
-    for part in (_precision, _ends, _exponents, _constants, _sizes, _filter, _saturation, _black, _types):
+    for part in PARTS.values():
         yield from part(image)
 
 
@@ -54,6 +54,29 @@ def _precision(image: NDArray[np.uint8]) -> Iterator[Row]:
     apart = np.abs(result - np.rint(exact))
     yield Row(hazard, "bytes, most", float(apart.max()), 1)
     yield Row(hazard, "bytes that differ", float(np.mean(apart > 0)), 1e-4, "share")
+
+
+def _statistics(image: NDArray[np.uint8]) -> Iterator[Row]:
+    """What the equations take from the whole image, and other rows hand to both sides."""
+    hazard = "statistics against float64"
+    left = np.zeros(image.shape[:2], bool)
+    left[:, : image.shape[1] // 2] = True
+    faint = np.rint(127 + 0.1 * (image - 127.0)).astype(np.uint8)
+    cases: dict[str, tuple[AnyImage, NDArray[np.bool_] | None]] = {
+        "bytes": (image, None),
+        "its left half": (image, left),
+        "faint bytes": (faint, None),
+        "faint floats": (faint / 255, None),
+    }
+    for name, (pixels, mask) in cases.items():
+        got = enhance(pixels, WHOLE, tissue_mask=mask).statistics
+        _, exact = enhance_reference(pixels, WHOLE, tissue_mask=mask)
+        yield Row(hazard, f"{name}, L", abs(got.level - exact.level), 0)
+        yield Row(hazard, f"{name}, z", abs(got.z - exact.z), 1e-12, "z")
+        chroma = abs(got.saturation_mean - exact.saturation_mean)
+        yield Row(hazard, f"{name}, S_m", chroma, 1e-6, "of 1")
+        yield Row(hazard, f"{name}, sigma", _most(np.array(got.sigmas), np.array(exact.sigmas)), 1e-3)
+        yield Row(hazard, f"{name}, P", _most(np.array(got.p), np.array(exact.p)), 1e-4, "P")
 
 
 def _ends(image: NDArray[np.uint8]) -> Iterator[Row]:
@@ -91,31 +114,51 @@ def _interval(hint: Any) -> Interval | None:
 
 
 def _exponents(image: NDArray[np.uint8]) -> Iterator[Row]:
-    """The jumps of Eq 9 as printed, and without; in P, and in a faint picture on either side."""
-    faint = 0.5 + (image[..., 1] / 255 - 0.5) * 0.05
-    jumps: dict[PForm, tuple[float, float]] = {
+    """The jumps of Eq 9 are those that are printed, or none; and a faint picture on either side of them."""
+    hazard, faint = "jumps of P", 0.5 + (image[..., 1] / 255 - 0.5) * 0.05
+    printed: dict[PForm, tuple[float, float]] = {
         "literal": (23 / 13 - 7 / 4, 7 / 13 - 1 / 2),
         "continuous": (0, 0),
     }
-    for form, bars in jumps.items():
-        for sigma, bar in zip((2.0, 10.0), bars, strict=True):
+    sigmas = np.linspace(0, 127.5, 1021)
+    for form, jumps in printed.items():
+        ends = (2.0, 10.0) if form == "literal" else (2.125, 10.25)
+        middle = (27 - 2 * sigmas) / 13
+        exact = np.where(sigmas <= ends[0], 7 / 4, np.where(sigmas < ends[1], middle, 1 / 2))
+        found = np.array([detail.exponent(sigma, form) for sigma in sigmas.tolist()])
+        yield Row(hazard, f"{form}, P at every sigma", _most(found, exact), 1e-12, "P")
+        for sigma, jump in zip((2.0, 10.0), jumps, strict=True):
+            case = f"{form}, sigma = {sigma:g}"
             below, above = (detail.exponent(sigma + side, form) for side in (-1e-6, 1e-6))
-            yield Row("jumps of P", f"{form}, sigma = {sigma:g}", abs(above - below), bar + 1e-6, "P")
-            first, second = (enhance(faint, replace(WHOLE, p=p)).image for p in (below, above))
-            apart = 255 * float(np.abs(first - second).max())
-            yield Row("jumps of P", f"{form}, sigma = {sigma:g}, picture", apart, 0.5 if bar else 1e-3)
+            yield Row(hazard, case, abs(abs(above - below) - jump), 1e-6, "P, off the printed jump")
+            sides = [replace(WHOLE, p=p) for p in (below, above)]
+            yield Row(
+                hazard, f"{case}, picture", float(np.max([_error(faint, side) for side in sides])), 0.001
+            )
+            if jump:
+                first, second = (enhance(faint, side).image for side in sides)
+                yield Row(hazard, f"{case}, jump of the picture", 255 * _most(first, second), 0.5)
 
 
 def _constants(_: NDArray[np.uint8]) -> Iterator[Row]:
     for level in (0, 1, 50, 128, 254, 255):
-        result = enhance(np.full((20, 30), level, np.uint8), PLAIN)
-        expected = 255 * brighten(np.array([level / 255]), result.statistics.z)[0]
-        apart = float(np.abs(result.image - expected).max())
-        yield Row("constant images", f"grey {level}, against Eq 1", apart, 0.5)
-        yield Row("constant images", f"grey {level}, sigma", max(result.statistics.sigmas), 1e-3)
+        given = np.full((20, 30), level, np.uint8)
+        result, exact = enhance(given, PLAIN), enhance_reference(given, PLAIN)[0]
+        yield Row("constant images", f"grey {level}, against Eq 1", _most(result.image, 255 * exact), 0.5)
+        sigma = _most(np.array(result.statistics.sigmas), 0.0)
+        if level > 0:  # of black it is nothing else
+            yield Row("constant images", f"grey {level}, sigma", sigma, 1e-3)
     black, white = np.zeros((20, 30, 3), np.uint8), np.full((20, 30, 3), 255, np.uint8)
     yield Row("constant images", "black stays black", float(enhance(black, WHOLE).image.max()), 0)
     yield Row("constant images", "white stays white", 255 - float(enhance(white, WHOLE).image.min()), 0)
+
+
+def _hues(image: NDArray[np.uint8]) -> Iterator[Row]:
+    """Tissue is red: each of the other colours as the largest, and all hues."""
+    for name, order in (("green", (1, 0, 2)), ("blue", (2, 1, 0))):
+        yield Row("other hues", f"{name} is the largest", _error(image[..., order] / 255, WHOLE), 0.001)
+    noise = np.random.default_rng(3).uniform(0, 1, (40, 50, 3))
+    yield Row("other hues", "every hue and saturation", _error(noise, WHOLE), 0.001)
 
 
 def _sizes(image: NDArray[np.uint8]) -> Iterator[Row]:
@@ -195,24 +238,28 @@ def _types(image: NDArray[np.uint8]) -> Iterator[Row]:
     for value in (1e-38, 1e-20, 1e-6):
         tiny = np.zeros((20, 30, 3))
         tiny[5:15, 5:15] = value, value / 2, 0
-        result = enhance(tiny.astype(np.float32), replace(PLAIN, z=1.0, p=4.0)).image
-        yield Row(
-            "types", f"floats of {value:g}: not finite", float(np.sum(~np.isfinite(result))), 0, "values"
-        )
+        error = _error(tiny.astype(np.float32), replace(PLAIN, z=1.0, p=4.0))
+        yield Row("types", f"floats of {value:g}", error, 0.001)
     wide = enhance(image.astype(np.uint16) * np.uint16(257), WHOLE).image / 257
     yield Row("types", "uint16 against uint8", _most(wide, enhance(image, WHOLE).image), 0.51)
-    for name, bad in (("NaN", np.nan), ("infinity", np.inf), ("2.0", 2.0), ("-0.1", -0.1)):
+    for name, bad, line in (
+        ("NaN", np.nan, "without NaN, got 1 of .* the first at row 3, column 4, channel 1 "),
+        ("infinity", np.inf, r"in \[0, 1\], got .* to inf;"),
+        ("2.0", 2.0, r"in \[0, 1\], got .* to 2;"),
+        ("-0.1", -0.1, r"in \[0, 1\], got -0\.1 to "),
+    ):
         spoilt = image / 255
         spoilt[3, 4, 1] = bad
-        done = "refused in a line that names the value and its place"
-        yield Row("types", f"{name} is not refused", float(not _refused(spoilt)), 0, "cases", done)
+        done = "refused in a line that names the value, and the place of NaN"
+        yield Row("types", f"{name} is not refused", float(not _refused(spoilt, line)), 0, "cases", done)
 
 
-def _refused(image: AnyImage) -> bool:
+def _refused(image: AnyImage, line: str) -> bool:
+    """For that reason."""
     try:
         enhance(image)
-    except ImageError:
-        return True
+    except ImageError as refusal:
+        return re.search(line, str(refusal)) is not None
     return False
 
 
@@ -223,5 +270,21 @@ def _error(pixels: AnyImage, params: EnhanceParams) -> float:
     return 255 * _most(result.image / full_scale(result.image.dtype), exact)
 
 
-def _most(one: AnyImage, other: AnyImage) -> float:
+def _most(one: AnyImage, other: AnyImage | float) -> float:
     return float(np.abs(one.astype(np.float64) - other).max())
+
+
+PARTS: Final[dict[str, Callable[[NDArray[np.uint8]], Iterator[Row]]]] = {
+    "precision": _precision,
+    "statistics": _statistics,
+    "ends": _ends,
+    "exponents": _exponents,
+    "constants": _constants,
+    "hues": _hues,
+    "sizes": _sizes,
+    "filter": _filter,
+    "saturation": _saturation,
+    "black": _black,
+    "types": _types,
+}
+"""Rows by what they are of; `image` is ordinary tissue, (H, W, 3)."""

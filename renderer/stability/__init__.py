@@ -2,12 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Final, get_args
 
-from renderer.stability import blending, harmonics, learning, motion, projection, runs
+from renderer.stability import (
+    blending,
+    bumps,
+    harmonics,
+    learning,
+    losses,
+    motion,
+    planes,
+    projection,
+    runs,
+    steps,
+)
 from renderer.stability.blending import Draw
 from renderer.stability.row import Row
 from renderer.torch_presence import has_torch
+from renderer.train.config import Method
+
+PARTS: Final[dict[str, Callable[[], Iterator[Row]]]] = {
+    "projection": projection.rows,
+    "exponential": blending.exponential,
+    "pictures": blending.pictures_on_cpu,
+    "depths": blending.depths,
+    "gradients": blending.gradients,
+    "overlap": blending.overlapping,
+    "broken splat": blending.poisoned,
+    "harmonics": harmonics.rows,
+    "splines": motion.splines,
+    "nodes": motion.nodes,
+    "bumps": bumps.rows,
+    "planes": planes.rows,
+    "losses": losses.rows,
+    "adam": learning.adam,
+    "density": learning.density,
+    "initialisation": learning.initialisation,
+    "one step": steps.rows,
+    "unseen": steps.unseen,
+    **{f"whole run, {method}": partial(runs.of_method, method) for method in get_args(Method)},
+    "whole run, refused": runs.refused,
+    "whole run, units": runs.units,
+}
+"""Rows by what they are of."""
+BY_TORCH: Final = ("pictures", "depths", "gradients", "broken splat", "one step")
+"""Parts whose oracle takes torch."""
 
 
 def stability(draw: Draw | None = None) -> Iterator[Row]:
@@ -15,9 +56,8 @@ def stability(draw: Draw | None = None) -> Iterator[Row]:
 
     Without torch there is no float64 oracle for pictures, depths and gradients: those rows are left out.
     """
-    yield from projection.rows()
-    yield from blending.rows()
+    for name, part in PARTS.items():
+        if name not in BY_TORCH or has_torch():
+            yield from part()
     if draw is not None and has_torch():
         yield from blending.pictures("OpenGL: picture", draw)
-    for part in (harmonics, motion, learning, runs):
-        yield from part.rows()

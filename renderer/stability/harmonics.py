@@ -9,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.harmonics import harmonics_backward, seen_colors
-from renderer.stability.row import Row
+from renderer.stability.row import Row, worst
 
 FloatArray = NDArray[np.float64]
 HAZARD = "spherical harmonics"
+STEP = 1e-5
+"""Of the differences that the slopes of the definition are, in distances."""
 
 
 def rows() -> Iterator[Row]:
-    """Every function of degree 1 to 3, with coefficient 1, against float64 from the definition."""
+    """Every function of degree 1 to 3 and what follows from it, against float64 from the definition."""
     directions = np.random.default_rng(0).normal(size=(500, 3))
     axes = np.concatenate([np.eye(3), -np.eye(3), np.eye(3) + 1e-6])
     for name, ways, length in (
@@ -27,14 +29,16 @@ def rows() -> Iterator[Row]:
     ):
         units = ways / np.linalg.norm(ways, axis=1, keepdims=True)
         means = (length * units).astype(np.float32)
-        exact_units = means / np.linalg.norm(means.astype(np.float64), axis=1, keepdims=True)
-        worst = float(np.abs(_values(means) - definition(exact_units)).max())
-        yield Row(HAZARD, name, worst, 2e-6, "of 1")
-        yield Row(HAZARD, f"{name}: gradients", _broken(means), 0, "broken values")
+        error = float(np.abs(_values(means) - definition(_units(means))).max())
+        yield Row(HAZARD, name, error, 2e-6, "of 1")
+        by_means, by_harmonics = _slope_errors(means)
+        yield Row(HAZARD, f"{name}: gradients by the means", by_means, 1e-5, "of the largest")
+        yield Row(HAZARD, f"{name}: by the harmonics", by_harmonics, 2e-6, "of 1")
     here = np.zeros((1, 3), np.float32)
-    yield Row(HAZARD, "seen from its own centre", float(np.abs(_values(here)).max()), 0, "of 1",
-              "no direction: the part that depends on it is 0")  # fmt: skip
-    yield Row(HAZARD, "seen from its own centre: gradients", _broken(here), 0, "broken values")
+    done = "no direction: the part that depends on it is 0"
+    yield Row(HAZARD, "seen from its own centre", float(np.abs(_values(here)).max()), 0, "of 1", done)
+    size = worst(float(np.abs(each).max()) for each in _slopes(here)[:2])
+    yield Row(HAZARD, "seen from its own centre: gradients", size, 0, "of 1", done)
 
 
 def definition(directions: FloatArray) -> FloatArray:
@@ -53,6 +57,11 @@ def definition(directions: FloatArray) -> FloatArray:
     return np.stack(columns, axis=1)
 
 
+def _units(means: NDArray[np.float32]) -> FloatArray:
+    wide = means.astype(np.float64)
+    return np.asarray(wide / np.linalg.norm(wide, axis=1, keepdims=True))
+
+
 def _values(means: NDArray[np.float32]) -> FloatArray:
     """(N, 15), each function alone."""
     columns = []
@@ -63,11 +72,35 @@ def _values(means: NDArray[np.float32]) -> FloatArray:
     return np.stack(columns, axis=1).astype(np.float64)
 
 
-def _broken(means: NDArray[np.float32]) -> float:
-    """How many gradients are no numbers."""
-    count = len(means)
-    harmonics, by_means = np.ones((count, 15, 3), np.float32), np.zeros((count, 3), np.float32)
-    by_harmonics, by_colors = np.empty_like(harmonics), np.ones((count, 3), np.float32)
+def _slope_errors(means: NDArray[np.float32]) -> tuple[float, float]:
+    """Of the gradients by the means, times the distance; and by the coefficients."""
+    by_means, by_harmonics, harmonics, by_colors = _slopes(means)
+    units, weights = _units(means), np.einsum("nbc,nc->nb", harmonics.astype(np.float64), by_colors)
+    exact = np.stack([_slope(units, axis, weights) for axis in range(3)], axis=1)
+    distances = np.linalg.norm(means.astype(np.float64), axis=1, keepdims=True)
+    apart = np.abs(by_means * distances - exact).max() / np.abs(exact).max()
+    wanted = definition(units)[:, :, None] * by_colors[:, None, :]
+    return float(apart), float(np.abs(by_harmonics - wanted).max() / np.abs(by_colors).max())
+
+
+def _slope(units: FloatArray, axis: int, weights: FloatArray) -> FloatArray:
+    """(N,) of the weighted functions along an axis, from central differences."""
+    sides = []
+    for step in (STEP, -STEP):
+        moved = units.copy()
+        moved[:, axis] += step
+        sides.append((definition(moved / np.linalg.norm(moved, axis=1, keepdims=True)) * weights).sum(axis=1))
+    return np.asarray((sides[0] - sides[1]) / (2 * STEP))
+
+
+def _slopes(
+    means: NDArray[np.float32],
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    """Gradients by means and harmonics, the harmonics, and the gradients by the colours."""
+    count, rng = len(means), np.random.default_rng(3)
+    harmonics = rng.normal(size=(count, 15, 3)).astype(np.float32)
+    by_colors = rng.normal(size=(count, 3)).astype(np.float32)
+    by_harmonics, by_means = np.empty_like(harmonics), np.zeros((count, 3), np.float32)
     seen = np.ones(count, bool)
     harmonics_backward(means, harmonics, np.zeros(3), seen, by_colors, by_harmonics, by_means)
-    return float(np.count_nonzero(~np.isfinite(by_means)) + np.count_nonzero(~np.isfinite(by_harmonics)))
+    return by_means, by_harmonics, harmonics, by_colors

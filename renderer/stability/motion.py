@@ -1,53 +1,49 @@
-"""What moves Gaussians in time: splines with nodes, bumps (Deform3DGS), planes (HexPlane)."""
+"""What moves Gaussians in time by splines: curves, the nodes that neighbours share, and their training."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.deformation.fdm import CENTRE, CHANNELS, WEIGHT, WIDTH, FlexibleMotion, add_bumps
-from renderer.deformation.hexplane import LANES, Layout, lines_at, sample, time_taps, within_box
-from renderer.deformation.nodes import attach
+from renderer.deformation.nodes import attach, node_grid
 from renderer.deformation.spline import spline_taps
-from renderer.stability.row import Row
-from renderer.stability.scenes import CAMERA
+from renderer.deformation.spline_motion import SplineMotion
+from renderer.raw_gaussians import RawGaussians
+from renderer.stability import exact_adam
+from renderer.stability.row import Row, worst
+from renderer.stability.scenes import CAMERA, noisy_gradients, ordinary, raw_of
+from renderer.train.rates import Rate
+from renderer.train.spline_trainer import CURVES, SplineRates, SplineTrainer
 
 FloatArray = NDArray[np.float64]
 TIMES = (0.0, 1e-9, 0.1, 0.5, 1 - 1e-9, 1.0, -3.0, 3.0)
 """The last two lie outside a clip and are those of its ends."""
+SPLINE = "cubic spline in time"
+CONTROLS = 17
+RATE, SMOOTHING = 1e-3, 0.01
 
 
-def rows() -> Iterator[Row]:
-    """See the file."""
-    yield from _splines()
-    yield from _nodes()
-    yield from _bumps()
-    yield from _planes()
-
-
-def _splines() -> Iterator[Row]:
-    """Weights against the recursion of Cox and de Boor."""
+def splines() -> Iterator[Row]:
+    """Weights against the recursion of Cox and de Boor; whole motions and their training in float64."""
     for controls in (4, 17, 1000):
-        worst = 0.0
+        errors = []
         for time in TIMES:
-            first, weights = spline_taps(time, controls)
+            _, weights = spline_taps(time, controls)
             wanted = _de_boor(min(max(time, 0.0), 1.0), controls)
-            got = np.zeros(controls)
-            got[first : first + 4] = weights
-            worst = max(worst, float(np.abs(got - wanted).max()), abs(float(weights.sum()) - 1))
-        yield Row(
-            "cubic spline in time", f"{controls} control values, at and beyond both ends", worst, 2e-7, "of 1"
-        )
+            errors += [np.abs(_weights(time, controls) - wanted).max(), abs(float(weights.sum()) - 1)]
+        case = f"{controls} control values, at and beyond both ends"
+        yield Row(SPLINE, case, worst(errors), 2e-7, "of 1")
     jumps = []
     for knot in range(1, 14):
-        before, after = (_weights(knot / 14 + side, 17) for side in (-1e-7, 1e-7))
+        before, after = (_weights(knot / 14 + side, CONTROLS) for side in (-1e-7, 1e-7))
         jumps.append(float(np.abs(before - after).max()))
-    yield Row("cubic spline in time", "step across a knot of 2e-7 of the clip", max(jumps), 5e-6, "of 1")
-    yield Row("cubic spline in time", "3 control values are not refused", float(not _refused()), 0, "cases",
-              "ValueError: at least four")  # fmt: skip
+    yield Row(SPLINE, "step across a knot of 2e-7 of the clip", worst(jumps), 5e-6, "of 1")
+    yield Row(SPLINE, "3 control values are not refused", float(not _refused()), 0, "cases",
+              "ValueError: at least 4")  # fmt: skip
+    yield from _moved()
+    yield from _trained()
 
 
 def _weights(time: float, controls: int) -> FloatArray:
@@ -60,8 +56,8 @@ def _weights(time: float, controls: int) -> FloatArray:
 def _refused() -> bool:
     try:
         spline_taps(0.5, 3)
-    except ValueError:
-        return True
+    except ValueError as refusal:
+        return "at least 4 control values" in str(refusal)
     return False
 
 
@@ -82,86 +78,125 @@ def _de_boor(time: float, controls: int) -> FloatArray:
     return basis
 
 
-def _nodes() -> Iterator[Row]:
-    """Gaussians in the view, beside it, behind the camera and in its centre hold on to some node."""
-    means = np.array(
-        [[0, 0, 10], [1e9, 0, 10], [0, 0, -10], [0, 0, 0], [np.nan, 0, 10], [-1e-9, 0, 1e-9]], np.float32
-    )
-    indices, weights = attach(means, CAMERA, (20, 16))
+def _motion(raw: RawGaussians) -> SplineMotion:
+    """Of random curves, on nodes over the view."""
+    rng, grid = np.random.default_rng(4), node_grid(CAMERA, 6)
+    indices, weights = attach(raw.means, CAMERA, grid)
+    count = len(raw)
+    lengths = {"node_controls": grid[0] * grid[1]}
+    channels = {"opacity_controls": 1}
+    curves = {
+        name: rng.normal(size=(lengths.get(name, count), CONTROLS, channels.get(name, 3))).astype(np.float32)
+        for name in CURVES
+    }
+    return SplineMotion(**curves, node_indices=indices, node_weights=weights)
+
+
+def _moved() -> Iterator[Row]:
+    """Positions, colours and logits at all times."""
+    raw = raw_of(ordinary(50))
+    motion = _motion(raw)
+    shared = _dense(motion)
+    errors: dict[str, list[float]] = {"positions": [], "colours": [], "opacity logits": []}
+    for time in TIMES:
+        basis, got = _de_boor(min(max(time, 0.0), 1.0), CONTROLS), motion.moved(raw, time)
+        now = {name: np.einsum("k,nkc->nc", basis, getattr(motion, name).astype(float)) for name in CURVES}
+        means = raw.means + now["position_controls"] + shared @ now["node_controls"]
+        logits = raw.opacity_logits + now["opacity_controls"][:, 0]
+        pairs = (
+            (got.means, means),
+            (got.colors, raw.colors + now["color_controls"]),
+            (got.opacity_logits, logits),
+        )
+        for apart, (one, exact) in zip(errors.values(), pairs, strict=True):
+            apart.append(float(np.abs(one - exact).max() / np.abs(exact).max()))
+    for name, apart in errors.items():
+        yield Row(SPLINE, f"{name} of Gaussians that move", worst(apart), 1e-6, "of the largest")
+
+
+def _dense(motion: SplineMotion) -> FloatArray:
+    """(N, M) what each Gaussian has of each node."""
+    whole = np.zeros((len(motion.node_indices), len(motion.node_controls)))
+    np.add.at(whole, (np.arange(len(whole))[:, None], motion.node_indices), motion.node_weights)
+    return whole
+
+
+def _trained() -> Iterator[Row]:
+    """20 steps of noisy gradients at random times, against Adam and smoothing in float64."""
+    raw, rng = raw_of(ordinary(50)), np.random.default_rng(8)
+    trainer = SplineTrainer(_motion(raw), _rates())
+    exact = {name: _Curves(getattr(trainer.motion, name)) for name in CURVES}
+    shared = _dense(trainer.motion)
+    for iteration, time in enumerate(rng.uniform(0, 1, 20)):
+        by, seen = noisy_gradients(raw, rng), rng.uniform(size=len(raw)) < 0.8
+        by.means[~seen] = 0
+        basis = _de_boor(time, CONTROLS)
+        trainer.update(time, by, seen, iteration)
+        by_nodes = shared.T @ by.means
+        touched: NDArray[np.bool_] = np.any(by_nodes, axis=1)
+        exact["position_controls"].step(by.means, basis, seen)
+        exact["color_controls"].step(by.colors, basis, seen)
+        exact["opacity_controls"].step(by.opacity_logits[:, None], basis, seen)
+        exact["node_controls"].step(by_nodes, basis, touched)
+    for name, curves in exact.items():
+        error = float(np.abs(getattr(trainer.motion, name) - curves.values).max()) / RATE
+        yield Row(SPLINE, f"20 training steps: {name}", error, 0.05, "steps")
+        moments = trainer.state()[f"first.{name}"]
+        error = float(np.abs(moments - curves.first).max() / np.abs(curves.first).max())
+        yield Row(SPLINE, f"20 training steps: mean gradient of {name}", error, 1e-5, "of the largest")
+
+
+def _rates() -> SplineRates:
+    same, smoothing = Rate.constant(RATE), Rate.constant(SMOOTHING)
+    return SplineRates(position=same, color=same, opacity=same, smoothing=smoothing)
+
+
+class _Curves:
+    """Adam on the four control values that count at a time, each of which counts its own steps."""
+
+    def __init__(self, controls: NDArray[np.float32]) -> None:
+        self.values = controls.astype(np.float64)
+        self.first, self._second = np.zeros_like(self.values), np.zeros_like(self.values)
+        self._steps = np.zeros(controls.shape[1], np.int64)
+
+    def step(self, gradients: NDArray[np.floating], basis: FloatArray, seen: NDArray[np.bool_]) -> None:
+        """One."""
+        start = min(int(np.flatnonzero(basis)[0]), len(basis) - 4)
+        for k in range(start, start + 4):
+            self._steps[k] += 1
+            by = basis[k] * gradients[seen]
+            moments = self.first[seen, k], self._second[seen, k]
+            now = exact_adam.moved(self.values[seen, k], by, moments, RATE, int(self._steps[k]))
+            self.values[seen, k], self.first[seen, k], self._second[seen, k] = now
+        for k in range(max(start, 1), min(start + 3, len(basis) - 2) + 1):
+            middle = (self.values[seen, k - 1] + self.values[seen, k + 1]) / 2
+            self.values[seen, k] += SMOOTHING * (middle - self.values[seen, k])
+
+
+def nodes() -> Iterator[Row]:
+    """Gaussians in the view, beside it, behind the camera and in its centre hold on to some node; those
+    around them lie about where they are seen, or at the edge next to that."""
+    odd = [[0, 0, 10], [1e9, 0, 10], [0, 1e9, 10], [0, 0, -10], [0, 0, 0], [np.nan, 0, 10], [-1e-9, 0, 1e-9]]
+    means = np.concatenate([np.array(odd, np.float32), ordinary(50).means])
+    columns, rows = 20, 16
+    indices, weights = attach(means, CAMERA, (columns, rows))
     apart = float(np.abs(weights.sum(axis=1) - 1).max())
-    outside = np.count_nonzero((indices < 0) | (indices >= 320))
+    outside = np.count_nonzero((indices < 0) | (indices >= columns * rows))
     yield Row("motion nodes", "weights of Gaussians anywhere sum to 1", apart, 1e-6, "of 1")
     yield Row("motion nodes", "nodes that do not exist", float(outside), 0, "nodes")
+    where = np.stack([indices % columns, indices // columns], axis=2)
+    middle = (where * weights[:, :, None].astype(np.float64)).sum(axis=1)
+    off = float(np.abs(middle - _seen_at(means.astype(np.float64), columns, rows)).max())
+    yield Row("motion nodes", "their mean place, off the Gaussian's", off, 1e-4, "cells")
 
 
-def _bumps() -> Iterator[Row]:
-    """The sum of bumps against its formula, in units of the sum of the absolute weights."""
-    cases = {
-        "width -> 0": (0.0, 1.0),
-        "width of 1e-20": (1e-20, 1.0),
-        "width of 1e4": (1e4, 1.0),
-        "negative width": (-0.1, 1.0),
-        "weight of 1e6": (0.06, 1e6),
-        "width 0, weight 1e6": (0.0, 1e6),
-    }
-    for name, (width, weight) in cases.items():
-        bumps = np.zeros((17, 3, 3, CHANNELS), np.float32)
-        bumps[:, :, CENTRE] = np.linspace(0, 1, 17)[:, None, None]
-        bumps[:, :, WIDTH] = width
-        bumps[:, :, WEIGHT] = weight * np.random.default_rng(0).normal(size=(17, 3, CHANNELS))
-        motion, worst = FlexibleMotion(bumps), 0.0
-        exact = bumps.astype(np.float64)
-        size = np.abs(exact[:, :, WEIGHT]).sum(axis=0)
-        for time in (*TIMES[:6], float(bumps[3, 0, CENTRE, 0])):
-            got = np.zeros((3, CHANNELS), np.float32)
-            add_bumps(motion.bumps, motion.spans, time, got)
-            u = (time - exact[:, :, CENTRE]) ** 2 / (exact[:, :, WIDTH] ** 2 + 1e-4)
-            wanted = (exact[:, :, WEIGHT] * np.exp(-(u**2))).sum(axis=0)
-            worst = max(worst, float((np.abs(got - wanted) / size).max()))
-        yield Row("bumps in time (FDM)", name, worst, 1e-6, "of the weights",
-                  "1e-4 is added to the squared width, as published" if width == 0 else "")  # fmt: skip
-
-
-def _planes() -> Iterator[Row]:
-    """Features of points on and beyond the box, against the same sums in float64."""
-    layout = Layout.of(np.array([[9, 7, 2], [64, 48, 16]], np.int32))
-    rng = np.random.default_rng(2)
-    planes = rng.normal(size=(1, layout.n_plane_cells, LANES))
-    times = rng.normal(size=(25, 1, layout.n_line_cells, LANES))
-    means = rng.uniform(-5, 5, (200, 3)).astype(np.float32)
-    boxes = {
-        "within the box": np.array([[-5, -5, -5], [5, 5, 5]], np.float32),
-        "on the edges of the box": np.array([means.min(axis=0), means.max(axis=0)], np.float32),
-        "far beyond the box": np.array([[-1e-3] * 3, [1e-3] * 3], np.float32),
-        "a box without depth": np.array([[-5, -5, 0], [5, 5, 0]], np.float32),
-        "a box of one point": np.zeros((2, 3), np.float32),
-        "a box of 1e30": np.array([[-1e30] * 3, [1e30] * 3], np.float32),
-    }
-    for name, box in boxes.items():
-        points, worst = within_box(means, box), 0.0
-        for time in TIMES:
-            got = _features(layout, planes.astype(np.float32), times.astype(np.float32), points, time)
-            wanted = _features(layout, planes, times, points.astype(np.float64), time)
-            worst = max(worst, float(np.abs(got - wanted).max()) / max(1.0, float(np.abs(wanted).max())))
-        yield Row("planes in space and time", name, worst, 1e-5, "of the largest")
-    rows = [time_taps(time, 25)[0] for time in TIMES]
-    yield Row("planes in space and time", "rows of time that do not exist",
-              float(sum(row < 0 or row > 23 for row in rows)), 0, "rows")  # fmt: skip
-
-
-def _features(
-    layout: Layout, planes: NDArray[Any], times: NDArray[Any], points: NDArray[Any], time: float
-) -> NDArray[Any]:
-    """In the precision of what is given."""
-    lines: NDArray[Any] = _exact_lines(times, time)
-    if times.dtype == np.float32:
-        lines = lines_at(times, time)
-    features = np.empty((len(points), len(layout.resolutions) * LANES), planes.dtype)
-    sample(planes, lines, layout.resolutions, layout.planes, layout.lines, points, features)
-    return features
-
-
-def _exact_lines(times: FloatArray, time: float) -> FloatArray:
-    place = min(max(time, 0.0), 1.0) * (len(times) - 1)
-    row = min(int(place), len(times) - 2)
-    return np.asarray((1 - (place - row)) * times[row] + (place - row) * times[row + 1])
+def _seen_at(means: FloatArray, columns: int, rows: int) -> FloatArray:
+    """(N, 2) in cells, held to the view; a place that is no number is that of the first pixel."""
+    cells = np.zeros((len(means), 2))
+    for row, mean in enumerate(means):
+        x, y, z, _ = CAMERA.camera_from_world @ np.append(mean, 1.0)
+        with np.errstate(all="ignore"):
+            u, v = CAMERA.fx * np.divide(x, z) + CAMERA.cx, CAMERA.fy * np.divide(y, z) + CAMERA.cy
+        for axis, (at, size, count) in enumerate(((u, CAMERA.width, columns), (v, CAMERA.height, rows))):
+            cells[row, axis] = min(max(at / size, 0.0), 1.0) * (count - 1) if np.isfinite(at) else 0.0
+    return cells

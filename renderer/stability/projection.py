@@ -7,14 +7,13 @@ from decimal import Decimal, localcontext
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.projection import (
     CENTER_X,
     CENTER_Y,
     DEPTH,
-    LOG2_E,
-    LOW_PASS,
     RECORD_SIZE,
     A,
     B,
@@ -23,8 +22,8 @@ from renderer.projection import (
     project,
 )
 from renderer.splats import Splats
-from renderer.stability.row import Row
-from renderer.stability.scenes import CAMERA, NEAR, SCENES
+from renderer.stability.row import Row, worst
+from renderer.stability.scenes import NEAR, SCENES, camera_of
 
 DIGITS: Final = 50
 GUARD: Final = 0.15
@@ -33,28 +32,43 @@ Exact = Decimal
 
 
 def rows() -> Iterator[Row]:
-    """Centre and depth, and the inverse of the covariance, of every splat of every scene."""
+    """Centre and depth, and the inverse of the covariance, of the splats of every scene."""
     for name, make in SCENES.items():
         splats = make()
-        records, visible = _projected(splats)
-        centers, conics = [0.0], [0.0]
-        for row in np.flatnonzero(visible)[:20]:
-            u, v, z, conic = exact(splats, int(row), CAMERA)
+        camera = camera_of(name)
+        records, visible = _projected(splats, camera)
+        drawn = _drawn(splats, camera)
+        # A splat that is drawn and should not be, or is not and should, is infinitely far off.
+        centers, conics = [0.0 if np.array_equal(visible, drawn) else np.inf], []
+        for row in np.flatnonzero(drawn)[:20]:
+            u, v, z, conic = exact(splats, int(row), camera)
             got = records[row].astype(np.float64)
             centers.append(_apart(got[[CENTER_X, CENTER_Y]], (u, v), max(abs(float(u)), abs(float(v)), 1.0)))
             centers.append(_apart(got[[DEPTH]], (z,), float(z)))
             conics.append(_apart(got[[A, B, C]], conic, max(abs(float(one)) for one in conic)))
-        done = "" if visible.any() else "not drawn: z is not beyond the near plane, or alpha below the cut"
-        yield Row("projection (13): centre and depth", name, max(centers), 1e-6, "of itself", done)
-        yield Row("covariance (14, 15): its inverse", name, max(conics), 1e-6, "of its largest", done)
+        yield Row("projection (13): centre and depth", name, worst(centers), 1e-6, "of itself")
+        yield Row("covariance (14, 15): its inverse", name, worst(conics), 1e-6, "of its largest")
 
 
-def _projected(splats: Splats) -> tuple[np.ndarray, np.ndarray]:
+def _drawn(splats: Splats, camera: Camera) -> NDArray[np.bool_]:
+    """(N,) True: beyond the near plane and not fainter than the cut."""
+    depths = [
+        sum(
+            Decimal(float(p)) * Decimal(float(m))
+            for p, m in zip(camera.camera_from_world[2], mean, strict=True)
+        )
+        for mean in np.column_stack([splats.means, np.ones(len(splats))])
+    ]
+    beyond = np.array([depth > Decimal(NEAR) for depth in depths])
+    return beyond & (splats.opacities.astype(np.float64) >= 1 / 255)
+
+
+def _projected(splats: Splats, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
     count = len(splats)
     records, visible = np.zeros((count, RECORD_SIZE), np.float32), np.zeros(count, bool)
     project(
         splats.means, splats.quats, splats.scales, splats.opacities, splats.colors,
-        camera_vector(CAMERA, NEAR), False, records, visible,
+        camera_vector(camera, NEAR), False, records, visible,
     )  # fmt: skip
     return records, visible
 
@@ -75,11 +89,11 @@ def exact(splats: Splats, row: int, camera: Camera) -> tuple[Exact, Exact, Exact
             factor = [Decimal(focal) / z * (pose[line][k] - slope * pose[2][k]) for k in range(3)]
             axes.append([sum(factor[k] * turned[k][j] for k in range(3)) * scale[j] for j in range(3)])
         first, second = axes
-        low_pass = Decimal(LOW_PASS)
+        low_pass = Decimal("0.3")
         xx = sum((one * one for one in first), low_pass)
         yy = sum((one * one for one in second), low_pass)
         xy = sum((a * b for a, b in zip(first, second, strict=True)), Decimal(0))
-        half = Decimal(LOG2_E) / 2 / (xx * yy - xy * xy)
+        half = 1 / Decimal(2).ln() / 2 / (xx * yy - xy * xy)
         u = Decimal(camera.fx) * x / z + Decimal(camera.cx)
         v = Decimal(camera.fy) * y / z + Decimal(camera.cy)
         return u, v, z, (-half * yy, 2 * half * xy, -half * xx)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+import numpy as np
 
 
 @dataclass(frozen=True)
@@ -22,3 +25,8 @@ class Row:
     def passed(self) -> bool:
         """False also for NaN."""
         return self.measured <= self.bar
+
+
+def worst(errors: Iterable[float]) -> float:
+    """The largest, 0 of none; NaN where any is, which `max` passes over."""
+    return float(np.max(np.fromiter(errors, np.float64), initial=0.0))

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from renderer.camera import Camera
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Splats
 
 CAMERA: Final = Camera(40.0, 42.0, 19.3, 15.6, 40, 32)
-NEAR: Final = 0.01
+TURNED: Final = CAMERA.moved(
+    np.array([[0.6, 0.0, 0.8, 1.5], [0.48, 0.8, -0.36, -2.0], [-0.64, 0.6, 0.48, 3.0], [0, 0, 0, 1]])
+)
+"""Elsewhere: by rotation and translation."""
+ELSEWHERE: Final = "ordinary, before a camera elsewhere"
+NEAR: Final = 2.0**-7
+"""A float32, so that a splat can lie on it."""
 DIAGONAL: Final = (0.92388, 0.0, 0.0, 0.38268)
 """A turn of 45 degrees in the plane of the picture."""
 TOWARDS: Final = (0.70711, 0.0, 0.70711, 0.0)
@@ -58,11 +66,18 @@ def ordinary(count: int = 200, seed: int = 0) -> Splats:
     )
 
 
-def stacked(count: int, opacity: float) -> Splats:
+def elsewhere(splats: Splats) -> Splats:
+    """What TURNED sees about where CAMERA saw it."""
+    pose = TURNED.world_from_camera
+    means = splats.means @ pose[:3, :3].T + pose[:3, 3]
+    return replace(splats, means=means.astype(np.float32))
+
+
+def stacked(count: int, opacity: float, depths: tuple[float, float] = (5, 15)) -> Splats:
     """Behind each other on one ray, wider than the picture, in changing colours."""
     rng = np.random.default_rng(1)
     return Splats(
-        means=np.column_stack([np.zeros((count, 2)), np.linspace(5, 15, count)]).astype(np.float32),
+        means=np.column_stack([np.zeros((count, 2)), np.linspace(*depths, count)]).astype(np.float32),
         quats=np.tile(np.array([1, 0, 0, 0], np.float32), (count, 1)),
         scales=np.full((count, 3), 30.0, np.float32),
         opacities=np.full(count, opacity, np.float32),
@@ -105,9 +120,37 @@ SCENES: Final[dict[str, Callable[[], Splats]]] = {
     "far beside the view": lambda: joined(ordinary(20), splat((1e4, 0, 10.0), scale=(5, 5, 5))),
     "opacity 0": lambda: joined(ordinary(20), splat(opacity=0.0)),
     "opacity 1": lambda: joined(splat(opacity=1.0), ordinary(50)),
-    "opacity at the cut": lambda: joined(ordinary(20), splat(opacity=1.00001 / 255)),
+    "opacity at the cut": lambda: joined(
+        ordinary(20), splat(opacity=1.00001 / 255), splat(opacity=0.99999 / 255)
+    ),
     "300 faint ones on one ray": lambda: stacked(300, 0.02),
     "300 opaque ones on one ray": lambda: stacked(300, 1.0),
+    "300 faint ones within 1e-3 of a depth, the last in front": lambda: stacked(300, 0.02, (10.001, 10.0)),
     "colours of 1e3 and -1e3": lambda: joined(splat(color=(1e3, -1e3, 0)), ordinary(50)),
+    ELSEWHERE: lambda: elsewhere(ordinary()),
 }
 """Made when they are asked for."""
+
+
+def camera_of(scene: str) -> Camera:
+    """What sees it."""
+    return TURNED if scene == ELSEWHERE else CAMERA
+
+
+def raw_of(splats: Splats) -> RawGaussians:
+    """The same, as training has them."""
+    return RawGaussians(
+        means=splats.means,
+        quats=splats.quats,
+        log_scales=np.log(splats.scales),
+        opacity_logits=np.log(splats.opacities / (1 - splats.opacities)),
+        colors=splats.colors,
+        harmonics=splats.harmonics,
+    )
+
+
+def noisy_gradients(raw: RawGaussians, rng: np.random.Generator) -> RawGaussians:
+    """Of about 1, by every raw value."""
+    return RawGaussians(**{
+        name: (1 + rng.normal(size=value.shape)).astype(np.float32) for name, value in raw.arrays().items()
+    })  # fmt: skip

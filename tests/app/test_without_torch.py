@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 import enhance.stability
+import renderer.stability
 from app.report.bench import Bench, Clock
 from app.report.measures import drawing, stability
-from renderer.stability import harmonics, learning, motion, runs
+from renderer.stability import BY_TORCH
 from renderer.torch_presence import NO_TORCH
 from tests.app.conftest import CONFIG, ROOT
 
@@ -129,8 +130,9 @@ def hidden(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_report_keeps_the_stability_rows_that_need_no_oracle(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for part in (harmonics, motion, learning, runs, enhance.stability):
-        monkeypatch.setattr(part, "stability" if part is enhance.stability else "rows", lambda *_: ())
+    slow = {name: lambda *_: () for name in renderer.stability.PARTS if name not in ("overlap", *BY_TORCH)}
+    monkeypatch.setattr(renderer.stability, "PARTS", renderer.stability.PARTS | slow)
+    monkeypatch.setattr(enhance.stability, "PARTS", {})
     section = stability.measure(bench, Clock.of(600))
     assert any(NO_TORCH in line for line in section.not_measured)
     hazards = {row[0] for table in section.tables for row in table.rows}
