@@ -16,6 +16,7 @@ from tests.benchmarks.attack.damaged_files import read_damaged
 from tests.benchmarks.attack.failure import Attack, Failure
 from tests.benchmarks.attack.seeds import make_seeds
 from tests.benchmarks.attack.sessions import attack_sessions
+from tests.benchmarks.attack.starts import attack_starts
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class Part:
 PARTS = {
     "files": Part(read_damaged, 8, 250, "damaged files"),
     "sessions": Part(attack_sessions, 40, 500, "damaged sessions in a window"),
+    "starts": Part(attack_starts, 16, 160, "starts with damaged settings"),
 }
 
 
