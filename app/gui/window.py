@@ -28,7 +28,7 @@ from app.gui.drawing.chosen_viewport import ChosenViewport
 from app.gui.drawing.second_viewport import SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
-from app.gui.frame import dockings, starting
+from app.gui.frame import dockings, kept_layout, starting
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
@@ -141,6 +141,7 @@ class Window:
         """Return when the window is closed. Raises UserError when it cannot be opened."""
         try:
             immapp.run(self.runner_params(), self.add_ons())
+            kept_layout.seal(self._layout_file)
         except (RuntimeError, moderngl.Error) as error:
             if self._viewport is not None:
                 raise
@@ -162,8 +163,8 @@ class Window:
         params.fps_idling.fps_idle = IDLE_FPS
         params.fps_idling.time_active_after_last_event = 1.0
         params.ini_folder_type = hello_imgui.IniFolderType.absolute_path
-        params.ini_filename = str(self.state.places.config / "window.ini")
-        params.ini_disable = not starting.can_hold_files(self.state.places.config)
+        params.ini_filename = str(self._layout_file)
+        params.ini_disable = not self._has_sound_layout()
         gl = params.renderer_backend_options.open_gl_options
         gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
         gl.use_core_profile = gl.use_forward_compat = True
@@ -171,6 +172,23 @@ class Window:
         params.docking_params = self._layout()
         self._connect(params)
         return params
+
+    @property
+    def _layout_file(self) -> Path:
+        return self.state.places.config / kept_layout.NAME
+
+    def _has_sound_layout(self) -> bool:
+        """Whether the runner may read the layout on disk, and write it."""
+        if not starting.can_hold_files(self.state.places.config):
+            return False
+        try:
+            damage = kept_layout.put_aside_damaged(self._layout_file)
+        except OSError as error:
+            actions.say(self.state, f"the layout of the window cannot be kept: {error}")
+            return False
+        if damage:
+            actions.say(self.state, damage)
+        return True
 
     @staticmethod
     def add_ons() -> immapp.AddOnsParams:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from app.atomic import write_bytes
 from app.clip_part import WHOLE, ClipPart
+from app.mended import mended
 from app.provenance import strict_json
-from renderer.json_files import read_text
+from renderer.json_files import read_json
 
 MOST_CLIPS = 200
 FILE = "clips.json"
@@ -18,11 +19,14 @@ CLIPS = TypeAdapter(dict[str, ClipPart])
 
 
 def load_clips(folder: Path) -> dict[str, ClipPart]:
-    """By path. A missing or damaged file gives none: nothing in it is precious."""
+    """By path, those that can be read: nothing in it is precious."""
     try:
-        return CLIPS.validate_json(read_text(folder / FILE))
-    except (OSError, ValidationError):
+        told = read_json(folder / FILE)
+    except (OSError, ValueError):
         return {}
+    if not isinstance(told, dict):
+        return {}
+    return mended(CLIPS, dict(list(told.items())[-MOST_CLIPS:]))[0] or {}
 
 
 def save_clips(folder: Path, clips: Mapping[str, ClipPart]) -> None:

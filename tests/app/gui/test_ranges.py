@@ -17,6 +17,7 @@ from app.errors import UserError
 from app.gui.actions import actions, path_actions, preset_actions, session_actions
 from app.gui.actions.session_actions import snapshot
 from app.gui.state.app_state import AppState
+from app.gui.state.clip_settings import FILE, load_clips
 from app.gui.state.presets import MOST_PRESETS, load_presets
 from app.gui.state.settings import RECENT_LIMIT, Places, Settings, load_settings
 from app.gui.views.picture_view import PictureView
@@ -249,3 +250,11 @@ def test_a_restored_session_is_kept_in_passing_as_it_was(state: AppState, clip: 
     session_actions.restore(state, kept)
     again = snapshot(state, places.config)
     assert (again.zoom, again.center, again.notes, again.view_time) == (MIN_ZOOM, (1.0, 0.0), "x", 1.0)
+
+
+def test_of_known_clips_the_readable_ones_are_there(tmp_path: Path) -> None:
+    told = {"a": {"trim": [0, 3]}, "b": {"trim": [-1, 3]}, "c": {"mask": {"view": [0, 0, 1e300]}}, "d": 3}
+    (tmp_path / FILE).write_text(json.dumps(told))
+    assert load_clips(tmp_path) == {"a": ClipPart(trim=(0, 3))}
+    (tmp_path / FILE).write_text("[]")
+    assert load_clips(tmp_path) == {}

@@ -8,11 +8,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from imgui_bundle import immapp
+from imgui_bundle import hello_imgui, immapp
 
 from app.commands import demo
 from app.errors import UserError
 from app.gui.actions import actions
+from app.gui.frame import dockings, kept_layout
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
@@ -67,6 +68,51 @@ def test_the_layout_is_kept_only_where_it_can_be(places: Places, tmp_path: Path)
     (tmp_path / "file").write_text("in the way")
     nowhere = Places(tmp_path / "file", places.runs, places.pictures)
     assert Window(AppState(nowhere)).runner_params().ini_disable
+
+
+def test_only_a_layout_that_a_window_has_left_is_read_again(places: Places) -> None:
+    layout = places.config / kept_layout.NAME
+    assert not Window(AppState(places)).runner_params().ini_disable  # There is none yet.
+    layout.write_text("[Docking][Data]")
+    kept_layout.seal(layout)
+    assert not Window(AppState(places)).runner_params().ini_disable
+    assert layout.exists()
+    for content in (b"[Docking][Data] ", b"", b"\0" * 2_000_000):
+        layout.write_bytes(content)
+        state = AppState(places)
+        assert not Window(state).runner_params().ini_disable
+        assert not layout.exists()
+        assert layout.with_name("window.ini.damaged").read_bytes() == content
+        assert "as at first" in state.log[-1]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="a system without such pipes")
+def test_a_layout_that_is_a_pipe_hangs_no_window(places: Places) -> None:
+    places.config.mkdir(parents=True)
+    for name in (kept_layout.NAME, f"{kept_layout.NAME}.sha256"):
+        os.mkfifo(places.config / name)
+    assert not Window(AppState(places)).runner_params().ini_disable
+    assert not (places.config / kept_layout.NAME).exists()
+
+
+@pytest.mark.display
+def test_the_layout_of_one_window_is_that_of_the_next(places: Places) -> None:
+    for shown in (False, True):
+        window = Window(AppState(places, Settings(acknowledged=True)))
+        params = window.runner_params()
+        seen: list[bool] = []
+
+        def after_frame(params: hello_imgui.RunnerParams = params, seen: list[bool] = seen) -> None:
+            seen.append(dockings.is_shown("Notes"))
+            if len(seen) == 3:
+                dockings.toggle("Notes")
+            params.app_shall_exit = len(seen) > 6
+
+        params.callbacks.before_swap = after_frame
+        window.runner_params = lambda params=params: params  # type: ignore[method-assign,misc]
+        window.run()
+        assert (seen[1], seen[-1]) == (shown, not shown)
+    assert list(window.state.log) == []
 
 
 def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from tests.benchmarks.attack.full_disk import attack_full_disks
 from tests.benchmarks.attack.kills import attack_kills, attack_signals
 from tests.benchmarks.attack.seeds import make_seeds
 from tests.benchmarks.attack.sessions import attack_sessions
+from tests.benchmarks.attack.starts import attack_starts
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,7 @@ PARTS = {
     "kills": Part(attack_kills, 1, 100, "commands killed at random moments"),
     "signals": Part(attack_signals, 1, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
     "disks": Part(attack_full_disks, 2, 88, "commands on disks that fill up"),
+    "starts": Part(attack_starts, 2, 160, "starts with damaged settings"),
 }
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import queue
-import shutil
 import subprocess
 import sys
 import threading
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.benchmarks.attack.failure import Failure
+from tests.benchmarks.attack.screen import screen
 
 WHAT = "session"
 SILENT = 60.0
@@ -34,7 +34,7 @@ def _found(seeds: Path, count: int, taken: list[bool]) -> Iterator[Failure]:
         begun, done = first - 1, False
         command = (sys.executable, "-m", "tests.benchmarks.attack.session_window")
         process = subprocess.Popen(
-            [*_screen(), *command, str(seeds), str(first), str(count)],
+            [*screen(), *command, str(seeds), str(first), str(count)],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -88,9 +88,3 @@ def _end(code: int, errors: list[str]) -> str:
     places = [line for line in words if line.startswith("File ")]
     told = fatal[-1:] + places[:1] or words[-1:]
     return f"ended with {code}: {'; '.join(told)[:300]}"
-
-
-def _screen() -> list[str]:
-    if os.environ.get("DISPLAY") or shutil.which("xvfb-run") is None:
-        return []
-    return ["xvfb-run", "-a", "-s", "-screen 0 1280x800x24"]

@@ -1,0 +1,48 @@
+"""The layout of the window on disk: what the runner reads there can end the process, or hang it.
+
+So it gets only what a window has left when it closed, sealed by a digest in a file beside it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+from app.atomic import write_bytes
+from app.errors import UserError
+from renderer.regular_files import read_regular
+
+NAME: Final = "window.ini"
+MOST_BYTES: Final = 1 << 20
+
+
+def seal(layout: Path) -> None:
+    """The window has closed and left its layout; without a seal the next one begins as at first."""
+    with suppress(OSError, UserError):
+        write_bytes(_seal_of(layout), _digest(layout))
+
+
+def put_aside_damaged(layout: Path) -> str:
+    """A sentence about a layout that no window has left so, which is moved out of the way; empty where it is
+    sound, or there is none. Raises OSError: it cannot be moved.
+    """
+    try:
+        if read_regular(_seal_of(layout), MOST_BYTES) == _digest(layout):
+            return ""
+    except OSError:
+        if not os.path.lexists(layout):
+            return ""
+    aside = layout.with_name(f"{layout.name}.damaged")
+    os.replace(layout, aside)
+    return f"the layout of the window cannot be read and is as at first; the file is kept as {aside.name}"
+
+
+def _seal_of(layout: Path) -> Path:
+    return layout.with_name(f"{layout.name}.sha256")
+
+
+def _digest(layout: Path) -> bytes:
+    return hashlib.sha256(read_regular(layout, MOST_BYTES)).hexdigest().encode()
