@@ -6,6 +6,8 @@ import _thread
 import signal
 import sys
 import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
@@ -14,6 +16,27 @@ INTERRUPTED = 128
 """Added to a signal's number, it is the exit code."""
 ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 UNTOUCHED = (signal.SIG_DFL, signal.default_int_handler)
+
+
+@contextmanager
+def noted() -> Iterator[Callable[[], bool]]:
+    """Whether a signal has come: within it none interrupts, where a library in C would be left half-way.
+
+    What the signal would have done is done at the end.
+    """
+    came: list[int] = []
+    before: dict[int, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in ENDING:
+            if callable(signal.getsignal(number)):
+                before[number] = signal.signal(number, lambda number, frame: came.append(number))
+    try:
+        yield lambda: bool(came)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if came:
+            before[came[0]](came[0], None)
 
 
 class Interrupted(KeyboardInterrupt):

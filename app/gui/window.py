@@ -11,6 +11,7 @@ import glfw
 import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
+from app.ending import noted
 from app.errors import UserError
 from app.gui.actions import (
     actions,
@@ -117,6 +118,8 @@ class Window:
         self._textures: Textures | None = None
         self._viewport: Viewport | None = None
         self._second_viewport: Viewport | None = None
+        self._has_signal: Callable[[], bool] = lambda: False
+        """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
         self._began = time.monotonic()
 
     def _reach(self) -> Outside:
@@ -140,7 +143,8 @@ class Window:
     def run(self) -> None:
         """Return when the window is closed. Raises UserError when it cannot be opened."""
         try:
-            immapp.run(self.runner_params(), self.add_ons())
+            with noted() as self._has_signal:
+                immapp.run(self.runner_params(), self.add_ons())
             kept_layout.seal(self._layout_file)
         except (RuntimeError, moderngl.Error) as error:
             if self._viewport is not None:
@@ -345,6 +349,8 @@ class Window:
         draw_palette(self.state, self._commands)
         self._keyboard.handle(self.state, self._commands)
         ask_before_quitting(self.state)
+        if self._has_signal():
+            dockings.quit_app()
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
 
@@ -356,7 +362,8 @@ class Window:
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""
         self._end_work()
-        session_actions.end(self.state)
+        if not self._has_signal():
+            session_actions.end(self.state)
         queue_actions.keep_now(self.state)
         for item in (self._viewport, self._second_viewport, self._textures):
             if item is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.ending import EndingSignals
+from app.ending import EndingSignals, noted
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -51,6 +52,23 @@ def test_a_command_ends_in_one_line_and_leaves_nothing(tmp_path: Path, name: str
     assert (returned, error.splitlines()[-1]) == (code, "vesselsplat: interrupted")
     assert "Traceback" not in error
     assert sorted(path.name for path in tmp_path.iterdir()) == ["given"]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signals")
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_signal_that_is_noted_interrupts_at_the_end_alone(number: signal.Signals, code: int) -> None:
+    """A window ends its frame first: Dear ImGui would be left half-way."""
+    done = []
+    signals = EndingSignals()
+    with signals, pytest.raises(KeyboardInterrupt), noted() as has_come:
+        assert not has_come()
+        os.kill(os.getpid(), number)
+        for _ in range(3):
+            time.sleep(0.01)
+        assert has_come()
+        done.append("frame")
+    assert done == ["frame"]
+    assert signals.code == code
 
 
 def test_an_interrupt_that_python_cannot_raise_comes_again() -> None:
