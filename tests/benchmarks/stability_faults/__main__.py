@@ -70,6 +70,8 @@ def _tried(faults: Sequence[Fault], failing: frozenset[Key], jobs: int) -> Itera
     if jobs == 1:
         yield from (tried(fault, failing) for fault in faults)
         return
+    # Nothing depends on the number of threads, and compiling takes one.
+    os.environ.update({f"{library}_NUM_THREADS": "1" for library in ("NUMBA", "OMP", "OPENBLAS", "MKL")})
     with ProcessPoolExecutor(jobs, get_context("spawn"), initializer=warm) as pool:
         waiting = [pool.submit(tried_by_name, fault.name, failing) for fault in faults]
         yield from (done.result() for done in as_completed(waiting))
@@ -79,7 +81,7 @@ def _tell(outcome: Outcome) -> None:
     """A line, and below it the rows that notice, hazard by hazard."""
     verdict = "noticed" if outcome.noticed else "MISSED "
     where = f"{len(outcome.failed):3d} of {outcome.looked:3d} rows"
-    print(f"{verdict} {where} {outcome.seconds:5.1f} s  {outcome.kind:8} {outcome.fault}")
+    print(f"{verdict} {where} {outcome.seconds:5.1f} s  {outcome.fault}")
     for hazard, count in Counter(hazard for hazard, _ in outcome.failed).items():
         cases = [case for each, case in outcome.failed if each == hazard]
         print(f"{'':12}{hazard}: {cases[0]}" + (f", and {count - 1} more" if count > 1 else ""))

@@ -182,6 +182,7 @@ def _filters() -> list[Fault]:
                 "types",
                 "constants",
                 "precision",
+                "bytes",
             ),
             replaced(f"{FILTER}:WindowModels.of", in_half),
             quick=True,

@@ -29,7 +29,6 @@ def _equations() -> list[Fault]:
     ) -> Fault:
         return edit_of("equations", kind, what, module, old, new, *parts, quick=quick)
 
-    most = ("ends", "sizes", "exponents", "hues")
     return [
         # Eq 1.
         edit(
@@ -38,7 +37,7 @@ def _equations() -> list[Fault]:
             "enhance.brightness",
             "+ 0.4 * (1 - z)",
             "- 0.4 * (1 - z)",
-            "precision",
+            "bytes",
             "constants",
             quick=True,
         ),
@@ -48,15 +47,23 @@ def _equations() -> list[Fault]:
             "enhance.brightness",
             "0.75 * z + 0.25",
             "0.25",
-            "precision",
+            "bytes",
             "constants",
         ),
-        edit("sign", "of Eq 1, floats", KERNELS, "root + np.float32(0.4)", "root - np.float32(0.4)", *most),
+        edit(
+            "sign",
+            "of Eq 1, floats",
+            KERNELS,
+            "root + np.float32(0.4)",
+            "root - np.float32(0.4)",
+            "ends",
+            "sizes",
+        ),
         Fault(
             "equations",
             "float16",
             "Eq 1, bytes",
-            parts_of("precision", "constants"),
+            parts_of("bytes", "constants"),
             replaced(f"{ENHANCER}:Enhancer._curve_of", in_half),
         ),
         edit(
@@ -66,7 +73,7 @@ def _equations() -> list[Fault]:
             "lift * 0.5",
             "lift * 0.49",
             "constants",
-            "precision",
+            "bytes",
         ),
         edit(
             "other",
@@ -84,7 +91,7 @@ def _equations() -> list[Fault]:
             KERNELS,
             "slope * chunk[VALUE, i] + offset",
             "slope * chunk[VALUE, i] - offset",
-            *most,
+            "bytes",
         ),
         edit(
             "dropped",
@@ -112,11 +119,11 @@ def _equations() -> list[Fault]:
             KERNELS,
             "exp2(np.sqrt(ratio) * chunk[LOG, i])",
             "exp2(ratio * chunk[LOG, i])",
-            *most,
+            "bytes",
         ),
-        edit("dropped", "a scale's share", KERNELS, "ONE / np.float32(len(exponents)), ", "HALF, ", *most),
+        edit("dropped", "a scale's share", KERNELS, "ONE / np.float32(len(exponents)), ", "HALF, ", "bytes"),
         edit(
-            "swapped", "rows of models", KERNELS, "below if first % 2 == 0 else ONE - below", "below", "ends"
+            "swapped", "rows of models", KERNELS, "below if first % 2 == 0 else ONE - below", "below", "bytes"
         ),
         # Eqs 11 and 12.
         edit("sign", "of Eq 12", "enhance.saturation", "(3 - 2 * mean)", "(3 + 2 * mean)", "saturation"),
@@ -131,14 +138,14 @@ def _equations() -> list[Fault]:
         edit(
             "dropped", "d-factor", "enhance.saturation", "b = d_factor * mean**2", "b = mean**2", "saturation"
         ),
-        edit("swapped", "largest and least", KERNELS, "pull * least * least", "pull * most * most", *most),
+        edit("swapped", "largest and least", KERNELS, "pull * least * least", "pull * most * most", "bytes"),
         edit(
             "sign",
             "of colours",
             KERNELS,
             "value - fall * (most - chunk[RED, i])",
             "value + fall * (most - chunk[RED, i])",
-            *most,
+            "hues",
         ),
         edit(
             "swapped",
@@ -146,7 +153,7 @@ def _equations() -> list[Fault]:
             KERNELS,
             "fall * (most - chunk[BLUE, i])",
             "fall * (most - chunk[GREEN, i])",
-            *most,
+            "bytes",
         ),
         edit(
             "other",
@@ -154,7 +161,7 @@ def _equations() -> list[Fault]:
             KERNELS,
             "chunk[BLUE, i] = value",
             "chunk[BLUE, i] = np.float32(0.98) * value",
-            "saturation",
+            "constants",
         ),
         # Powers.
         Fault(

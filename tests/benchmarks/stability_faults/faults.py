@@ -44,7 +44,7 @@ class Fault:
 
     @property
     def name(self) -> str:
-        return f"{self.kernel}: {self.what}"
+        return f"{self.kernel}, {self.kind}: {self.what}"
 
 
 def edited(module: str, old: str, new: str, *also: str) -> Change:

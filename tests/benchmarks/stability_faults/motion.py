@@ -215,6 +215,9 @@ def _planes() -> list[Fault]:
     def edit(kind: Any, what: str, module: str, old: str, new: str, quick: bool = False) -> Fault:
         return Fault("planes", kind, what, ("planes",), edited(module, old, new), quick)
 
+    def edit_slope(kind: Any, what: str, module: str, old: str, new: str) -> Fault:
+        return Fault("planes", kind, what, ("heads",), edited(module, old, new))
+
     return [
         edit(
             "sign",
@@ -255,17 +258,19 @@ def _planes() -> list[Fault]:
             "np.where(extent > 0, extent, ONE)",
             "np.maximum(extent, 1e-30)",
         ),
-        edit("sign", "of a slope by lines", PLANES, "by_time * xt * zt", "-by_time * xt * zt"),
-        edit("dropped", "a factor of a slope by planes", PLANES, "by_space * (xz * yz)", "by_space * xz"),
-        edit(
+        edit_slope("sign", "of a slope by lines", PLANES, "by_time * xt * zt", "-by_time * xt * zt"),
+        edit_slope(
+            "dropped", "a factor of a slope by planes", PLANES, "by_space * (xz * yz)", "by_space * xz"
+        ),
+        edit_slope(
             "swapped",
             "slopes by lines",
             PLANES,
             "_add_line(to_lines, at.x, at.x0, at.x1, by, 3)",
             "_add_line(to_lines, at.x, at.x0, at.x1, by, 4)",
         ),
-        Fault("planes", "float16", "slopes by planes", ("planes",), rounded(f"{PLANES}:sample_backward", 8)),
-        edit(
+        Fault("planes", "float16", "slopes by planes", ("heads",), rounded(f"{PLANES}:sample_backward", 8)),
+        edit_slope(
             "dropped",
             "a mark of what is touched",
             PLANES,
@@ -277,7 +282,7 @@ def _planes() -> list[Fault]:
 
 def _heads() -> list[Fault]:
     def edit(kind: Any, what: str, module: str, old: str, new: str, quick: bool = False) -> Fault:
-        return Fault("heads", kind, what, ("planes",), edited(module, old, new), quick)
+        return Fault("heads", kind, what, ("heads",), edited(module, old, new), quick)
 
     return [
         edit("dropped", "a bias", HEADS, "self.trunk_weight) + self.trunk_bias", "self.trunk_weight)"),
@@ -286,13 +291,13 @@ def _heads() -> list[Fault]:
             "heads",
             "swapped",
             "quaternions and scales",
-            ("planes",),
+            ("heads",),
             replaced(f"{HEADS}:PARTS", lambda whole: (whole[0], slice(7, 10), slice(3, 7))),
         ),
         edit(
             "swapped", "heads", PLANE_MOTION, "position, log_scale, quat = (", "log_scale, position, quat = ("
         ),
-        Fault("heads", "float16", "products", ("planes",), rounded(f"{PRODUCTS}:row_products")),
+        Fault("heads", "float16", "products", ("heads",), rounded(f"{PRODUCTS}:row_products")),
         edit(
             "sign",
             "of the offsets' gradient",
