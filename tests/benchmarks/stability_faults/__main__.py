@@ -52,13 +52,13 @@ def main() -> int:
     for outcome in _tried(faults, failing, jobs):
         outcomes.append(outcome)
         _tell(outcome)
-    unmoved = _unmoved(rows, failing, outcomes)
+    whole = len(faults) == len(possible(FAULTS))
+    unmoved = _unmoved(rows, failing, outcomes) if whole else None
     score = sum(outcome.noticed for outcome in outcomes) / len(outcomes)
     _sum_up(outcomes, rows, failing, unmoved)
     skipped = len([fault for fault in FAULTS if fault not in possible(FAULTS)])
     print(f"{skipped} faults need parts that are not here; {time.perf_counter() - began:.0f} s")
-    whole = len(faults) == len(possible(FAULTS))
-    return int(score < TARGET or (whole and bool(unmoved)))
+    return int(score < TARGET or bool(unmoved))
 
 
 def _is_wanted(fault: Fault, quick: bool, words: Sequence[str]) -> bool:
@@ -96,20 +96,23 @@ def _unmoved(rows: Iterable[Key], failing: frozenset[Key], outcomes: Sequence[Ou
 
 
 def _sum_up(
-    outcomes: Sequence[Outcome], rows: dict[Key, AnyRow], failing: frozenset[Key], unmoved: Sequence[Key]
+    outcomes: Sequence[Outcome],
+    rows: dict[Key, AnyRow],
+    failing: frozenset[Key],
+    unmoved: Sequence[Key] | None,
 ) -> None:
     noticed = [outcome for outcome in outcomes if outcome.noticed]
     for kind, count in Counter(outcome.kind for outcome in outcomes).items():
         print(f"{kind:10}{sum(outcome.kind == kind for outcome in noticed):4d} of {count}")
-    for hazard, case in unmoved:
+    for hazard, case in unmoved or ():
         print(f"no fault fails the row {hazard}: {case}")
+    if unmoved is not None:
+        print(f"{len(unmoved)} rows that no fault fails")
     for hazard, case in sorted(failing):
         print(f"fails without a fault: {hazard}: {case}")
     score = len(noticed) / len(outcomes)
     print(f"{len(noticed)} of {len(outcomes)} faults noticed: score {score:.3f}, target {TARGET}")
-    print(
-        f"{len(rows)} rows, {len(unmoved)} of them failed by no fault, {len(failing)} failing by themselves"
-    )
+    print(f"{len(rows)} rows, {len(failing)} of them failing by themselves")
 
 
 if __name__ == "__main__":

@@ -70,6 +70,21 @@ def _projection() -> list[Fault]:
             "if length == 0.0:\n        w = length = np.float64(1.0)",
             "if length < 0.0:\n        w = length = np.float64(1.0)",
         ),
+        # Two that change nothing, as what is not a number has no reach either: no row can notice them.
+        edit(
+            "guard",
+            "a determinant that is no number",
+            "determinant > 0.0 and determinant < np.inf",
+            "True",
+            BROKEN,
+        ),
+        edit(
+            "guard",
+            "an opacity that is no number",
+            "and opacity >= ALPHA_CUT):",
+            "and not opacity < ALPHA_CUT):",
+            BROKEN,
+        ),
         edit(
             "guard",
             "what has no extent",

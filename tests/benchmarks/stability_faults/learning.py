@@ -43,6 +43,14 @@ def _losses() -> list[Fault]:
             "max(3 * frame.n_colors, 1)",
             "max(frame.n_colors, 1)",
         ),
+        # Changes nothing, as the errors that it multiplies are 0: no row can notice it.
+        edit(
+            "guard",
+            "next to nothing in place of one pixel",
+            LOSSES,
+            "max(3 * frame.n_colors, 1)",
+            "max(3 * frame.n_colors, 1e-30)",
+        ),
         edit("guard", "an empty mask", LOSSES, "max(3 * frame.n_colors, 1)", "(3 * frame.n_colors)"),
         edit("sign", "of dissimilarity's slope", SIMILARITY, "gain = -scale * unit", "gain = scale * unit"),
         edit(
@@ -173,6 +181,10 @@ def _density() -> list[Fault]:
             "places of children",
             "cross(along, across)).astype(np.float32)",
             "cross(along, across)).astype(np.float16).astype(np.float32)",
+        ),
+        # Changes nothing, as a turn by 0 / 1 is none, too: no row can notice it.
+        edit(
+            "guard", "a quaternion of 0 is no turn", "np.where(lengths > 0, raw", "np.where(lengths >= 0, raw"
         ),
         edit(
             "guard",
