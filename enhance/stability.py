@@ -50,6 +50,10 @@ def stability(image: NDArray[np.uint8]) -> Iterator[Row]:
 def _precision(image: NDArray[np.uint8]) -> Iterator[Row]:
     hazard = "float32 against float64"
     yield Row(hazard, "float image, most", _error(image / 255, WHOLE), 0.001)
+
+
+def _bytes(image: NDArray[np.uint8]) -> Iterator[Row]:
+    hazard = "float32 against float64"
     result, exact = enhance(image, WHOLE).image, 255 * enhance_reference(image, WHOLE)[0]
     apart = np.abs(result - np.rint(exact))
     yield Row(hazard, "bytes, most", float(apart.max()), 1)
@@ -140,7 +144,7 @@ def _exponents(image: NDArray[np.uint8]) -> Iterator[Row]:
                 yield Row(hazard, f"{case}, jump of the picture", 255 * _most(first, second), 0.5)
 
 
-def _constants(_: NDArray[np.uint8]) -> Iterator[Row]:
+def _constants(image: NDArray[np.uint8]) -> Iterator[Row]:
     for level in (0, 1, 50, 128, 254, 255):
         given = np.full((20, 30), level, np.uint8)
         result, exact = enhance(given, PLAIN), enhance_reference(given, PLAIN)[0]
@@ -151,6 +155,9 @@ def _constants(_: NDArray[np.uint8]) -> Iterator[Row]:
     black, white = np.zeros((20, 30, 3), np.uint8), np.full((20, 30, 3), 255, np.uint8)
     yield Row("constant images", "black stays black", float(enhance(black, WHOLE).image.max()), 0)
     yield Row("constant images", "white stays white", 255 - float(enhance(white, WHOLE).image.min()), 0)
+    grey = np.repeat(image[..., :1], 3, axis=2)
+    spread = float(np.ptp(enhance(grey, WHOLE).image, axis=2).max())
+    yield Row("mean saturation", "grey stays grey", spread, 0)
 
 
 def _hues(image: NDArray[np.uint8]) -> Iterator[Row]:
@@ -211,9 +218,6 @@ def _saturation(image: NDArray[np.uint8]) -> Iterator[Row]:
             exact, _ = enhance_reference(image / 255, params, statistics=measured)
             apart = 255 * _most(result, exact)
             yield Row("mean saturation", f"S_m = {mean:g}, d-factor {k:g}", apart, 0.001)
-    grey = np.repeat(image[..., :1], 3, axis=2)
-    spread = float(np.ptp(enhance(grey, WHOLE).image, axis=2).max())
-    yield Row("mean saturation", "grey stays grey", spread, 0)
 
 
 def _black(_: NDArray[np.uint8]) -> Iterator[Row]:
@@ -276,6 +280,7 @@ def _most(one: AnyImage, other: AnyImage | float) -> float:
 
 PARTS: Final[dict[str, Callable[[NDArray[np.uint8]], Iterator[Row]]]] = {
     "precision": _precision,
+    "bytes": _bytes,
     "statistics": _statistics,
     "ends": _ends,
     "exponents": _exponents,

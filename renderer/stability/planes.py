@@ -28,13 +28,8 @@ STEP = 1e-6
 """Of the differences that slopes are."""
 
 
-def rows() -> Iterator[Row]:
-    """Features of points on and beyond the box, what they make of Gaussians, and one step of training."""
-    yield from _features()
-    yield from _moves()
-
-
-def _features() -> Iterator[Row]:
+def features() -> Iterator[Row]:
+    """Of points on and beyond the box."""
     rows = [time_taps(time, 25)[0] for time in TIMES]
     outside = float(sum(row < 0 or row > 23 for row in rows))
     yield Row(PLANES, "rows of time that do not exist", outside, 0, "rows")
@@ -80,7 +75,7 @@ def exact_features(
 ) -> FloatArray:
     """(moments, N, L B LANES) by the definition: products of hat functions' sums, on six planes a level."""
     lines = np.einsum("mt,tblc->mblc", _hats(np.array(moments), len(times)), times.astype(np.float64))
-    features = []
+    levels = []
     at_plane = at_line = 0
     for counts in resolutions:
         hats = [_hats(points[:, axis], int(count)) for axis, count in enumerate(counts)]
@@ -96,8 +91,8 @@ def exact_features(
                 "ni,mbic->mnbc", hats[axis], lines[:, :, at_line : at_line + count], optimize=True
             )
             at_line += count
-        features.append(level.reshape(len(moments), len(points), -1))
-    return np.concatenate(features, axis=2)
+        levels.append(level.reshape(len(moments), len(points), -1))
+    return np.concatenate(levels, axis=2)
 
 
 def _hats(shares: FloatArray, count: int) -> FloatArray:
@@ -106,7 +101,7 @@ def _hats(shares: FloatArray, count: int) -> FloatArray:
     return np.asarray(np.clip(1 - np.abs(places - np.arange(count)), 0, None))
 
 
-def _moves() -> Iterator[Row]:
+def moves() -> Iterator[Row]:
     """Offsets of Gaussians; gradients by all arrays, and where the first step of training goes."""
     raw, rng, time = raw_of(ordinary(70)), np.random.default_rng(9), 0.37
     motion = _motion(raw, rng)
@@ -154,8 +149,8 @@ def _offsets(now: Values, raw: RawGaussians, time: float) -> FloatArray:
     """(N, 10) of position, log-scale and quaternion, layer by layer."""
     points = _shares(raw.means.astype(np.float64), now["box"].astype(np.float32))
     resolutions = now["resolutions"].astype(np.int32)
-    features = exact_features(now["plane_cells"], now["time_cells"], resolutions, points, [time])[0]
-    trunk = np.maximum(features @ now["trunk_weight"] + now["trunk_bias"], 0)
+    cells = exact_features(now["plane_cells"], now["time_cells"], resolutions, points, [time])[0]
+    trunk = np.maximum(cells @ now["trunk_weight"] + now["trunk_bias"], 0)
     hidden = np.maximum(trunk @ now["hidden_weight"] + now["hidden_bias"], 0)
     columns = []
     for head, (first, last) in enumerate(pairwise((0, 3, 6, 10))):

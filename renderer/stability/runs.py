@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 
@@ -35,6 +35,9 @@ HAZARD: Final = "whole run"
 METRES: Final = 1e-3
 FAILED: Final = math.inf
 """Stands for the error of a run that ends as none should."""
+
+
+CameraKind = Literal["fixed", "moving"]
 
 
 @dataclass(frozen=True)
@@ -139,8 +142,14 @@ def _psnr(clip: Clip) -> float:
     return told[-1] if told else math.nan
 
 
+def warm() -> None:
+    """Make the phantoms that the clips are of."""
+    for camera in get_args(CameraKind):
+        _frames(camera)
+
+
 @cache
-def _frames(camera: Literal["fixed", "moving"] = "fixed") -> tuple[Frame, ...]:
+def _frames(camera: CameraKind = "fixed") -> tuple[Frame, ...]:
     phantom = Phantom(PhantomParams(n_frames=10, width=96, height=72, camera=camera))
     return tuple(phantom.view(index).frame for index in range(10))
 

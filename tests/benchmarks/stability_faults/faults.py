@@ -19,6 +19,13 @@ Kind = Literal["sign", "dropped", "swapped", "float16", "guard", "other"]
 """A wrong sign; a term or step left out; axes or arrays that change places; a rounding to float16; a guard
 against what has no value; a wrong order, number or place."""
 Change = Callable[[], AbstractContextManager[None]]
+QUICKER = (
+    ("cache=True", "cache=False"),
+    ("parallel=True", "parallel=False"),
+    ('inline="always", error_model="numpy"', 'error_model="numpy"'),
+    ('inline="always"', 'error_model="numpy"'),
+)
+"""What a kernel is compiled by here, for one look at what it gives."""
 NUMBERS = (int, float, np.number)
 OWN = ("renderer", "enhance", "tests.benchmarks.stability_faults")
 
@@ -37,7 +44,7 @@ class Fault:
 
     @property
     def name(self) -> str:
-        return f"{self.kernel}: {self.what}"
+        return f"{self.kernel}, {self.kind}: {self.what}"
 
 
 def edited(module: str, old: str, new: str, *also: str) -> Change:
@@ -111,7 +118,9 @@ def _source(module: str) -> str:
     path = import_module(module).__file__
     assert path is not None
     source = Path(path).read_text(encoding="utf-8")
-    return source.replace("cache=True", "cache=False").replace("parallel=True", "parallel=False")
+    for fast, quick in QUICKER:
+        source = source.replace(fast, quick)
+    return source
 
 
 def _executed(live: ModuleType, source: str) -> dict[str, Any]:

@@ -18,35 +18,95 @@ def _losses() -> list[Fault]:
 
     return [
         edit("sign", "of depth", LOSSES, "slope * _sign(error)", "-slope * _sign(error)"),
-        edit("dropped", "inverse depth's slope", LOSSES, "depth_gradient + inverse_gradient / (expected * expected)",
-             "depth_gradient"),
+        edit(
+            "dropped",
+            "inverse depth's slope",
+            LOSSES,
+            "depth_gradient + inverse_gradient / (expected * expected)",
+            "depth_gradient",
+        ),
         edit("dropped", "depth that is not compared", LOSSES, "and weight > HALF", ""),
-        edit("dropped", "the scene's size", LOSSES, "(max(frame.n_depths, 1) * size)", "max(frame.n_depths, 1)"),
+        edit(
+            "dropped", "the scene's size", LOSSES, "(max(frame.n_depths, 1) * size)", "max(frame.n_depths, 1)"
+        ),
         edit("swapped", "red and blue", LOSSES, "photo[channel, lane] =", "photo[2 - channel, lane] ="),
         Fault("loss", "float16", "the adjoint", ("losses",), rounded(f"{LOSSES}:masked_loss", 9), quick=True),
         Fault("loss", "float16", "sums of rows", ("losses",), rounded(f"{LOSSES}:masked_loss", 10)),
         edit("dropped", "the mask", LOSSES, "ONE if color_mask[left + lane] else ZERO", "ONE"),
-        edit("sign", "of the total", LOSSES, "adjoint[TOTAL, y, x] += planes", "adjoint[TOTAL, y, x] -= planes"),
-        edit("dropped", "the number of channels", LOSSES, "max(3 * frame.n_colors, 1)", "max(frame.n_colors, 1)"),
+        edit(
+            "sign", "of the total", LOSSES, "adjoint[TOTAL, y, x] += planes", "adjoint[TOTAL, y, x] -= planes"
+        ),
+        edit(
+            "dropped",
+            "the number of channels",
+            LOSSES,
+            "max(3 * frame.n_colors, 1)",
+            "max(frame.n_colors, 1)",
+        ),
+        # Changes nothing, as the errors that it multiplies are 0: no row can notice it.
+        edit(
+            "guard",
+            "next to nothing in place of one pixel",
+            LOSSES,
+            "max(3 * frame.n_colors, 1)",
+            "max(3 * frame.n_colors, 1e-30)",
+        ),
         edit("guard", "an empty mask", LOSSES, "max(3 * frame.n_colors, 1)", "(3 * frame.n_colors)"),
         edit("sign", "of dissimilarity's slope", SIMILARITY, "gain = -scale * unit", "gain = scale * unit"),
-        edit("dropped", "a term of dissimilarity's slope", SIMILARITY, "* (ONE / b1 - ONE / b2)", "* (ONE / b1)"),
-        edit("swapped", "picture and photo in a slope", SIMILARITY, "TWO * x * by_square + y * by_product",
-             "TWO * y * by_square + x * by_product"),
+        edit(
+            "dropped",
+            "a term of dissimilarity's slope",
+            SIMILARITY,
+            "* (ONE / b1 - ONE / b2)",
+            "* (ONE / b1)",
+        ),
+        edit(
+            "swapped",
+            "picture and photo in a slope",
+            SIMILARITY,
+            "TWO * x * by_square + y * by_product",
+            "TWO * y * by_square + x * by_product",
+        ),
         Fault("loss", "float16", "windows", ("losses",), rounded(f"{SIMILARITY}:_window")),
-        edit("guard", "a window with no tissue", SIMILARITY, "mask[row, column] > ZERO and part > FAINT",
-             "part > -ONE"),
+        edit(
+            "guard",
+            "a window with no tissue",
+            SIMILARITY,
+            "mask[row, column] > ZERO and part > FAINT",
+            "part > -ONE",
+        ),
         edit("guard", "dissimilarity of nothing", SIMILARITY, "if count == 0:", "if count < 0:"),
-        edit("sign", "of variation's slope", VARIATION, "extra[3, y, x] -= inverse_weight",
-             "extra[3, y, x] += inverse_weight"),
-        edit("dropped", "neighbours below", VARIATION, "abs(here - picture[y, right]) + abs(here - picture[below, x])",
-             "abs(here - picture[y, right])"),
+        edit(
+            "sign",
+            "of variation's slope",
+            VARIATION,
+            "extra[3, y, x] -= inverse_weight",
+            "extra[3, y, x] += inverse_weight",
+        ),
+        edit(
+            "dropped",
+            "neighbours below",
+            VARIATION,
+            "abs(here - picture[y, right]) + abs(here - picture[below, x])",
+            "abs(here - picture[y, right])",
+        ),
         edit("swapped", "across and down", VARIATION, "near, inverse[below, x])", "near, inverse[y, right])"),
         Fault("loss", "float16", "inverse depth", ("losses",), rounded(f"{VARIATION}:_invert", 1)),
-        edit("guard", "places where nothing is drawn", VARIATION, "if weight > HALF and depth > ZERO else ZERO",
-             "if weight > -ONE else ZERO"),
-        edit("other", "depth beyond tissue", FRAMES, "np.where(frame.depth_mask, depth, np.float32(0.0))", "depth"),
-    ]  # fmt: skip
+        edit(
+            "guard",
+            "places where nothing is drawn",
+            VARIATION,
+            "if weight > HALF and depth > ZERO else ZERO",
+            "if weight > -ONE else ZERO",
+        ),
+        edit(
+            "other",
+            "depth beyond tissue",
+            FRAMES,
+            "np.where(frame.depth_mask, depth, np.float32(0.0))",
+            "depth",
+        ),
+    ]
 
 
 def _adam() -> list[Fault]:
@@ -54,20 +114,47 @@ def _adam() -> list[Fault]:
         return Fault("Adam", kind, what, ("adam",), edited(module, old, new), quick)
 
     return [
-        edit("sign", "of the step", ADAM, "return value - rate * first", "return value + rate * first", quick=True),
-        edit("dropped", "the smallest divisor", ADAM, "(np.sqrt(second) + np.float32(EPSILON))", "np.sqrt(second)"),
+        edit(
+            "sign",
+            "of the step",
+            ADAM,
+            "return value - rate * first",
+            "return value + rate * first",
+            quick=True,
+        ),
+        edit(
+            "dropped",
+            "the smallest divisor",
+            ADAM,
+            "(np.sqrt(second) + np.float32(EPSILON))",
+            "np.sqrt(second)",
+        ),
         edit("other", "a larger smallest divisor", ADAM, "EPSILON = 1e-15", "EPSILON = 1e-8"),
         edit("dropped", "the root", ADAM, "(np.sqrt(second) +", "(second +"),
         edit("dropped", "a bias correction", ADAM, "/ (1.0 - BETA_1**steps)", ""),
-        edit("swapped", "columns", ADAM, "values[n, c], gradients[n, c], first", "values[n, c], gradients[n, 0], first"),
+        edit(
+            "swapped",
+            "columns",
+            ADAM,
+            "values[n, c], gradients[n, c], first",
+            "values[n, c], gradients[n, 0], first",
+        ),
         Fault("Adam", "float16", "second moments", ("adam",), rounded(f"{ADAM}:update_rows", 3)),
         Fault("Adam", "float16", "values", ("adam",), rounded(f"{ADAM}:update_rows", 0)),
         edit("other", "other averages", ADAM, "BETA_1, BETA_2 = 0.9, 0.999", "BETA_1, BETA_2 = 0.9, 0.99"),
         edit("guard", "gradients that are no numbers", GUARDS, "if not np.isfinite(total):", "if total < 0:"),
-        edit("dropped", "quaternions' gradients", GUARDS, "total += by_quats[n, c] * by_quats[n, c]", "total += 0"),
-        edit("dropped", "scales are not held", GUARDS, "np.clip(log_scales, low, high, out=log_scales)", "pass"),
+        edit(
+            "dropped",
+            "quaternions' gradients",
+            GUARDS,
+            "total += by_quats[n, c] * by_quats[n, c]",
+            "total += 0",
+        ),
+        edit(
+            "dropped", "scales are not held", GUARDS, "np.clip(log_scales, low, high, out=log_scales)", "pass"
+        ),
         edit("sign", "of the least scale", GUARDS, "np.log(SMALLEST * size)", "-np.log(SMALLEST * size)"),
-    ]  # fmt: skip
+    ]
 
 
 def _density() -> list[Fault]:
@@ -77,25 +164,58 @@ def _density() -> list[Fault]:
     return [
         edit("sign", "of a turn", "local + w[:, None] * across", "local - w[:, None] * across", quick=True),
         edit("dropped", "children do not shrink", "log_scales[first:] -= np.float32(np.log(SHRINK))", "pass"),
-        edit("dropped", "the quaternion's length", "raw.quats[index] / np.where(lengths > 0, lengths, 1)",
-             "raw.quats[index]"),
-        edit("swapped", "axes of a child", "np.exp(raw.log_scales[index])", "np.exp(raw.log_scales[index, ::-1])"),
-        edit("float16", "places of children", "cross(along, across)).astype(np.float32)",
-             "cross(along, across)).astype(np.float16).astype(np.float32)"),
-        edit("guard", "a quaternion of 0",
-             "np.where(lengths > 0, raw.quats[index] / np.where(lengths > 0, lengths, 1), (1, 0, 0, 0))",
-             "(raw.quats[index] / lengths)"),
-        edit("dropped", "the faint stay", "sigmoid(raw.opacity_logits) >= control.min_opacity",
-             "np.ones(len(raw), bool)"),
+        edit(
+            "dropped",
+            "the quaternion's length",
+            "raw.quats[index] / np.where(lengths > 0, lengths, 1)",
+            "raw.quats[index]",
+        ),
+        edit(
+            "swapped",
+            "axes of a child",
+            "np.exp(raw.log_scales[index])",
+            "np.exp(raw.log_scales[index, ::-1])",
+        ),
+        edit(
+            "float16",
+            "places of children",
+            "cross(along, across)).astype(np.float32)",
+            "cross(along, across)).astype(np.float16).astype(np.float32)",
+        ),
+        # Changes nothing, as a turn by 0 / 1 is none, too: no row can notice it.
+        edit(
+            "guard", "a quaternion of 0 is no turn", "np.where(lengths > 0, raw", "np.where(lengths >= 0, raw"
+        ),
+        edit(
+            "guard",
+            "a quaternion of 0",
+            "np.where(lengths > 0, raw.quats[index] / np.where(lengths > 0, lengths, 1), (1, 0, 0, 0))",
+            "(raw.quats[index] / lengths)",
+        ),
+        edit(
+            "dropped",
+            "the faint stay",
+            "sigmoid(raw.opacity_logits) >= control.min_opacity",
+            "np.ones(len(raw), bool)",
+        ),
         edit("dropped", "the room there is", "> control.most:", "> 1e9:"),
-        edit("dropped", "those who ask for none", "wanted = self._sums >= control.gradient", "wanted = self._sums >= 0"),
+        edit(
+            "dropped",
+            "those who ask for none",
+            "wanted = self._sums >= control.gradient",
+            "wanted = self._sums >= 0",
+        ),
         edit("other", "the smaller are split", "split_above * self._size", "split_above * self._size * 3"),
-        edit("swapped", "across and down", "by_centers[n, 0] * half_width, by_centers[n, 1] * half_height",
-             "by_centers[n, 0] * half_height, by_centers[n, 1] * half_width"),
+        edit(
+            "swapped",
+            "across and down",
+            "by_centers[n, 0] * half_width, by_centers[n, 1] * half_height",
+            "by_centers[n, 0] * half_height, by_centers[n, 1] * half_width",
+        ),
         edit("sign", "of lengths", "lengths[n] += np.sqrt", "lengths[n] -= np.sqrt"),
         edit("dropped", "who was not seen counts", "if seen[n]:", "if True:"),
         Fault("density", "float16", "lengths", ("density",), rounded(f"{DENSIFY}:_add_lengths", 4)),
-    ]  # fmt: skip
+    ]
 
 
 def _initialisation() -> list[Fault]:
@@ -109,18 +229,45 @@ def _initialisation() -> list[Fault]:
         camera("sign", "of a pixel's middle", "np.arange(self.width) + 0.5", "np.arange(self.width) - 0.5"),
         camera("dropped", "the middle of the picture", "+ 0.5 - self.cy)", "+ 0.5)"),
         camera("swapped", "focal lengths", "- self.cx) / self.fx * z", "- self.cx) / self.fy * z"),
-        edit("swapped", "colours", "frame.image.reshape(-1, 3)[chosen]", "frame.image.reshape(-1, 3)[chosen, ::-1]"),
-        edit("float16", "places", "points.astype(np.float32)", "points.astype(np.float16).astype(np.float32)"),
+        edit(
+            "swapped",
+            "colours",
+            "frame.image.reshape(-1, 3)[chosen]",
+            "frame.image.reshape(-1, 3)[chosen, ::-1]",
+        ),
+        edit(
+            "float16", "places", "points.astype(np.float32)", "points.astype(np.float16).astype(np.float32)"
+        ),
         edit("dropped", "the spacing", "np.sqrt(covered / len(means)) * pixel_sizes", "pixel_sizes"),
-        edit("dropped", "ends of depth", "(frame.depth >= lowest) & (frame.depth <= highest)", "(frame.depth > 0)"),
-        edit("other", "pixels are drawn again", "len(candidates)), replace=False", "len(candidates)), replace=True"),
-        edit("dropped", "the depth of a pixel's size", "frame.depth.reshape(-1)[chosen] / np.float32", "np.float32(1) / np.float32",
-             quick=True),
+        edit(
+            "dropped",
+            "ends of depth",
+            "(frame.depth >= lowest) & (frame.depth <= highest)",
+            "(frame.depth > 0)",
+        ),
+        edit(
+            "other",
+            "pixels are drawn again",
+            "len(candidates)), replace=False",
+            "len(candidates)), replace=True",
+        ),
+        edit(
+            "dropped",
+            "the depth of a pixel's size",
+            "frame.depth.reshape(-1)[chosen] / np.float32",
+            "np.float32(1) / np.float32",
+            quick=True,
+        ),
         edit("sign", "of the opacity", "np.log(opacity / (1 - opacity))", "np.log((1 - opacity) / opacity)"),
         edit("guard", "no depth at all", "if not medians:", "if medians is None:"),
         edit("other", "another line for no depth", "reconstruction expects measured depth", "expects depth"),
-        edit("other", "a length in the scene's unit", "scales = config.initial_spacing * spacing", "scales = spacing + 0.01"),
-    ]  # fmt: skip
+        edit(
+            "other",
+            "a length in the scene's unit",
+            "scales = config.initial_spacing * spacing",
+            "scales = spacing + 0.01",
+        ),
+    ]
 
 
 FAULTS: tuple[Fault, ...] = (*_losses(), *_adam(), *_density(), *_initialisation())
