@@ -238,7 +238,12 @@ def _initialisation() -> list[Fault]:
         edit(
             "float16", "places", "points.astype(np.float32)", "points.astype(np.float16).astype(np.float32)"
         ),
-        edit("dropped", "the spacing", "np.sqrt(covered / len(means)) * pixel_sizes", "pixel_sizes"),
+        edit(
+            "dropped",
+            "the spacing",
+            "scales = config.initial_spacing * spacing",
+            "scales = 0 * spacing + pixel_sizes",
+        ),
         edit(
             "dropped",
             "ends of depth",
