@@ -118,7 +118,7 @@ def train(
     for notice in model.trouble.notices():
         yield Warned(notice)
     gaussians: DynamicGaussians = model.gaussians
-    del model, result, frame
+    del model
     omitted: tuple[Omission, ...] = ()
     if "unseen" not in config.keep:
         gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
