@@ -39,7 +39,7 @@ def test_a_fault_is_noticed(name: str) -> None:
 
 def test_every_fault_has_a_name_and_every_part_of_the_table_a_fault() -> None:
     assert [name for name, count in Counter(fault.name for fault in FAULTS).items() if count > 1] == []
-    assert {part for fault in FAULTS for part in fault.parts} >= set(parts())
+    assert {part for fault in FAULTS for part in fault.parts} == set(parts())
 
 
 def test_every_kind_of_fault_is_in_every_kernel_it_can_be_in() -> None:

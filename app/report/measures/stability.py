@@ -37,7 +37,9 @@ def measure(bench: Bench, clock: Clock) -> Section:
     bench.say("stability of the enhancement")
     tables = {"Enhancement": _cells(enhance.stability.stability(photo(bench)[::SMALLER, ::SMALLER].copy()))}
     bench.say("stability of reconstruction and drawing")
-    missing = [] if has_torch() else [f"pictures, depths and gradients against float64: {NO_TORCH}"]
+    missing = (
+        [] if has_torch() else [f"pictures, depths, gradients and training steps against float64: {NO_TORCH}"]
+    )
     try:
         context = standalone_context()
     except OpenGLUnavailable as error:
@@ -53,7 +55,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
         title="Stability: stiff and extreme cases",
         sentences=(
             f"{count} cases, {len(failed)} failed. Each is float32, as the product computes, against "
-            "float64, against 50 decimal digits (projection) or what must hold exactly. Each is a test, too.",
+            "float64, against 50 decimal digits (projection), the clip's photos and depth (whole runs) "
+            "or what must hold exactly. Each is a test, too, and is failed by a fault put in on purpose.",
             *(f"Failed: {row[0]}, {row[1]}. What is done: {row[6] or 'nothing'}." for row in failed),
         ),
         tables=tuple(Table(title=name, columns=COLUMNS, rows=rows) for name, rows in tables.items()),

@@ -8,10 +8,14 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 
+from moderngl import Context
+
 import enhance.stability
 import renderer.stability
+from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, standalone_context
 from renderer.draw.offscreen import render_offscreen
+from renderer.splats import Float32Array, Splats
 from renderer.stability import blending, exact, runs
 from renderer.stability.row import Row
 from renderer.stability.scenes import SCENES
@@ -55,20 +59,26 @@ class Outcome:
 
 @cache
 def parts() -> dict[str, Callable[[], Iterable[AnyRow]]]:
-    """The table's rows, by what they are of; those of OpenGL where there is any."""
+    """The table's rows, by what they are of."""
     picture = vessels(96, 130)
     found: dict[str, Callable[[], Iterable[AnyRow]]] = dict(renderer.stability.PARTS)
+    found["OpenGL"] = _opengl
     for name, part in enhance.stability.PARTS.items():
         found[f"enhancement, {name}"] = partial(part, picture)
-    try:
-        context = standalone_context()
-    except OpenGLUnavailable:
-        return found
+    return found
 
-    def draw(splats, camera, near):  # type: ignore[no-untyped-def]
-        return render_offscreen(context, splats, camera, near=near)
 
-    return found | {"OpenGL": partial(blending.pictures, "OpenGL: picture", draw)}
+@cache
+def _context() -> Context:
+    """Made when the first picture is drawn."""
+    return standalone_context()
+
+
+def _opengl() -> Iterable[AnyRow]:
+    def draw(splats: Splats, camera: Camera, near: float) -> Float32Array:
+        return render_offscreen(_context(), splats, camera, near=near)
+
+    return blending.pictures("OpenGL: picture", draw)
 
 
 def warm() -> None:
@@ -108,5 +118,9 @@ def tried_by_name(name: str, failing: frozenset[Key]) -> Outcome:
 
 
 def possible(faults: Sequence[Fault]) -> list[Fault]:
-    """Those whose parts there are here."""
-    return [fault for fault in faults if all(part in parts() for part in fault.parts)]
+    """All, or without OpenGL all others."""
+    try:
+        _context()
+    except OpenGLUnavailable:
+        return [fault for fault in faults if "OpenGL" not in fault.parts]
+    return list(faults)
