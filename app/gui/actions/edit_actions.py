@@ -17,7 +17,6 @@ from app.gui.work.editing import (
     Selected,
     SelectRequest,
     Tool,
-    edited_model,
     tinted_model,
 )
 from app.provenance import comments, repeatable
@@ -61,7 +60,7 @@ def _show(state: AppState) -> None:
     assert editing.base is not None
     edits = editing.edits
     if edits.visible != editing.drawn:
-        editing.edited, editing.drawn = edited_model(editing.base, edits), edits.visible
+        editing.edited, editing.drawn = editing.base.edited(edits), edits.visible
     assert editing.edited is not None
     state.model = editing.edited
     editing.tinted = tinted_model(editing.edited, edits) if editing.active else None
@@ -260,9 +259,7 @@ def write_splats(state: AppState, source: Path) -> Path:
     path, number = source.with_name(f"{stem}-edited.ply"), 2
     while path.exists():
         path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
-    origin = editing.edited.origin
-    said = (origin.facts if origin else {}) | edits_facts(editing.edits)
-    facts = repeatable(kind="splats", **said, time=state.time)
+    facts = repeatable(kind="splats", **editing.edited.facts | edits_facts(editing.edits), time=state.time)
     write_bytes(path, ply_bytes(raw, editing.edited.mode, comments(facts)))
     return path
 
