@@ -16,14 +16,13 @@ from app.in_steps import in_one_go
 from app.moments import Moment
 from app.pictures import ArrayImage
 from app.progress import progress
-from app.provenance import comments, repeatable, write_sidecar
+from app.provenance import repeatable, write_sidecar
 from app.scene import Scene
+from app.scene_splats import of_degree, splat_file
 from app.scene_view import lasting_facts, steady
 from app.video import Timing, write_video
 from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.harmonics import BANDS
-from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.inria_ply import ply_bytes
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -66,21 +65,20 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    still = _of_degree(scene.model.raw, degree)
+    scene = _of_degree(scene, degree)
     asked = {} if degree is None else {"sh_degree": degree}
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
-            raw = scene.model.motion.moved(still, moment.time)
             facts = repeatable(kind="splats", **scene.facts, frame=moment.frame, time=moment.time, **asked)
-            (staging / f"{moment.name}.ply").write_bytes(ply_bytes(raw, scene.mode, comments(facts)))
+            (staging / f"{moment.name}.ply").write_bytes(splat_file(scene, moment.time, facts))
             report(done, moment.name)
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
 
 
-def _of_degree(raw: RawGaussians, degree: int | None) -> RawGaussians:
+def _of_degree(scene: Scene, degree: int | None) -> Scene:
     """Raises UserError for a degree that would lose colours."""
     try:
-        return raw if degree is None else raw.of_degree(degree)
+        return of_degree(scene, degree)
     except ValueError as error:
         raise UserError(
             f"--sh-degree: expected one that holds all of the model, got {degree} for {error}"

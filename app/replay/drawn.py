@@ -18,18 +18,18 @@ from app.errors import UserError
 from app.evaluate import run_clip
 from app.gui.work.photos import PhotoRequest
 from app.pictures import write_image
-from app.provenance import comments, write_sidecar
+from app.provenance import write_sidecar
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
 from app.run_edits import unpacked
 from app.scene import Scene, open_scene
+from app.scene_splats import of_degree, splat_file
 from app.scene_view import ViewRequest
 from app.training import input_clip
 from app.video import Timing, write_video
 from app.views import Scale, ViewKind
 from renderer.camera import Camera
 from renderer.clip import Clip
-from renderer.splat_files.inria_ply import ply_bytes
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -194,11 +194,13 @@ def remake_video(facts: Facts, sources: Sources, target: Path) -> str:
 
 def remake_splats(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError or pydantic.ValidationError."""
-    scene, said = scene_of(facts, sources), MOMENT.validate_python(facts)
-    raw = scene.model.motion.moved(scene.model.raw, said.time)
-    if said.sh_degree is not None:
-        raw = raw.of_degree(said.sh_degree)
-    write_bytes(target, ply_bytes(raw, scene.mode, comments(again(facts))))
+    said = MOMENT.validate_python(facts)
+    try:
+        scene = of_degree(scene_of(facts, sources), said.sh_degree)
+    except ValueError as error:
+        got = f"{said.sh_degree} for {error}: {sources.file}"
+        raise UserError(f"expected a degree that holds all of the model, got {got}") from error
+    write_bytes(target, splat_file(scene, said.time, again(facts)))
 
 
 def _camera(view: ViewFacts) -> Camera:

@@ -9,16 +9,14 @@ from typing import Any, Literal
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.color_bar import with_bar
-from app.drawing import Draw
 from app.errors import UserError
 from app.gui.work.enhancing import PictureRequest
 from app.gui.work.measure_table import MADE_AGAIN, measured_rows, write_measures
 from app.gui.work.others import OtherMaker
-from app.gui.work.page import Panel, sheet
+from app.gui.work.page import sheet
 from app.gui.work.shots import Arrangement, Panes, Shot
 from app.gui.work.sizing import Sizing
-from app.gui.work.view_pages import view_page, view_panel
+from app.gui.work.view_pages import drawn_panel, view_pages
 from app.methods import METHODS
 from app.picture_mask import NO_MASK, PictureMask
 from app.provenance import write_png, write_sidecar
@@ -27,7 +25,6 @@ from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
 from app.scene import Scene
-from app.scene_view import ViewRequest
 from app.series import timing_of
 from app.settable import Scope
 from app.video import Timing, write_video
@@ -102,18 +99,13 @@ PANES, SPAN = TypeAdapter(PanesFacts), TypeAdapter(SpanFacts)
 VIEW_VIDEO = TypeAdapter(ViewVideoFacts)
 
 
-def _panel(view: ViewRequest, draw: Draw) -> Panel:
-    """Raises UserError or ClipError."""
-    return view_panel(view.scene.name, with_bar(view.picture(draw)), view.kind)
-
-
 def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
     """Panes, the 3D view, or both. Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     panels = panes_of(facts, sources).panels(OtherMaker()) if "source" in facts else []
     name = None
     for said in facts.get("views", []):
         draw, name = drawer_of(said)
-        panels.append(_panel(view_of(said, sources, trained=False), draw))
+        panels.append(drawn_panel(view_of(said, sources, trained=False), draw))
     if not panels:
         raise UserError(f"expected panes or a 3D view, got neither: {sources.file}")
     write_png(target, sheet(panels), again(facts))
@@ -126,11 +118,9 @@ def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
     if not (said.views and said.moments):
         raise UserError(f"expected at least one 3D view and one frame, got none: {sources.file}")
     draw, name = drawer_of(said.views[0])
-    views = [(one, view_of(one | said.moments[0], sources, trained=False)) for one in said.views]
-    pages = (
-        view_page([_panel(at(view, one | moment), draw) for one, view in views]) for moment in said.moments
-    )
-    write_video(target, pages, Timing(said.frames_per_second))
+    first = [(one, view_of(one | said.moments[0], sources, trained=False)) for one in said.views]
+    moments = (tuple(at(view, one | moment) for one, view in first) for moment in said.moments)
+    write_video(target, view_pages(moments, draw), Timing(said.frames_per_second))
     write_sidecar(target, again(facts))
     return name
 

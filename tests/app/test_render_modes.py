@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from app.drawing import draw_on_cpu
-from app.gui.actions import actions, comparing, job_actions, second_actions
+from app.gui.actions import actions, comparing, edit_actions, job_actions, second_actions
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import GraphicsViewport
+from app.gui.drawing.viewport import FIRST, GraphicsViewport
 from app.gui.state.settings import Places
 from app.gui.work.viewing import draw_view
 from app.pictures import read_image
@@ -27,6 +27,7 @@ from renderer.draw.offscreen import read_image as read_target
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.near_plane import near_plane
+from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splats import RenderMode
 from tests.app.conftest import CONFIG, Call, request_of
@@ -139,10 +140,15 @@ def test_the_window_draws_what_the_command_draws(
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize("baked", [False, True])
 def test_the_card_draws_what_the_command_draws(
-    ctx: moderngl.Context, window: Exporter, source: Source, tmp_path: Path, vesselsplat: Cli
+    ctx: moderngl.Context, window: Exporter, source: Source, tmp_path: Path, vesselsplat: Cli, baked: bool
 ) -> None:
+    """From the model of the moment, and from keyframes of what moves."""
     wanted = read_image(rendered(vesselsplat, source, tmp_path / "out", "--with", "gl")).astype(int)
+    window.state.processor_draws = not baked
+    window.turn(40)
+    assert (FIRST.keyframes(window.state) is not None) == (baked and source.path.is_dir())
     viewport = GraphicsViewport(ctx, Textures(ctx))
     assert viewport.show(window.state) is not None
     assert viewport._target is not None
@@ -164,10 +170,10 @@ def test_an_exported_video_comes_again(window: Exporter, source: Source) -> None
     assert same(window.made("video through time"), source.path)
 
 
-def test_a_command_s_video_comes_again(source: Source, tmp_path: Path, vesselsplat: Cli) -> None:
+def test_a_command_s_video_comes_again(trained: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     video = tmp_path / "own.mp4"
-    assert vesselsplat("export", source.path, "--video", video, *source.flags).code == 0
-    assert same(video, source.path)
+    assert vesselsplat("export", trained, "--video", video, "--frames", FRAME).code == 0
+    assert same(video, trained)
 
 
 def test_a_second_view_is_drawn_as_the_first_would_be(
@@ -246,10 +252,9 @@ def test_a_run_that_was_cut_short_is_drawn_as_it_is_trained(
     np.testing.assert_array_equal(shown(window), wanted)
 
 
-def test_edited_splats_are_saved_in_the_mode_of_their_run(window: Exporter, trained: Path) -> None:
-    """And so is what is made of them: the mode goes with the model."""
-    mode = RunFolder(trained).record().config.render_mode
-    assert window.state.model is not None
-    assert window.state.model.mode == mode
-    assert window.state.editing.edited is not None
-    assert window.state.editing.edited.mode == mode
+def test_splats_are_saved_with_the_mode_and_come_again(
+    window: Exporter, source: Source, trained: Path
+) -> None:
+    saved = edit_actions.write_splats(window.state, source.path.with_suffix(".ply"))
+    assert read_splats(saved).mode == RunFolder(trained).record().config.render_mode
+    assert same(saved, source.path)

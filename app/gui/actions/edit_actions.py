@@ -19,14 +19,14 @@ from app.gui.work.editing import (
     Tool,
     tinted_model,
 )
-from app.provenance import comments, repeatable
+from app.provenance import repeatable
 from app.run_edits import edits_facts, save_edits, saved_since
 from app.run_folder import RunFolder
+from app.scene_splats import splat_file
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Range, Rectangle, Region
 from renderer.editing.sight import Trait
-from renderer.splat_files.inria_ply import ply_bytes
 
 SHORTEST = 3.0
 """Pixels: a drag that goes nowhere selects nothing."""
@@ -254,13 +254,12 @@ def write_splats(state: AppState, source: Path) -> Path:
     """What can be seen at the present time, beside its source; never over another file."""
     editing = state.editing
     assert editing.edited is not None
-    raw = editing.edited.model.motion.moved(editing.edited.model.raw, state.time)
     stem = source.name.removesuffix(source.suffix).removesuffix(".compressed")
     path, number = source.with_name(f"{stem}-edited.ply"), 2
     while path.exists():
         path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
     facts = repeatable(kind="splats", **editing.edited.facts | edits_facts(editing.edits), time=state.time)
-    write_bytes(path, ply_bytes(raw, editing.edited.mode, comments(facts)))
+    write_bytes(path, splat_file(editing.edited, state.time, facts))
     return path
 
 

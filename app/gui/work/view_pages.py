@@ -2,42 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from typing import Any
 
 from app import scene_view
 from app.color_bar import with_bar
-from app.drawing import ON_CPU, draw_on_cpu
+from app.drawing import ON_CPU, Draw, draw_on_cpu
 from app.gui.work.page import Panel, sheet
 from app.in_steps import retold
 from app.scene_view import ViewRequest, lasting_facts, moment_facts
-from app.views import ViewKind
 from renderer.clip import ByteImage
 
 Views = tuple[ViewRequest, ...]
 """Of one moment: the 3D view, and the second one where there is one."""
 
 
-def view_panel(name: str, image: ByteImage, kind: ViewKind) -> Panel:
-    """A model, by the name of its run or file."""
-    shows = "" if kind == "color" else f"   {kind}"
-    return Panel(f"Reconstruction   {name}{shows}", image)
+def drawn_panel(wanted: ViewRequest, draw: Draw = draw_on_cpu) -> Panel:
+    """By the name of its run or file, with its scale where it has one. Raises UserError or ClipError."""
+    shows = "" if wanted.kind == "color" else f"   {wanted.kind}"
+    return Panel(f"Reconstruction   {wanted.scene.name}{shows}", with_bar(wanted.picture(draw)))
 
 
-def view_page(panels: Sequence[Panel]) -> ByteImage:
-    """One view as it is; two beside each other, each with what it is."""
-    return panels[0].image if len(panels) == 1 else sheet(panels)
+def view_pages(moments: Iterable[Views], draw: Draw = draw_on_cpu) -> Iterator[ByteImage]:
+    """A page a moment: one view as it is; two beside each other, each with what it is.
 
-
-def drawn_panel(wanted: ViewRequest) -> Panel:
-    """With its scale, where it has one."""
-    return view_panel(wanted.scene.name, with_bar(wanted.picture(draw_on_cpu)), wanted.kind)
-
-
-def view_pages(moments: Sequence[Views]) -> Iterator[ByteImage]:
-    """A page a moment. Raises ClipError."""
+    Raises UserError or ClipError.
+    """
     for views in moments:
-        yield view_page([drawn_panel(wanted) for wanted in views])
+        panels = [drawn_panel(wanted, draw) for wanted in views]
+        yield panels[0].image if len(panels) == 1 else sheet(panels)
 
 
 def steady(moments: Sequence[Views]) -> Generator[int, None, tuple[Views, ...]]:
