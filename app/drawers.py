@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from app.drawing import Draw, Drawn, draw_on_cpu
+from app.drawing import ON_CPU, Draw, Drawn, draw_on_cpu
 from app.errors import UserError
-from app.supersampling import supersampled
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.torch_presence import NO_TORCH, has_torch
@@ -24,18 +23,10 @@ def drawer(renderer: Renderer) -> tuple[Draw, str]:
         if not has_torch():
             raise UserError(f"the float64 reference draws by torch: {NO_TORCH}. Or draw with --with cpu.")
         return _reference, "float64 reference"
-    return draw_on_cpu, "numba on the CPU"
+    return draw_on_cpu, ON_CPU
 
 
-def drawn_by(renderer: Renderer, supersampling: int) -> tuple[Draw, dict[str, Any]]:
-    """What draws, and what an export says of that. Raises UserError when it cannot work here."""
-    draw, name = drawer(renderer)
-    return supersampled(draw, supersampling), {"renderer": name, "supersampling": supersampling}
-
-
-def _reference(
-    splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
-) -> Drawn:
+def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
     if shape != "soft":
         raise UserError(f"the reference draws no {shape}s: expected --with cpu or gl for them")
     import torch
@@ -70,9 +61,7 @@ def _gl() -> tuple[Draw, str]:
         raise UserError(f"{error} Or draw with --with cpu.") from error
     offscreen = Offscreen(context)
 
-    def draw(
-        splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
-    ) -> Drawn:
+    def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
         try:
             layers = offscreen.layers(splats, camera, near, mode, shape)
             return Drawn(layers.color, layers.depth, layers.alpha)

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from renderer.camera import Camera
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
+ON_CPU = "numba on the CPU"
+"""What `draw_on_cpu` is called in provenance."""
+
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
@@ -46,7 +49,7 @@ class Draw(Protocol):
     """Splats, camera, near plane (in scene units), render mode and shape to a picture over black."""
 
     def __call__(
-        self, splats: Splats, camera: Camera, near: float, mode: RenderMode = ..., shape: Shape = ...
+        self, splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = ...
     ) -> Drawn: ...
 
 

@@ -115,8 +115,7 @@ def _moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
         yield from _views(given, flags)
         return
     if flags.time is not None:
-        nearest = min(round(flags.time * len(scene)), len(scene) - 1)
-        yield Moment(f"time-{flags.time:.4f}", None, flags.time, fixed or scene.cameras[nearest])
+        yield Moment(f"time-{flags.time:.4f}", None, flags.time, fixed or scene.camera_at(flags.time))
         return
     for index in _frame_indices(flags.frames or ["all"], scene):
         yield Moment(f"frame-{index:06d}", index, scene.time(index), fixed or scene.cameras[index])
@@ -124,7 +123,7 @@ def _moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
 
 def _frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
     """Of all, test or numbers. Raises UserError for others."""
-    count = len(scene)
+    count = len(scene.cameras)
     if frames == ["all"]:
         return range(count)
     if frames == ["test"]:

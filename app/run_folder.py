@@ -107,6 +107,16 @@ class RunRecord:
         return Camera.from_json(cameras[index if len(cameras) > 1 else 0])
 
     @property
+    def cameras(self) -> tuple[Camera, ...]:
+        """One a frame."""
+        return tuple(self.camera(index) for index in range(self.clip.frames))
+
+    @property
+    def unit(self) -> str:
+        """Of lengths."""
+        return self.clip.unit
+
+    @property
     def test_indices(self) -> tuple[int, ...]:
         """The frames held out of training, as `Clip.test_indices`, without the clip."""
         return held_out_frames(self.clip.frames, self.clip.options.split)

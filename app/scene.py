@@ -1,50 +1,138 @@
-"""What can be drawn and exported: a finished run, or a file of splats."""
+"""What can be drawn and exported: the model of a run, being trained, finished or edited, or a splat file."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from app.clip_part import WHOLE
+from app.clip_part import WHOLE, ClipPart
 from app.errors import UserError
 from app.provenance import digest, source
 from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.views import SCENE_UNITS
 from renderer.camera import Camera
+from renderer.clip import Clip
 from renderer.deformation.motion import Still
+from renderer.editing.edits import Edits
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import NEAR_SHARE, middle_distance
 from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats
 from renderer.splats import RenderMode
+from renderer.train.config import TrainConfig
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Scene:
-    """A model with its moments and cameras."""
+    """A model with what is needed to look at it and to say what it is."""
 
     name: str
     model: DynamicGaussians
     cameras: tuple[Camera, ...]
     """One a frame; of a file of splats, one that sees nearly all of them."""
-    test_indices: tuple[int, ...]
+    distance: float
+    """From the first camera to the middle of the tissue, along its axis."""
+    mode: RenderMode
+    """How it was trained, so how it is drawn."""
+    unit: str
+    """Of lengths."""
     facts: dict[str, Any]
     """What an export says of it."""
-    mode: RenderMode = "default"
-    unit: str = SCENE_UNITS
-    """Of lengths."""
-    notices: tuple[str, ...] = ()
+    path: Path | None = None
+    """The run folder or the file; None when that left nothing to read."""
+    iteration: int = 0
+    iterations: int = 0
+    """0 for a file of splats."""
+    live: bool = False
+    """Not finished: still being trained, or cut short."""
     first: int | None = None
-    """The frame of the whole clip that its first one is, of a run of a part."""
+    """The frame of the whole clip that its first one is, of a run of a part; None: it is of all frames."""
+    test_indices: tuple[int, ...] = ()
+    notices: tuple[str, ...] = ()
+    """What was repaired or left out."""
+    saved_edits: Edits | None = None
+    """What was saved of edits of `model`, which is without them."""
 
-    def __len__(self) -> int:
-        """Frames."""
-        return len(self.cameras)
+    @property
+    def near(self) -> float:
+        """The near plane in scene units, the same share of the scene as in training."""
+        return NEAR_SHARE * self.distance
+
+    @property
+    def start(self) -> int:
+        """The frame of the whole clip that its first one is."""
+        return self.first or 0
+
+    @property
+    def is_of_run(self) -> bool:
+        """Not of a file of splats."""
+        return self.iterations > 0
 
     def time(self, index: int) -> float:
         """Of frame `index`, in [0, 1)."""
-        return index / len(self)
+        return index / len(self.cameras)
+
+    def frame_at(self, time: float) -> int:
+        """The frame that is nearest to `time` in [0, 1]."""
+        return min(int(time * len(self.cameras) + 0.5), len(self.cameras) - 1)
+
+    def camera_at(self, time: float) -> Camera:
+        """Of the frame nearest to `time`."""
+        return self.cameras[self.frame_at(time)]
+
+    def number_at(self, time: float) -> float:
+        """Of the clip's frames, counted from 1, the one at `time` in [0, 1]; between two a fraction."""
+        return round(1 + self.start + time * len(self.cameras), 2)
+
+    def time_of(self, number: float) -> float:
+        """In [0, 1], of a frame of the clip counted from 1, or of a moment between two."""
+        return (number - 1 - self.start) / len(self.cameras)
+
+    def moment(self, time: float) -> str:
+        """`time` in [0, 1] as a person says it."""
+        return f"frame {self.number_at(time):g}"
+
+    def form(self, time: float) -> str:
+        """How a control writes that number: with decimals only between two frames."""
+        return "%.0f" if self.number_at(time).is_integer() else "%.2f"
+
+    def has_clip_frame(self, frame: int) -> bool:
+        return 0 <= frame - self.start < len(self.cameras)
+
+    def is_of(self, clip: Clip) -> bool:
+        """Its cameras are those of the clip, or of a part of it."""
+        if self.first is None:
+            return self.cameras == clip.cameras
+        return self.cameras == clip.cameras[self.first : self.first + len(self.cameras)]
+
+    def edited(self, edits: Edits) -> Scene:
+        """What is left of it; its facts say so."""
+        if edits.is_empty:
+            return self
+        return replace(self, model=edits.applied(self.model), facts=self.facts | edits_facts(edits))
+
+
+class Footage(Protocol):
+    """What a model was trained on: a clip, or what run.json says of it."""
+
+    @property
+    def cameras(self) -> tuple[Camera, ...]: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def test_indices(self) -> tuple[int, ...]: ...
+
+
+@dataclass(frozen=True)
+class Training:
+    """How far that of a model has come."""
+
+    iteration: int
+    iterations: int
+    live: bool
+    """Not finished."""
 
 
 def is_splat_file(path: Path) -> bool:
@@ -60,7 +148,16 @@ def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
     """
     if is_splat_file(path) or path.is_file():
         return splat_scene(path)
-    return _run_scene(RunFolder(path), as_trained)
+    folder = RunFolder(path)
+    scene = finished_scene(folder, folder.record())
+    edits = None if as_trained else read_edits(folder, len(scene.model))
+    if edits is None:
+        return scene
+    said = (
+        f"edited by hand: {edits.count - len(edits.visible)} of {edits.count} Gaussians are left out "
+        "(--as-trained keeps them)"
+    )
+    return replace(scene.edited(edits), notices=(said,))
 
 
 def splat_scene(path: Path) -> Scene:
@@ -70,30 +167,65 @@ def splat_scene(path: Path) -> Scene:
     except SplatFileError as error:
         raise UserError(str(error)) from error
     model = DynamicGaussians(file.raw, Still())
+    camera = framing(model)
     notices = (*file.notices, *(() if len(model) else ("no splats to draw: pictures stay black",)))
-    facts = {"splats": source(path), "render_mode": file.mode, "notices": notices}
-    return Scene(path.name, model, (framing(model),), (), facts, file.mode, notices=notices)
-
-
-def _run_scene(folder: RunFolder, as_trained: bool) -> Scene:
-    record, model = folder.record(), folder.model()
-    edits = None if as_trained else read_edits(folder, len(model))
-    cameras = tuple(record.camera(index) for index in range(record.clip.frames))
-    name = folder.path.absolute().name
-    unit = record.clip.unit
-    facts = run_facts(folder, record, name) | edits_facts(edits)
-    part, mode = record.clip.part, record.config.render_mode
-    scene = Scene(name, model, cameras, record.test_indices, facts, mode, unit, first=part.first)
-    if edits is None:
-        return scene
-    said = (
-        f"edited by hand: {edits.count - len(edits.visible)} of {edits.count} Gaussians are left out "
-        "(--as-trained keeps them)"
+    return Scene(
+        name=path.name,
+        model=model,
+        cameras=(camera,),
+        distance=middle_distance(model, camera),
+        mode=file.mode,
+        unit=SCENE_UNITS,
+        facts={"splats": source(path), "render_mode": file.mode, "notices": notices},
+        path=path,
+        notices=notices,
     )
-    return replace(scene, model=edits.applied(model), notices=(said,))
 
 
-def run_facts(folder: RunFolder, record: RunRecord, name: str) -> dict[str, Any]:
+def finished_scene(folder: RunFolder, record: RunRecord) -> Scene:
+    """A finished run as it was trained. Raises UserError when it is not, or cannot be read."""
+    steps = record.config.iterations
+    done = Training(steps, steps, live=False)
+    return run_scene(folder, folder.model(), record, record.config, record.clip.part, done)
+
+
+def run_scene(
+    folder: RunFolder,
+    model: DynamicGaussians,
+    footage: Footage,
+    config: TrainConfig,
+    part: ClipPart,
+    training: Training,
+) -> Scene:
+    """The model of a run, finished or not, through the cameras that it was trained with."""
+    name = folder.path.absolute().name
+    facts = _readable_facts(folder, name)
+    return Scene(
+        name=name,
+        model=model,
+        cameras=footage.cameras,
+        distance=middle_distance(model, footage.cameras[0]),
+        mode=config.render_mode,
+        unit=footage.unit,
+        facts=facts or {"run": {"name": name}},
+        path=folder.path if facts else None,
+        iteration=training.iteration,
+        iterations=training.iterations,
+        live=training.live,
+        first=part.first,
+        test_indices=footage.test_indices,
+    )
+
+
+def _readable_facts(folder: RunFolder, name: str) -> dict[str, Any]:
+    """Nothing of a run that has not been written yet, or is gone."""
+    try:
+        return _run_facts(folder, folder.record(), name)
+    except (OSError, UserError):
+        return {}
+
+
+def _run_facts(folder: RunFolder, record: RunRecord, name: str) -> dict[str, Any]:
     """What an export says of a run; without a model's digest while it is being trained."""
     part = {} if record.clip.part == WHOLE else {"part": record.clip.part}
     return {

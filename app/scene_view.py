@@ -1,20 +1,17 @@
-"""A scene as one kind of view shows it, at any moment."""
+"""A view of a scene by value: what a window, an export, a command and a replay ask of a renderer."""
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from app.drawing import Draw, Drawn
-from app.errors import UserError
-from app.evaluate import run_clip
-from app.moments import Moment
-from app.run_folder import RunFolder
-from app.scene import Scene, is_splat_file
-from app.training import input_clip
+from app.gui.views.free_view import FreeView
+from app.gui.work.photos import Photo, PhotoRequest
+from app.scene import Scene
+from app.supersampling import supersampled
 from app.views import (
-    EXPLAINED,
     SHAPES,
     Composed,
     Scale,
@@ -26,74 +23,119 @@ from app.views import (
     spread,
 )
 from renderer.camera import Camera
-from renderer.clip import Clip
-from renderer.near_plane import near_plane
+
+BACKGROUND = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class SceneView:
-    """What is drawn, by what."""
+@dataclass(frozen=True)
+class ViewRequest:
+    """Everything that a picture depends on, but for what draws it."""
 
     scene: Scene
-    kind: ViewKind
-    draw: Draw
-    photos: Clip | None = None
-    """What a difference is to."""
+    time: float
+    camera: Camera
+    kind: ViewKind = "color"
+    photo: Photo | PhotoRequest | None = None
+    """Of the same frame, where the view is the difference to it; read when it is needed, or before."""
+    supersampling: int = 1
+    """Drawn with so many times as many pixels each way, and averaged."""
     scale: Scale | None = None
-    """Of its values; None: that which holds those of each picture."""
+    """Of its values; None: that which holds those of this picture."""
+    near_plane: float | None = None
+    """In scene units; None: that of the scene."""
+    reduced: bool = False
+    """Drawn with fewer pixels than the screen has, to keep up with the hand."""
 
-    def drawn(self, time: float, camera: Camera, near: float) -> Drawn:
-        """The splats of this kind; `near` in scene units."""
-        splats = splats_for(self.kind, self.scene.model, time, camera)
-        return self.draw(splats, camera, near, self.scene.mode, SHAPES[self.kind])
+    @classmethod
+    def of_frame(cls, scene: Scene, frame: int) -> ViewRequest:
+        """That frame as the clip's camera took it: moment, pose, lens, pixels."""
+        return cls(scene, scene.time(frame), scene.cameras[frame])
 
-    def composed(self, drawn: Drawn, frame: int | None) -> Composed:
-        """The picture of these; a difference is to the photo of `frame`. Raises UserError or ClipError."""
-        photo = None
-        if self.photos is not None:
-            if frame is None or not 0 <= frame < len(self.photos):
-                raise UserError(f"expected a difference to one of {len(self.photos)} frames, got {frame}")
-            photo = self.photos.read_image(frame)
+    @classmethod
+    def of_clip_frame(cls, scene: Scene, frame: int) -> ViewRequest:
+        """That frame of the whole clip; of those before and after the scene's own, the nearest."""
+        return cls.of_frame(scene, min(max(frame - scene.start, 0), len(scene.cameras) - 1))
+
+    @classmethod
+    def fitted(cls, scene: Scene, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:
+        """Of (width, height) pixels at `time` in [0, 1]: the free view, or that of the clip's camera.
+
+        The photo's whole field stays in view, whatever the shape of the view.
+        """
+        camera = scene.camera_at(time) if free is None else free.camera
+        return cls(scene, time, camera.fitted(*size))
+
+    @property
+    def near(self) -> float:
+        """The near plane in scene units."""
+        return self.scene.near if self.near_plane is None else self.near_plane
+
+    @property
+    def frame(self) -> int:
+        """Of the scene's frames the nearest."""
+        return self.scene.frame_at(self.time)
+
+    def of_kind(self, kind: ViewKind, photo: Photo | PhotoRequest | None = None) -> ViewRequest:
+        """The same camera and time shown otherwise; a difference without its photo stays in colour."""
+        if kind == "difference":
+            return self if photo is None else replace(self, kind=kind, photo=photo)
+        return replace(self, kind=kind)
+
+    def scaled(self, scale: float) -> ViewRequest:
+        """The same view with fewer pixels."""
+        width = max(1, round(self.camera.width * scale))
+        height = max(1, round(self.camera.height * scale))
+        return replace(self, camera=self.camera.resized(width, height), reduced=True)
+
+    def drawn(self, draw: Draw) -> Drawn:
+        """The splats of its kind, as the scene was trained to be drawn."""
+        splats = splats_for(self.kind, self.scene.model, self.time, self.camera)
+        fine = supersampled(draw, self.supersampling)
+        return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind])
+
+    def composed(self, drawn: Drawn) -> Composed:
+        """The picture that is asked for, of its splats drawn in their shape. Raises ClipError for a photo."""
+        photo = self.photo.image if self.photo else None
         return composed(self.kind, drawn, self.scene.unit, photo, self.scale)
 
-    def at(self, moment: Moment) -> Composed:
-        """Raises UserError or ClipError."""
-        near = near_plane(self.scene.model, moment.camera)
-        return self.composed(self.drawn(moment.time, moment.camera, near), moment.frame)
-
-    def steady(self, moments: Sequence[Moment]) -> SceneView:
-        """With one scale for all of these moments, so that they can be compared."""
-        if not has_scale(self.kind):
-            return self
-        scales = [self.at(moment).scale for moment in spread(moments)]
-        return replace(self, scale=holding([scale for scale in scales if scale is not None]))
+    def picture(self, draw: Draw) -> Composed:
+        """Raises ClipError for a photo, UserError where it cannot be drawn."""
+        return self.composed(self.drawn(draw))
 
 
-def add_flag(parser: argparse.ArgumentParser) -> None:
-    """Which kind of view is drawn."""
-    parser.add_argument(
-        "--view",
-        choices=EXPLAINED,
-        default="color",
-        help="what pictures and videos show, with a scale where that is a quantity, one for all of a video; "
-        "difference: to the photos that the run was trained on (default color)",
-    )
+def steady(views: Sequence[ViewRequest], draw: Draw) -> Generator[ViewRequest, None, tuple[ViewRequest, ...]]:
+    """The same with one scale for all, so that they can be compared.
+
+    Yields each view that is looked at for it. Raises ClipError or UserError.
+    """
+    scales = []
+    for view in spread(views) if has_scale(views[0].kind) else ():
+        scales.append(view.picture(draw).scale)
+        yield view
+    found = [scale for scale in scales if scale is not None]
+    scale = holding(found) if found else None
+    return tuple(replace(view, scale=scale) for view in views)
 
 
-def asked_for(flags: argparse.Namespace, scene: Scene, draw: Draw) -> SceneView:
-    """Raises UserError for a difference where there are no photos."""
-    return SceneView(scene, flags.view, draw, _photos(flags) if flags.view == "difference" else None)
+def view_facts(view: ViewRequest, renderer: str) -> dict[str, Any]:
+    """What an export says of it, with the name of what draws it: its own run and clip, which need not be
+    those of the pictures beside it."""
+    return lasting_facts(view, renderer) | moment_facts(view)
 
 
-def _photos(flags: argparse.Namespace) -> Clip:
-    """What each frame of a run should look like. Raises UserError where there is none."""
-    if is_splat_file(flags.scene) or flags.camera or flags.path or flags.time is not None:
-        raise UserError("--view difference: expected frames of a run from its own cameras, which have photos")
-    record = RunFolder(flags.scene).record()
-    camera = record.camera(0)
-    if flags.size and not camera.has_shape(*flags.size):
-        raise UserError(
-            f"--view difference: expected a --size of the photos' shape, {camera.width} {camera.height}, "
-            f"got {flags.size[0]} {flags.size[1]}"
-        )
-    return input_clip(run_clip(record), record)
+def lasting_facts(view: ViewRequest, renderer: str) -> dict[str, Any]:
+    """What is so at every moment of a video: the model, and how it is drawn."""
+    return view.scene.facts | {
+        "iteration": view.scene.iteration,
+        "near": view.near,
+        "background": BACKGROUND,
+        "renderer": renderer,
+        "supersampling": view.supersampling,
+        "view": view.kind,
+        "scale": view.scale,
+    }
+
+
+def moment_facts(view: ViewRequest) -> dict[str, Any]:
+    """When, and from where it is seen."""
+    return {"time": view.time, "camera": view.camera.to_json(), "frame": view.frame}

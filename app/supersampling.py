@@ -21,7 +21,7 @@ def supersampled(draw: Draw, factor: int) -> Draw:
         return draw
 
     def drawing(
-        splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
+        splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
     ) -> Drawn:
         fine = camera.resized(factor * camera.width, factor * camera.height)
         return averaged(draw(splats, fine, near, mode, shape), factor)

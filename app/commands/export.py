@@ -7,22 +7,22 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from app import moments, scene_view
+from app import moments, view_flags
 from app.atomic import filled, together, write_bytes
 from app.color_bar import with_bar
-from app.drawers import drawn_by
+from app.drawers import drawer
 from app.errors import UserError
+from app.in_steps import in_one_go
 from app.moments import Moment
 from app.pictures import ArrayImage
 from app.progress import progress
-from app.provenance import comments, repeatable, write_sidecar
+from app.provenance import repeatable, write_sidecar
 from app.scene import Scene
+from app.scene_splats import of_degree, splat_file
+from app.scene_view import lasting_facts, steady
 from app.video import Timing, write_video
 from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.harmonics import BANDS
-from renderer.near_plane import near_plane
-from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.inria_ply import ply_bytes
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +42,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
     moments.add_flags(parser)
-    scene_view.add_flag(parser)
+    view_flags.add_flag(parser)
 
 
 def run(flags: argparse.Namespace) -> None:
@@ -65,21 +65,20 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    still = _of_degree(scene.model.raw, degree)
+    scene = _of_degree(scene, degree)
     asked = {} if degree is None else {"sh_degree": degree}
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
-            raw = scene.model.motion.moved(still, moment.time)
             facts = repeatable(kind="splats", **scene.facts, frame=moment.frame, time=moment.time, **asked)
-            (staging / f"{moment.name}.ply").write_bytes(ply_bytes(raw, scene.mode, comments(facts)))
+            (staging / f"{moment.name}.ply").write_bytes(splat_file(scene, moment.time, facts))
             report(done, moment.name)
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
 
 
-def _of_degree(raw: RawGaussians, degree: int | None) -> RawGaussians:
+def _of_degree(scene: Scene, degree: int | None) -> Scene:
     """Raises UserError for a degree that would lose colours."""
     try:
-        return raw if degree is None else raw.of_degree(degree)
+        return of_degree(scene, degree)
     except ValueError as error:
         raise UserError(
             f"--sh-degree: expected one that holds all of the model, got {degree} for {error}"
@@ -87,19 +86,19 @@ def _of_degree(raw: RawGaussians, degree: int | None) -> RawGaussians:
 
 
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
-    draw, by = drawn_by(flags.renderer, flags.supersampling)
-    view = scene_view.asked_for(flags, scene, draw).steady(wanted)
+    draw, name = drawer(flags.renderer)
+    views = in_one_go(steady(view_flags.asked_for(flags, scene, wanted), draw))
 
     def pictures() -> Iterator[ArrayImage]:
         with progress("draw", len(wanted)) as report:
-            for done, moment in enumerate(wanted, start=1):
-                yield with_bar(view.at(moment))
+            for done, (moment, view) in enumerate(zip(wanted, views, strict=True), start=1):
+                yield with_bar(view.picture(draw))
                 report(done, moment.name)
 
-    seen = [moment.facts | {"near": near_plane(scene.model, moment.camera)} for moment in wanted]
-    facts = scene.facts | by | {"background": (0.0, 0.0, 0.0), "view": view.kind, "scale": view.scale}
+    seen = [moment.facts | {"near": view.near} for moment, view in zip(wanted, views, strict=True)]
+    facts = lasting_facts(views[0], name)
     with together(flags.video) as place:
         written = write_video(place, pictures(), Timing(flags.frames_per_second))
         facts |= {"frames_per_second": flags.frames_per_second, "moments": seen, "video": written}
         write_sidecar(place, repeatable(kind="render video", **facts))
-    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {by['renderer']}\n")
+    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {name}\n")

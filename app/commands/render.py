@@ -7,18 +7,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app import moments, scene_view
+from app import moments, view_flags
 from app.atomic import filled
 from app.color_bar import with_bar
-from app.drawers import drawn_by
+from app.drawers import drawer
 from app.drawing import Drawn, colored_depth
 from app.errors import UserError
 from app.moments import Moment
 from app.pictures import write_image
 from app.progress import progress
 from app.provenance import repeatable, write_png
+from app.scene_view import view_facts
 from app.views import SHAPES, has_scale
-from renderer.near_plane import near_plane
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +27,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--transparent", action="store_true", help="without a background: alpha in the PNG, not premultiplied"
     )
-    scene_view.add_flag(parser)
+    view_flags.add_flag(parser)
     parser.add_argument("--depth", action="store_true", help="write expected depth too: float32 and coloured")
 
 
@@ -37,21 +37,19 @@ def run(flags: argparse.Namespace) -> None:
     if flags.depth and SHAPES[flags.view] != "soft":
         raise UserError(f"--depth: expected a --view of Gaussians as they are, got {flags.view}")
     scene, wanted = moments.chosen(flags)
-    draw, by = drawn_by(flags.renderer, flags.supersampling)
-    behind = None if flags.transparent else (0.0, 0.0, 0.0)
-    facts = scene.facts | by | {"background": behind, "view": flags.view}
-    view = scene_view.asked_for(flags, scene, draw)
+    draw, name = drawer(flags.renderer)
+    views = view_flags.asked_for(flags, scene, wanted)
+    behind = {"background": None} if flags.transparent else {}
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
-        for done, moment in enumerate(wanted, start=1):
-            near = near_plane(scene.model, moment.camera)
-            drawn = view.drawn(moment.time, moment.camera, near)
-            shown = drawn.straight if flags.transparent else with_bar(view.composed(drawn, moment.frame))
-            own_facts = facts | moment.facts | {"near": near}
-            write_png(staging / f"{moment.name}.png", shown, repeatable(kind="render", **own_facts))
+        for done, (moment, view) in enumerate(zip(wanted, views, strict=True), start=1):
+            drawn = view.drawn(draw)
+            shown = drawn.straight if flags.transparent else with_bar(view.composed(drawn))
+            facts = view_facts(view, name) | moment.facts | behind
+            write_png(staging / f"{moment.name}.png", shown, repeatable(kind="render", **facts))
             if flags.depth:
-                _write_depth(staging, moment, drawn, own_facts)
+                _write_depth(staging, moment, drawn, facts)
             report(done, moment.name)
-    sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {by['renderer']}\n")
+    sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {name}\n")
 
 
 def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:

@@ -13,23 +13,23 @@ from pydantic.dataclasses import dataclass
 from app.atomic import write_bytes
 from app.color_bar import with_bar
 from app.drawers import Renderer, drawer
-from app.drawing import Draw, Drawn, colored_depth
+from app.drawing import Draw, colored_depth
 from app.errors import UserError
 from app.evaluate import run_clip
+from app.gui.work.photos import PhotoRequest
 from app.pictures import write_image
-from app.provenance import comments, write_sidecar
+from app.provenance import write_sidecar
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
 from app.run_edits import unpacked
 from app.scene import Scene, open_scene
-from app.scene_view import SceneView
-from app.supersampling import supersampled
+from app.scene_splats import of_degree, splat_file
+from app.scene_view import ViewRequest
 from app.training import input_clip
 from app.video import Timing, write_video
 from app.views import Scale, ViewKind
 from renderer.camera import Camera
-from renderer.clip import ByteImage, Clip
-from renderer.splat_files.inria_ply import ply_bytes
+from renderer.clip import Clip
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -116,37 +116,49 @@ def drawer_of(facts: Facts) -> tuple[Draw, str]:
     """The kind of renderer that drew, as it is here. Raises UserError or pydantic.ValidationError."""
     said = RENDER.validate_python(facts)
     kinds: dict[str, Renderer] = {"OpenGL": "gl", "float64": "reference"}
-    draw, name = drawer(next((kind for word, kind in kinds.items() if said.renderer.startswith(word)), "cpu"))
-    return supersampled(draw, said.supersampling), name
+    return drawer(next((kind for word, kind in kinds.items() if said.renderer.startswith(word)), "cpu"))
 
 
 def remake_render(facts: Facts, sources: Sources, target: Path) -> str:
     """Raises UserError, ClipError or pydantic.ValidationError."""
-    view, name = view_of(facts, sources, trained=True)
+    (draw, name), view = drawer_of(facts), view_of(facts, sources, trained=True)
+    drawn = view.drawn(draw)
     if RENDER.validate_python(facts).background is None:
-        write_image(target, drawn(view, facts).straight, again(facts))
+        write_image(target, drawn.straight, again(facts))
     else:
-        write_image(target, picture(view, facts), again(facts))
+        write_image(target, with_bar(view.composed(drawn)), again(facts))
     return name
 
 
-def view_of(facts: Facts, sources: Sources, *, trained: bool) -> tuple[SceneView, str]:
-    """What the facts say that is drawn, and by what it is; a difference is to the photos that the run was
-    `trained` on, or to the clip's own. Raises UserError, ClipError or pydantic.ValidationError."""
-    (draw, name), said = drawer_of(facts), RENDER.validate_python(facts)
-    photos = _photos(facts, sources, trained=trained) if said.view == "difference" else None
-    return SceneView(scene_of(facts, sources), said.view, draw, photos, said.scale), name
+def view_of(facts: Facts, sources: Sources, *, trained: bool) -> ViewRequest:
+    """What the facts say that is drawn; a difference is to the photos that the run was `trained` on, or to
+    the clip's own. Raises UserError, ClipError or pydantic.ValidationError."""
+    said, seen = RENDER.validate_python(facts), VIEW.validate_python(facts)
+    view = ViewRequest(
+        scene_of(facts, sources),
+        seen.time,
+        _camera(seen),
+        supersampling=said.supersampling,
+        scale=said.scale,
+        near_plane=seen.near,
+    )
+    if said.view != "difference":
+        return view.of_kind(said.view)
+    return view.of_kind("difference", _photo(_photos(facts, sources, trained=trained), seen.frame))
 
 
-def drawn(view: SceneView, facts: Facts) -> Drawn:
-    """At the moment of the facts. Raises UserError or pydantic.ValidationError."""
+def at(view: ViewRequest, facts: Facts) -> ViewRequest:
+    """The same at the moment of the facts. Raises UserError or pydantic.ValidationError."""
     seen = VIEW.validate_python(facts)
-    return view.drawn(seen.time, _camera(seen), seen.near)
+    photo = _photo(view.photo.clip, seen.frame) if isinstance(view.photo, PhotoRequest) else None
+    return replace(view, time=seen.time, camera=_camera(seen), near_plane=seen.near, photo=photo)
 
 
-def picture(view: SceneView, facts: Facts) -> ByteImage:
-    """At the moment of the facts. Raises UserError, ClipError or pydantic.ValidationError."""
-    return with_bar(view.composed(drawn(view, facts), VIEW.validate_python(facts).frame))
+def _photo(photos: Clip, frame: int | None) -> PhotoRequest:
+    """Raises UserError for a frame that they do not have."""
+    if frame is None or not 0 <= frame < len(photos):
+        raise UserError(f"expected a difference to one of {len(photos)} frames, got {frame}")
+    return PhotoRequest(photos, frame)
 
 
 def _photos(facts: Facts, sources: Sources, *, trained: bool) -> Clip:
@@ -161,8 +173,8 @@ def _photos(facts: Facts, sources: Sources, *, trained: bool) -> Clip:
 
 def remake_depth(facts: Facts, sources: Sources, target: Path) -> str:
     """As numbers or in colours. Raises UserError or pydantic.ValidationError."""
-    view, name = view_of(facts | {"view": "color"}, sources, trained=True)
-    depth = drawn(view, facts).depth
+    draw, name = drawer_of(facts)
+    depth = view_of(facts | {"view": "color"}, sources, trained=True).drawn(draw).depth
     write_image(target, depth if target.suffix == ".npy" else colored_depth(depth)[0], again(facts))
     return name
 
@@ -172,8 +184,9 @@ def remake_video(facts: Facts, sources: Sources, target: Path) -> str:
     video = VIDEO.validate_python(facts)
     if not video.moments:
         raise UserError(f"expected at least one frame, got none: {sources.file}")
-    view, name = view_of(facts, sources, trained=True)
-    frames = (picture(view, moment) for moment in video.moments)
+    draw, name = drawer_of(facts)
+    view = view_of(facts | video.moments[0], sources, trained=True)
+    frames = (with_bar(at(view, moment).picture(draw)) for moment in video.moments)
     write_video(target, frames, Timing(video.frames_per_second))
     write_sidecar(target, again(facts))
     return name
@@ -181,11 +194,13 @@ def remake_video(facts: Facts, sources: Sources, target: Path) -> str:
 
 def remake_splats(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError or pydantic.ValidationError."""
-    scene, said = scene_of(facts, sources), MOMENT.validate_python(facts)
-    raw = scene.model.motion.moved(scene.model.raw, said.time)
-    if said.sh_degree is not None:
-        raw = raw.of_degree(said.sh_degree)
-    write_bytes(target, ply_bytes(raw, scene.mode, comments(again(facts))))
+    said = MOMENT.validate_python(facts)
+    try:
+        scene = of_degree(scene_of(facts, sources), said.sh_degree)
+    except ValueError as error:
+        got = f"{said.sh_degree} for {error}: {sources.file}"
+        raise UserError(f"expected a degree that holds all of the model, got {got}") from error
+    write_bytes(target, splat_file(scene, said.time, again(facts)))
 
 
 def _camera(view: ViewFacts) -> Camera:

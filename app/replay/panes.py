@@ -13,19 +13,18 @@ from app.errors import UserError
 from app.gui.work.enhancing import PictureRequest
 from app.gui.work.measure_table import MADE_AGAIN, measured_rows, write_measures
 from app.gui.work.others import OtherMaker
-from app.gui.work.page import Panel, sheet
+from app.gui.work.page import sheet
 from app.gui.work.shots import Arrangement, Panes, Shot
 from app.gui.work.sizing import Sizing
-from app.gui.work.view_pages import view_page, view_panel
-from app.gui.work.viewing import ShownModel
+from app.gui.work.view_pages import drawn_panel, view_pages
 from app.methods import METHODS
 from app.picture_mask import NO_MASK, PictureMask
 from app.provenance import write_png, write_sidecar
-from app.replay.drawn import picture, scene_of, view_of
+from app.replay.drawn import at, drawer_of, scene_of, view_of
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
-from app.scene_view import SceneView
+from app.scene import Scene
 from app.series import timing_of
 from app.settable import Scope
 from app.video import Timing, write_video
@@ -100,18 +99,13 @@ PANES, SPAN = TypeAdapter(PanesFacts), TypeAdapter(SpanFacts)
 VIEW_VIDEO = TypeAdapter(ViewVideoFacts)
 
 
-def _panel(view: SceneView, facts: Facts) -> Panel:
-    """At the moment of the facts. Raises UserError, ClipError or pydantic.ValidationError."""
-    return view_panel(view.scene.name, picture(view, facts), view.kind)
-
-
 def remake_panes(facts: Facts, sources: Sources, target: Path) -> str | None:
     """Panes, the 3D view, or both. Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     panels = panes_of(facts, sources).panels(OtherMaker()) if "source" in facts else []
     name = None
     for said in facts.get("views", []):
-        view, name = view_of(said, sources, trained=False)
-        panels.append(_panel(view, said))
+        draw, name = drawer_of(said)
+        panels.append(drawn_panel(view_of(said, sources, trained=False), draw))
     if not panels:
         raise UserError(f"expected panes or a 3D view, got neither: {sources.file}")
     write_png(target, sheet(panels), again(facts))
@@ -123,11 +117,12 @@ def remake_view_video(facts: Facts, sources: Sources, target: Path) -> str:
     said = VIEW_VIDEO.validate_python(facts)
     if not (said.views and said.moments):
         raise UserError(f"expected at least one 3D view and one frame, got none: {sources.file}")
-    views = [(one, *view_of(one, sources, trained=False)) for one in said.views]
-    pages = (view_page([_panel(view, one | moment) for one, view, _ in views]) for moment in said.moments)
-    write_video(target, pages, Timing(said.frames_per_second))
+    draw, name = drawer_of(said.views[0])
+    first = [(one, view_of(one | said.moments[0], sources, trained=False)) for one in said.views]
+    moments = (tuple(at(view, one | moment) for one, view in first) for moment in said.moments)
+    write_video(target, view_pages(moments, draw), Timing(said.frames_per_second))
     write_sidecar(target, again(facts))
-    return views[0][2]
+    return name
 
 
 def remake_panes_video(facts: Facts, sources: Sources, target: Path) -> None:
@@ -164,26 +159,14 @@ def _shot(pane: PaneFacts, clip: Clip, frame: int, sources: Sources) -> Shot:
     if pane.shows == "original":
         return shot
     if pane.shows == "render" and pane.view is not None:
-        return replace(shot, by=_model(pane.view, sources))
+        return replace(shot, by=_scene(pane.view, sources))
     by = pane.params if pane.shows == "setting" else pane.method
     if by is None or (isinstance(by, str) and by not in METHODS):
         raise UserError(f"expected a setting or a method for {pane.title}, got neither: {sources.file}")
     return replace(shot, by=by)
 
 
-def _model(view: dict[str, Any], sources: Sources) -> ShownModel:
-    """The model as the window shows it through the clip's cameras."""
+def _scene(view: dict[str, Any], sources: Sources) -> Scene:
+    """As the window shows it through the clip's cameras."""
     scene = scene_of(view, sources)
-    distance = float(view.get("near", 1.0)) / NEAR_SHARE
-    return ShownModel(
-        scene.model,
-        scene.cameras,
-        distance,
-        scene.name,
-        0,
-        0,
-        live=False,
-        mode=scene.mode,
-        unit=scene.unit,
-        first=scene.first,
-    )
+    return replace(scene, distance=float(view.get("near", scene.near)) / NEAR_SHARE)

@@ -19,6 +19,7 @@ from app.pictures import read_image
 from app.provenance import read_provenance, write_png
 from app.replay import replay
 from app.replay.difference import difference
+from app.scene_view import ViewRequest
 from app.settable import Scope
 from assets import phantom_path
 from enhance import EnhanceParams
@@ -152,7 +153,7 @@ def test_a_screenshot_comes_again(
     assert opened.run.model is not None
     model = opened.run.model
     free = FreeView.of(model.camera_at(0.3)).looked(0.1, 0.02)
-    view = model.view(0.3, free, (70, 50))
+    view = ViewRequest.fitted(model, 0.3, free, (70, 50))
     path, again = saved(tmp_path / "pictures", wanted, view), tmp_path / "again.png"
     assert replay(path, (runs["original"],), again).difference.is_none
     assert np.array_equal(read_image(again), read_image(path))

@@ -32,9 +32,9 @@ def test_a_drawing_is_averaged_before_it_is_clipped() -> None:
         return Drawn(image, alpha, alpha)
 
     camera, splats = Camera.from_fov(60, 6, 4), make_model().at(0)
-    plain = ramp(splats, camera, 1.0)
+    plain = ramp(splats, camera, 1.0, "default")
     for factor in FACTORS:
-        drawn = supersampled(ramp, factor)(splats, camera, 1.0)
+        drawn = supersampled(ramp, factor)(splats, camera, 1.0, "default")
         np.testing.assert_allclose(drawn.image, plain.image, rtol=1e-6)
         assert drawn.image.max() > 1
 

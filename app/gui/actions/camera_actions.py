@@ -11,7 +11,8 @@ from app.gui.state.viewer import MAX_SPEED, MIN_SPEED
 from app.gui.views.free_view import FreeView, Vector, vector
 from app.gui.views.measurement import Measurement
 from app.gui.work.picking import Picked, PickRequest, Purpose
-from app.gui.work.viewing import ShownModel, ViewRequest
+from app.scene import Scene
+from app.scene_view import ViewRequest
 
 TOAST_SECONDS = 4.0
 LONGEST_STEP = 0.1
@@ -94,19 +95,19 @@ def ask_point(state: AppState, request: ViewRequest, pixel: tuple[int, int], pur
 def take_point(state: AppState, request: PickRequest, picked: Picked) -> None:
     """The answer to a wish; of a view that is no longer shown, it is dropped."""
     models = [model for model in (state.model, state.second.shown) if model is not None]
-    if all(request.view.shown.cameras != model.cameras for model in models):
+    if all(request.view.scene.cameras != model.cameras for model in models):
         return
     if picked.point is None:
         state.toast = Toast("No surface is there", state.now + TOAST_SECONDS)
     elif request.purpose == "measure":
         viewer = state.viewer
         view = request.view
-        viewer.measurement = viewer.measurement.with_point(picked.point, view.time, view.shown.name)
+        viewer.measurement = viewer.measurement.with_point(picked.point, view.time, view.scene.name)
     else:
         state.viewer.pivot, state.viewer.flying = picked.point, False
 
 
-def centre(state: AppState, model: ShownModel) -> Vector:
+def centre(state: AppState, model: Scene) -> Vector:
     """What the view turns around, in the world."""
     if state.viewer.pivot is not None:
         return state.viewer.pivot
@@ -115,7 +116,7 @@ def centre(state: AppState, model: ShownModel) -> Vector:
     return vector(pose[:3, 3] + model.distance * pose[:3, 2])
 
 
-def _leave(state: AppState, model: ShownModel) -> FreeView:
+def _leave(state: AppState, model: Scene) -> FreeView:
     """The view as it stands, no longer the clip's camera nor under its photo; its centre stays, too."""
     viewer = state.viewer
     viewer.pivot, viewer.snapped = centre(state, model), False

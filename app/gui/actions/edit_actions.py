@@ -17,17 +17,16 @@ from app.gui.work.editing import (
     Selected,
     SelectRequest,
     Tool,
-    edited_model,
     tinted_model,
 )
-from app.provenance import comments, repeatable
+from app.provenance import repeatable
 from app.run_edits import edits_facts, save_edits, saved_since
 from app.run_folder import RunFolder
+from app.scene_splats import splat_file
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Range, Rectangle, Region
 from renderer.editing.sight import Trait
-from renderer.splat_files.inria_ply import ply_bytes
 
 SHORTEST = 3.0
 """Pixels: a drag that goes nowhere selects nothing."""
@@ -61,7 +60,7 @@ def _show(state: AppState) -> None:
     assert editing.base is not None
     edits = editing.edits
     if edits.visible != editing.drawn:
-        editing.edited, editing.drawn = edited_model(editing.base, edits), edits.visible
+        editing.edited, editing.drawn = editing.base.edited(edits), edits.visible
     assert editing.edited is not None
     state.model = editing.edited
     editing.tinted = tinted_model(editing.edited, edits) if editing.active else None
@@ -255,15 +254,12 @@ def write_splats(state: AppState, source: Path) -> Path:
     """What can be seen at the present time, beside its source; never over another file."""
     editing = state.editing
     assert editing.edited is not None
-    raw = editing.edited.model.motion.moved(editing.edited.model.raw, state.time)
     stem = source.name.removesuffix(source.suffix).removesuffix(".compressed")
     path, number = source.with_name(f"{stem}-edited.ply"), 2
     while path.exists():
         path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
-    origin = editing.edited.origin
-    said = (origin.facts if origin else {}) | edits_facts(editing.edits)
-    facts = repeatable(kind="splats", **said, time=state.time)
-    write_bytes(path, ply_bytes(raw, editing.edited.mode, comments(facts)))
+    facts = repeatable(kind="splats", **editing.edited.facts | edits_facts(editing.edits), time=state.time)
+    write_bytes(path, splat_file(editing.edited, state.time, facts))
     return path
 
 

@@ -13,10 +13,12 @@ from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
 from app.gui.work.enhancing import PictureRequest
 from app.gui.work.exporting import Exporting, ExportRequest, Form, Step
+from app.gui.work.photos import PhotoRequest
 from app.gui.work.shots import Arrangement, Panes, Shot
 from app.gui.work.view_pages import Views
-from app.gui.work.viewing import ShownModel, ViewRequest
 from app.moments import FRAMES_PER_SECOND
+from app.scene import Scene
+from app.scene_view import ViewRequest
 from app.settable import ENHANCED, ORIGINAL
 
 What = Literal[
@@ -162,11 +164,10 @@ def _request(state: AppState, offer: Offer) -> ExportRequest:
         rate = FRAMES_PER_SECOND
     return ExportRequest(
         state.places.pictures,
-        state.clip.path.stem if state.clip is not None and panes.shots else moments[0][0].shown.name,
+        state.clip.path.stem if state.clip is not None and panes.shots else moments[0][0].scene.name,
         offer.form,
         panes,
         moments,
-        state.clip if offer.form == "view video" else None,
         state.span,
         rate,
         state.opened_options,
@@ -207,8 +208,8 @@ def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
         return ()
     if offer.sees == "still":
         return (_with_second(state, view),)
-    moving = _through_time(state, view.shown) if offer.sees == "time" else _along_path(state, view.shown)
-    return tuple(_with_second(state, replace(first, kind=state.view_kind)) for first in moving)
+    moving = _through_time(state, view.scene) if offer.sees == "time" else _along_path(state, view.scene)
+    return tuple(_with_second(state, first) for first in moving)
 
 
 def _with_second(state: AppState, first: ViewRequest) -> Views:
@@ -221,20 +222,22 @@ def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
     return replace(sized(view, state.exports.view_size), supersampling=state.exports.supersampling)
 
 
-def _through_time(state: AppState, shown: ShownModel) -> Iterator[ViewRequest]:
-    """Every frame of the clip, from here or through its own cameras."""
-    for frame, camera in enumerate(shown.cameras):
-        time = frame / len(shown.cameras)
+def _through_time(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
+    """Every frame of the clip, from here or through its own cameras, where a difference is to its photo."""
+    clip = state.clip if state.has_photos else None
+    for frame in range(len(scene.cameras)):
         if state.viewer.snapped:
-            yield ViewRequest(shown, time, camera)
+            photo = PhotoRequest(clip, scene.start + frame) if clip is not None else None
+            yield ViewRequest.of_frame(scene, frame).of_kind(state.view_kind, photo)
         else:
-            yield shown.view(time, state.viewer.free, state.view_size)
+            view = ViewRequest.fitted(scene, scene.time(frame), state.viewer.free, state.view_size)
+            yield view.of_kind(state.view_kind)
 
 
-def _along_path(state: AppState, shown: ShownModel) -> Iterator[ViewRequest]:
+def _along_path(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
     """As `vesselsplat export --path` goes along it."""
     for key in state.cameras.views.path.moments(FRAMES_PER_SECOND):
-        yield ViewRequest(shown, key.time, key.camera.fitted(*state.view_size))
+        yield ViewRequest(scene, key.time, key.camera.fitted(*state.view_size)).of_kind(state.view_kind)
 
 
 def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
@@ -242,7 +245,7 @@ def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
 
     A difference keeps the photo's shape, within the size.
     """
-    camera, photo = view.camera, view.shown.cameras[0]
+    camera, photo = view.camera, view.scene.cameras[0]
     if size is None:
         scale = max(1.0, photo.width / camera.width, photo.height / camera.height)
     elif view.kind == "difference":

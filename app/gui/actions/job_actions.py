@@ -12,14 +12,11 @@ from app.gui.actions.actions import latest, leave, say
 from app.gui.legible import capital, legible
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Job, Reconstruction, Waiting
-from app.gui.work.opening import finished_model
-from app.gui.work.origin import origin_of
-from app.gui.work.viewing import ShownModel
 from app.run_folder import Input, RunFolder
+from app.scene import Scene, Training, run_scene
 from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
-from renderer.near_plane import middle_distance
 from renderer.train.config import Part
 
 MakeJob = Callable[[TrainRequest], Job]
@@ -136,42 +133,29 @@ def cancel(state: AppState) -> None:
 
 def show_live_model(state: AppState, model: DynamicGaussians) -> None:
     """The newest copy of the model that is being trained, in the 3D view."""
-    job = state.reconstruction
-    if job.clip is None or job.run_path is None or (state.model and state.model.model is model):
+    job, before = state.reconstruction, state.model
+    if before is not None and before.model is model:
         return
     iteration = job.progress.iteration if job.progress else 0
-    first = state.model is None or state.model.cameras != job.clip.cameras
-    distance = middle_distance(model, job.clip.cameras[0])
-    if not first and state.model is not None:
+    scene = _scene(job, model, Training(iteration, job.iterations, live=True))
+    if scene is not None and before is not None and before.cameras == scene.cameras:
         # A pivot that follows every preview would make the picture wander.
-        distance = state.model.distance
-    state.model = ShownModel(
-        model,
-        job.clip.cameras,
-        distance,
-        job.run_path.name,
-        iteration,
-        job.iterations,
-        live=True,
-        origin=origin_of(RunFolder(job.run_path)),
-        mode="default" if job.request is None else job.request.config.render_mode,
-        unit=job.clip.unit,
-        first=_first(job),
-    )
-
-
-def _first(job: Reconstruction) -> int | None:
-    """Frame of the whole clip that its first one is; None where it is of all frames."""
-    return job.request.part.first if job.request is not None else None
+        scene = replace(scene, distance=before.distance)
+    state.model = scene or before
 
 
 def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
     job = state.reconstruction
-    if job.clip is not None and job.run_path is not None:
-        folder = RunFolder(job.run_path)
-        state.model = finished_model(
-            folder, model, job.clip.cameras, job.iterations, job.clip.unit, _first(job)
-        )
+    done = Training(job.iterations, job.iterations, live=False)
+    state.model = _scene(job, model, done) or state.model
+
+
+def _scene(job: Reconstruction, model: DynamicGaussians, training: Training) -> Scene | None:
+    """The model of the present run; None before there was one."""
+    if job.clip is None or job.request is None:
+        return None
+    request = job.request
+    return run_scene(RunFolder(request.run_path), model, job.clip, request.config, request.part, training)
 
 
 def can_continue(state: AppState) -> bool:

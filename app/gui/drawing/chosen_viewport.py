@@ -49,7 +49,7 @@ class ChosenViewport:
         if view is None or view.request.kind != "color" or any(view is one for one in self._views):
             return
         self._views.append(view)
-        if len(self._views) < VIEWS or view.request.shown.live:
+        if len(self._views) < VIEWS or view.request.scene.live:
             return
         self._compares = False
         try:

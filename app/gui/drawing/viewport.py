@@ -14,7 +14,9 @@ from app.drawing import Drawn
 from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
 from app.gui.work.baking import Baked
-from app.gui.work.viewing import BACKGROUND, ShownModel, View, ViewRequest
+from app.gui.work.viewing import View
+from app.scene import Scene
+from app.scene_view import BACKGROUND, ViewRequest
 from app.views import SHAPES, Composed, Scale, ViewKind, splats_for
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
@@ -46,7 +48,7 @@ class Watch:
     keyframes: Callable[[AppState], Keyframes | None]
 
 
-def keyframes_of(shown: ShownModel | None, baked: Baked | None) -> Keyframes | None:
+def keyframes_of(shown: Scene | None, baked: Baked | None) -> Keyframes | None:
     """Of the model that is shown, once they are there."""
     return baked.keyframes if baked is not None and baked.request.shown is shown else None
 
@@ -155,14 +157,14 @@ class GraphicsViewport:
         if self._splats is None or self._near != request.near:
             self._release_splats()
             self._splats, self._near = SplatView(self._ctx, near=request.near), request.near
-        shown = request.shown
-        time = 0.0 if isinstance(shown.model.motion, Still) else request.time
+        scene = request.scene
+        time = 0.0 if isinstance(scene.model.motion, Still) else request.time
         kind: ViewKind = "motion" if request.kind == "motion" else "color"
-        wanted = (shown, time, kind) if keyframes is None else keyframes
+        wanted = (scene, time, kind) if keyframes is None else keyframes
         if self._uploaded != wanted and keyframes is not None:
-            self._splats.upload_keyframes(keyframes, shown.mode)
+            self._splats.upload_keyframes(keyframes, scene.mode)
         elif self._uploaded != wanted:
-            self._splats.upload(splats_for(kind, shown.model, time, request.camera), shown.mode)
+            self._splats.upload(splats_for(kind, scene.model, time, request.camera), scene.mode)
         self._uploaded = wanted
         self._splats.seek(time)
         return self._splats

@@ -12,7 +12,7 @@ from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
-from app.gui.work.viewing import ShownModel
+from app.scene import Scene
 from renderer.camera_path import Keyframe
 
 Act = Callable[[], None]
@@ -99,7 +99,7 @@ def _draw_rename(state: AppState, index: int, name: str) -> None:
         imgui.close_current_popup()
 
 
-def _draw_path(state: AppState, model: ShownModel) -> None:
+def _draw_path(state: AppState, model: Scene) -> None:
     cameras, path = state.cameras, state.cameras.views.path
     button(f"{icons.ICON_FA_PLUS} Keyframe###keyframe", lambda: path_actions.add_keyframe(state))
     explain("I: this view and this time, at the path's present second or after its end.")
@@ -130,7 +130,7 @@ def _draw_path(state: AppState, model: ShownModel) -> None:
     _draw_keyframes(state, model)
 
 
-def _draw_keyframes(state: AppState, model: ShownModel) -> None:
+def _draw_keyframes(state: AppState, model: Scene) -> None:
     flags = imgui.TableFlags_.sizing_stretch_same
     with imgui_ctx.begin_table("keyframes", 3, flags) as table:
         if not table:
@@ -144,7 +144,7 @@ def _draw_keyframes(state: AppState, model: ShownModel) -> None:
                 _draw_keyframe(state, model, index, key)
 
 
-def _draw_keyframe(state: AppState, model: ShownModel, index: int, key: Keyframe) -> None:
+def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> None:
     imgui.table_next_column()
     imgui.set_next_item_width(-em(0.1))
     changed, seconds = imgui.drag_float("##seconds", key.seconds, 0.02, 0, 3600, "%.2f s")

@@ -11,7 +11,7 @@ from app.gui.look.widgets import em
 from app.gui.panels.scene_marks import placement
 from app.gui.state.app_state import AppState
 from app.gui.views.lines import frustum, seen
-from app.gui.work.viewing import ViewRequest
+from app.scene_view import ViewRequest
 from renderer.camera import FloatArray
 
 SHARE = 0.12
@@ -22,7 +22,7 @@ def draw_path_marks(state: AppState, request: ViewRequest, corner: ImVec2, size:
     """Over a picture of the request, unless it is what the path itself sees."""
     if not path_actions.sees_path(state):
         return
-    path, depth = state.cameras.views.path, SHARE * request.shown.distance
+    path, depth = state.cameras.views.path, SHARE * request.scene.distance
     track = path.track
     _draw(np.stack([track[:-1], track[1:]], axis=1), theme.PATH, request, corner, size)
     for key in path.keyframes:

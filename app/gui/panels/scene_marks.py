@@ -12,7 +12,7 @@ from app.gui.look.widgets import em, tag
 from app.gui.state.viewer import Viewer
 from app.gui.views.free_view import Vector
 from app.gui.views.picture_view import PictureView, Placement
-from app.gui.work.viewing import ViewRequest
+from app.scene_view import ViewRequest
 from renderer.camera import Camera
 
 
@@ -53,7 +53,7 @@ def draw_marks(viewer: Viewer, request: ViewRequest, corner: ImVec2, size: ImVec
         if at is not None:
             _draw_ring(at)
     measured = viewer.measurement
-    points = measured.points if measured.of == request.shown.name else ()
+    points = measured.points if measured.of == request.scene.name else ()
     ends = [on_screen(request.camera, point, corner, size) for point in points]
     shown = [end for end in ends if end is not None]
     draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.MARK)
@@ -64,9 +64,9 @@ def draw_marks(viewer: Viewer, request: ViewRequest, corner: ImVec2, size: ImVec
     for end in shown:
         draw.add_circle_filled(end, em(0.22), ink)
     if len(shown) == 2:
-        text = measured.text(request.shown.unit)
+        text = measured.text(request.scene.unit)
         if request.time != measured.time:
-            text += f" at {request.shown.moment(measured.time)}"
+            text += f" at {request.scene.moment(measured.time)}"
         beside = ImVec2((shown[0].x + shown[1].x) / 2 + em(0.5), (shown[0].y + shown[1].y) / 2)
         tag(text, beside, theme.TAG_CAUTION)
 

@@ -20,7 +20,8 @@ from app.gui.panels.path_marks import draw_path_marks
 from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.state.app_state import AppState
 from app.gui.work.photos import Photo
-from app.gui.work.viewing import ShownModel, ViewRequest
+from app.scene import Scene
+from app.scene_view import ViewRequest
 from app.views import EXPLAINED
 from renderer.clip import ByteImage
 
@@ -243,12 +244,11 @@ def photo_over(state: AppState) -> Photo | None:
     return None if state.view_kind == "difference" else state.photo
 
 
-def made_by(model: ShownModel, other: ShownModel | None) -> str:
+def made_by(model: Scene, other: Scene | None) -> str:
     """What tells a reconstruction from another: its method and frames, its name where these are the same."""
 
-    def told(one: ShownModel) -> str:
-        facts = one.origin.facts if one.origin is not None else {}
-        frames, config = facts.get("input"), facts.get("config")
+    def told(one: Scene) -> str:
+        frames, config = one.facts.get("input"), one.facts.get("config")
         if not frames or config is None:
             return legible(one.name)
         return f"{named(config.method)} · {frames} frames"
@@ -261,7 +261,7 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     """What the view says of itself: what it is of, how new, how fine; of two, the first speaks for both."""
     if shown is None:
         return [("DRAWING…", theme.TAG_CAUTION)]
-    model, second = shown.request.shown, state.second.shown
+    model, second = shown.request.scene, state.second.shown
     tags: list[Tag] = []
     moment = model.moment(shown.request.time)
     if model.live:
@@ -271,7 +271,7 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     if second is not None:
         other = state.model if model is second else second
         tags.append((f"{made_by(model, other)} · {moment}", theme.TAG_ENHANCED))
-    elif model.iterations == 0:
+    elif not model.is_of_run:
         tags.append((f"SPLATS · {legible(model.name)}", theme.TAG_ORIGINAL))
     else:
         tags.append((f"RECONSTRUCTION · {moment}", theme.TAG_ORIGINAL))

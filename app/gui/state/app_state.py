@@ -31,8 +31,10 @@ from app.gui.work.reported import Reported
 from app.gui.work.run_list import FoundRuns, RunsRequest
 from app.gui.work.strip import LeftOut, Strip
 from app.gui.work.tuning import Tuning
-from app.gui.work.viewing import ShownModel, View, ViewRequest
+from app.gui.work.viewing import View
 from app.methods import Look
+from app.scene import Scene
+from app.scene_view import ViewRequest
 from app.sessions import Session
 from app.settable import Scope, Slot
 from app.views import ViewKind
@@ -145,7 +147,7 @@ class AppState:
     wakings: int = 0
     """How often a person has said that some of an earlier session are to be made."""
     closing: Closing = "no"
-    preview: ShownModel | None = None
+    preview: Scene | None = None
     """The model as it was last seen, of the newest run that was cut short."""
     asks_for_runs: bool = False
     """The list of the clip's runs was drawn in the last frame."""
@@ -156,7 +158,7 @@ class AppState:
     """The list of what the next reconstruction leaves out is unfolded."""
     omissions: Omissions | None = None
     """The newest such list."""
-    model: ShownModel | None = None
+    model: Scene | None = None
     view: View | None = None
     editing: Editing = field(default_factory=Editing)
     baked: Baked | None = None
@@ -321,12 +323,14 @@ class AppState:
         """The same with no selection in colour: for everything but the eye."""
         return self._view_of(self.model)
 
-    def _view_of(self, model: ShownModel | None) -> ViewRequest | None:
+    def _view_of(self, model: Scene | None) -> ViewRequest | None:
         if model is None or min(self.view_size) < 1:
             return None
         if self.viewer.snapped:
-            return model.snapped(self.time).of_kind(self.view_kind, self.photo)
-        return model.view(self.time, self.viewer.free, self.view_size).of_kind(self.view_kind)
+            nearest = ViewRequest.of_frame(model, model.frame_at(self.time))
+            return nearest.of_kind(self.view_kind, self.photo)
+        whole = ViewRequest.fitted(model, self.time, self.viewer.free, self.view_size)
+        return whole.of_kind(self.view_kind)
 
     @property
     def second_request(self) -> ViewRequest | None:
@@ -342,10 +346,10 @@ class AppState:
         shown = self.second.shown
         if shown is None:
             return None
-        same = (shown.first, shown.cameras) == (first.shown.first, first.shown.cameras)
+        same = (shown.first, shown.cameras) == (first.scene.first, first.scene.cameras)
         if first.kind == "difference" and not same:
-            return replace(first, shown=shown, kind="color", photo=None)
-        return replace(first, shown=shown)
+            return replace(first, scene=shown, kind="color", photo=None)
+        return replace(first, scene=shown)
 
     @property
     def has_photos(self) -> bool:

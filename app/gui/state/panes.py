@@ -13,8 +13,8 @@ from app.gui.state.comparison import SIDES, Side
 from app.gui.work.enhancing import Pictures
 from app.gui.work.others import Difference, DifferenceRequest, Other, OtherRequest
 from app.gui.work.page import describe
-from app.gui.work.viewing import ShownModel
 from app.methods import PAPER, VESSEL, Look
+from app.scene import Scene
 from app.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -131,7 +131,7 @@ def _is_earlier(made: OtherRequest, wanted: OtherRequest) -> bool:
     if made.photo.clip is not wanted.photo.clip:
         return False
     now, then = wanted.by, made.by
-    if isinstance(now, ShownModel) and isinstance(then, ShownModel):
+    if isinstance(now, Scene) and isinstance(then, Scene):
         return now.name == then.name
     return now == then
 
@@ -139,7 +139,7 @@ def _is_earlier(made: OtherRequest, wanted: OtherRequest) -> bool:
 def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
     source, model = state.comparison.source(side), state.model
     if source == RENDER and model is not None:
-        frames = model.origin.facts.get("input", "") if model.origin else ""
+        frames = model.facts.get("input", "")
         what = f"RENDER · {legible(model.name)}" + (f" · of {frames} frames" if frames else "")
         name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
         live = (Tag(f"{name} · iteration {model.iteration}", "caution"),) if model.live else ()

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from app.gui.work.baking import Baked
 from app.gui.work.opening import OpenRequest
-from app.gui.work.viewing import ShownModel, View
+from app.gui.work.viewing import View
+from app.scene import Scene
 
 
 @dataclass
@@ -14,7 +15,7 @@ class Second:
     """Second actions change it; drawing reads it."""
 
     opening: OpenRequest | None = None
-    shown: ShownModel | None = None
+    shown: Scene | None = None
     view: View | None = None
     """The newest picture of it that the processor drew."""
     baked: Baked | None = None

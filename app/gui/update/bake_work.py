@@ -10,7 +10,7 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Channel, Failure
 from app.gui.work.baking import Baked, BakeRequest, bake, can_bake
-from app.gui.work.viewing import ShownModel
+from app.scene import Scene
 
 Bakes = Channel[BakeRequest, Baked]
 
@@ -39,7 +39,7 @@ class BakeWork:
             _ask(self.second, state.second.shown, state.second.baked)
 
 
-def _taken(state: AppState, channel: Bakes, shown: ShownModel | None, view: str) -> Baked | None:
+def _taken(state: AppState, channel: Bakes, shown: Scene | None, view: str) -> Baked | None:
     """The next part of what `view` shows."""
     taken = channel.take()
     if taken is None or taken[0].shown is not shown:
@@ -52,7 +52,7 @@ def _taken(state: AppState, channel: Bakes, shown: ShownModel | None, view: str)
     return taken[1]
 
 
-def _ask(channel: Bakes, shown: ShownModel | None, baked: Baked | None) -> None:
+def _ask(channel: Bakes, shown: Scene | None, baked: Baked | None) -> None:
     """Part by part, so that pictures are made between them."""
     asked = channel.asked
     if shown is None or not can_bake(shown):

@@ -39,9 +39,10 @@ from app.gui.work.photos import Photo, PhotoRequest, read_photo
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
-from app.gui.work.viewing import View, ViewRequest, draw_view
+from app.gui.work.viewing import View, draw_view
 from app.gui.work.window_shot import WindowRequest, save_window
 from app.moments import FRAMES_PER_SECOND
+from app.scene_view import ViewRequest
 
 PROMPT = 0.012
 """Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the
@@ -222,7 +223,7 @@ def _take_view(state: AppState, channels: Channels) -> None:
 
 def _take_second(state: AppState, channels: Channels) -> None:
     drawn = channels.second.take()
-    if drawn is None or drawn[0].shown is not state.second.shown:
+    if drawn is None or drawn[0].scene is not state.second.shown:
         return
     if isinstance(drawn[1], Failure):
         actions.fail(state, f"the second 3D view cannot be drawn: {drawn[1].message}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.gui.work.viewing import ShownModel
+from app.scene import Scene
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Baker, Keyframes, Tolerance
 
@@ -19,7 +19,7 @@ PIXELS = 0.02
 class BakeRequest:
     """Begin with a model, or go on with what `baker` has."""
 
-    shown: ShownModel
+    shown: Scene
     baker: Baker | None = None
 
 
@@ -43,7 +43,7 @@ class Baked:
         )
 
 
-def can_bake(shown: ShownModel | None) -> bool:
+def can_bake(shown: Scene | None) -> bool:
     """A model that moves and stays as it is: previews of a training come and go."""
     return shown is not None and not shown.live and not isinstance(shown.model.motion, Still)
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from app.gui.views.free_view import Vector
 from app.gui.work.picking import surface
-from app.gui.work.viewing import ShownModel, ViewRequest
-from app.run_edits import edits_facts
+from app.scene import Scene
+from app.scene_view import ViewRequest
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.highlight import highlighted
 from renderer.editing.history import History
@@ -47,7 +47,7 @@ class Around:
 class SelectRequest:
     """One wish to select; the next one like it is another request."""
 
-    base: ShownModel
+    base: Scene
     """Without any edit."""
     view: ViewRequest
     """As it is seen, edited."""
@@ -105,16 +105,16 @@ def _limits(values: np.ndarray[Any, np.dtype[np.float32]]) -> Limits:
 class Editing:
     """A part of the state: edit actions change it, drawing reads it."""
 
-    base: ShownModel | None = None
+    base: Scene | None = None
     """The model without any edit; None when there is none that can be edited."""
     history: History = field(default_factory=lambda: History(Edits.none(0)))
     saved: Edits = field(default_factory=lambda: Edits.none(0))
     """As they are on disk; selections do not count."""
-    edited: ShownModel | None = None
+    edited: Scene | None = None
     """`base` after the edits: what the window shows as its model."""
     drawn: Mask = field(default_factory=lambda: Mask(0))
     """The Gaussians of `base` that `edited` has."""
-    tinted: ShownModel | None = None
+    tinted: Scene | None = None
     """`edited` with the selected Gaussians in colour; None without any."""
 
     active: bool = False
@@ -155,23 +155,14 @@ class Editing:
     @property
     def run_path(self) -> Path | None:
         """Run folder or file of splats that the model is of."""
-        origin = self.base.origin if self.base else None
-        return origin.path if origin else None
+        return self.base.path if self.base else None
 
     @property
     def is_of_run(self) -> bool:
-        return self.base is not None and self.base.iterations > 0
+        return self.base is not None and self.base.is_of_run
 
 
-def edited_model(base: ShownModel, edits: Edits) -> ShownModel:
-    """What is left of `base`; its origin says so."""
-    if edits.is_empty:
-        return base
-    origin = base.origin and replace(base.origin, facts=base.origin.facts | edits_facts(edits))
-    return replace(base, model=edits.applied(base.model), origin=origin)
-
-
-def tinted_model(edited: ShownModel, edits: Edits) -> ShownModel | None:
+def tinted_model(edited: Scene, edits: Edits) -> Scene | None:
     """With the selected Gaussians in colour; None without any."""
     if not len(edits.selected):
         return None

@@ -8,19 +8,19 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.atomic import filled, together
+from app.drawing import ON_CPU
 from app.gui.work.measure_table import measured_rows, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
 from app.gui.work.shots import Panes
 from app.gui.work.view_pages import Views, drawn_panel, steady, video_facts, view_pages
-from app.gui.work.viewing import view_facts
 from app.in_steps import retold
 from app.moments import FRAMES_PER_SECOND
 from app.provenance import provenance, source, write_png, write_sidecar
+from app.scene_view import view_facts
 from app.series import timing_of
 from app.stamp import stamp
 from app.video import Timing, write_frames
-from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 Form = Literal["picture", "panes video", "view video", "measures"]
@@ -39,8 +39,6 @@ class ExportRequest:
     panes: Panes = field(default_factory=Panes)
     moments: tuple[Views, ...] = ()
     """Of the 3D view, with as many pixels as the file has: one in a picture, in a video one a frame."""
-    photos: Clip | None = None
-    """What the differences of a video are to."""
     span: tuple[int, int] = (0, 0)
     """First and last frame of the clip that a video or a table of panes has."""
     frames_per_second: float = FRAMES_PER_SECOND
@@ -109,7 +107,7 @@ def picture_facts(request: ExportRequest) -> dict[str, Any]:
         frame = {"index": photo.frame_index, "label": photo.clip.labels[photo.frame_index]}
         facts = _facts(request) | {"frame": frame}
     for views in request.moments:
-        facts["views"] = [view_facts(wanted) for wanted in views]
+        facts["views"] = [view_facts(wanted, ON_CPU) for wanted in views]
     return facts
 
 
@@ -129,8 +127,8 @@ def _picture(request: ExportRequest, path: Path) -> None:
 def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
     timing = Timing(request.frames_per_second)
     if request.form == "view video":
-        moments = yield from retold(steady(request.moments, request.photos), Step)
-        frames, facts = view_pages(moments, request.photos), {"kind": "view video"} | video_facts(moments)
+        moments = yield from retold(steady(request.moments), Step)
+        frames, facts = view_pages(moments), {"kind": "view video"} | video_facts(moments)
     else:
         request = replace(request, panes=request.panes.steady(OtherMaker()))
         frames = request.panes.pages(request.frames)

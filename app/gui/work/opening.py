@@ -8,22 +8,18 @@ from pathlib import Path
 from typing import Final
 
 from app.errors import UserError
-from app.gui.work.origin import Origin, origin_of
 from app.gui.work.reported import Reported, read
 from app.gui.work.told import Told, told
-from app.gui.work.viewing import ShownModel
 from app.provenance import digest
 from app.report.saved import holds_report, is_report
 from app.run_edits import read_edits
 from app.run_folder import RunFolder, RunRecord
-from app.scene import is_splat_file, splat_scene
+from app.scene import Scene, Training, finished_scene, is_splat_file, run_scene, splat_scene
 from app.sessions import SUFFIX, Session, mended_session
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
-from renderer.camera import Camera
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
-from renderer.near_plane import middle_distance
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.regular_files import require_regular
 from renderer.sources import open_clip
@@ -50,7 +46,7 @@ class OpenedRun:
     record: RunRecord
     request: TrainRequest
     """What it was begun with."""
-    model: ShownModel | None
+    model: Scene | None
     """Of a run that is not finished: its last checkpoint's, live; None where it left none."""
     told: Told
 
@@ -65,7 +61,7 @@ class Opened:
 
     clip: Clip | None
     run: OpenedRun | None = None
-    splats: ShownModel | None = None
+    splats: Scene | None = None
     """Of a file of splats."""
     notices: tuple[str, ...] = ()
     options: ClipOptions = DEFAULTS
@@ -146,18 +142,14 @@ def _open_session(path: Path) -> Opened:
 
 def _open_splats(path: Path) -> Opened:
     scene = splat_scene(path)
-    distance, origin = middle_distance(scene.model, scene.cameras[0]), Origin(scene.facts, path)
-    shown = ShownModel(
-        scene.model, scene.cameras, distance, scene.name, 0, 0, live=False, origin=origin, mode=scene.mode
-    )
-    return Opened(None, splats=shown, notices=scene.notices)
+    return Opened(None, splats=scene, notices=scene.notices)
 
 
 def _open_run(folder: RunFolder) -> Opened:
     record = folder.record()
     clip, notices = _clip_of(record)
     finished, warning, said = folder.is_finished, "", told(folder)
-    model = shown_model(folder, record) if finished else last_checkpoint(folder, record, said)
+    model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
     if model is not None and clip is not None and model.is_of(clip):
         # The same objects, so that comparing them is quick; it is done in every frame.
         model = replace(model, cameras=clip.cameras[model.start : model.start + len(model.cameras)])
@@ -174,7 +166,7 @@ def _open_run(folder: RunFolder) -> Opened:
     return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
 
 
-def last_checkpoint(folder: RunFolder, record: RunRecord, said: Told) -> ShownModel | None:
+def last_checkpoint(folder: RunFolder, record: RunRecord, said: Told) -> Scene | None:
     """The model as it was at the newest checkpoint that can be read; None where there is none."""
     checkpoint = read_newest_checkpoint(folder.path)
     if checkpoint is None:
@@ -185,8 +177,8 @@ def last_checkpoint(folder: RunFolder, record: RunRecord, said: Told) -> ShownMo
         return None
     # Methods with a stage of their own before take more steps than they are asked for.
     steps = said.progress[-1].iterations if said.progress else record.config.iterations
-    shown = _recorded(folder, model, record, steps)
-    return replace(shown, iteration=checkpoint.iteration, live=True)
+    done = Training(checkpoint.iteration, steps, live=True)
+    return run_scene(folder, model, record, record.config, record.clip.part, done)
 
 
 def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
@@ -209,37 +201,3 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
         return clip, clip.notices
     except ClipError as error:
         return None, (f"the run's clip cannot be opened, only its model is shown: {error}",)
-
-
-def shown_model(folder: RunFolder, record: RunRecord) -> ShownModel:
-    """The finished model of a run, ready to be looked at through its clip's cameras."""
-    return _recorded(folder, folder.model(), record, record.config.iterations)
-
-
-def _recorded(folder: RunFolder, model: DynamicGaussians, record: RunRecord, iterations: int) -> ShownModel:
-    """Through the cameras that run.json names."""
-    cameras = tuple(record.camera(index) for index in range(record.clip.frames))
-    return finished_model(folder, model, cameras, iterations, record.clip.unit, record.clip.part.first)
-
-
-def finished_model(
-    folder: RunFolder,
-    model: DynamicGaussians,
-    cameras: tuple[Camera, ...],
-    iterations: int,
-    unit: str,
-    first: int | None,
-) -> ShownModel:
-    """The model of a run that has ended; `first`: see ShownModel."""
-    return ShownModel(
-        model,
-        cameras,
-        middle_distance(model, cameras[0]),
-        folder.path.name,
-        iterations,
-        iterations,
-        live=False,
-        origin=origin_of(folder),
-        unit=unit,
-        first=first,
-    )

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
-from app.gui.work.viewing import ShownModel, draw_view
+from app.gui.work.viewing import draw_view
 from app.methods import Look
+from app.scene import Scene
+from app.scene_view import ViewRequest
 from enhance.baselines import BASELINES
 from renderer.clip import ByteImage
 
@@ -32,7 +34,7 @@ class OtherRequest:
 
     photo: PictureRequest
     """The frame; its own params do not matter and are None."""
-    by: Look | str | ShownModel
+    by: Look | str | Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +50,7 @@ class Other:
     def arrays(self) -> list[NDArray[Any]]:
         """All that it keeps alive."""
         by = self.request.by
-        model = by.model.arrays().values() if isinstance(by, ShownModel) else ()
+        model = by.model.arrays().values() if isinstance(by, Scene) else ()
         return [self.image, *([self.made.photo] if self.made else ()), *model]
 
 
@@ -76,7 +78,7 @@ class OtherMaker:
 
     def _made(self, request: OtherRequest) -> Other:
         by, photo = request.by, request.photo
-        if isinstance(by, ShownModel):
+        if isinstance(by, Scene):
             return Other(request, _render(by, photo.frame_index))
         if isinstance(by, str):
             return Other(request, BASELINES[by](photo.clip.read_image(photo.frame_index)))
@@ -85,9 +87,9 @@ class OtherMaker:
         return Other(request, made.enhanced, made)
 
 
-def _render(shown: ShownModel, index: int) -> ByteImage:
+def _render(scene: Scene, index: int) -> ByteImage:
     """The model through the clip's own camera of that frame."""
-    (view,) = draw_view(shown.of_clip_frame(index))
+    (view,) = draw_view(ViewRequest.of_clip_frame(scene, index))
     return view.image
 
 

@@ -13,6 +13,11 @@ class PhotoRequest:
     clip: Clip
     frame: int
 
+    @property
+    def image(self) -> ByteImage:
+        """(H, W, 3), read each time: a clip's photos fill the memory. Raises ClipError."""
+        return self.clip.read_image(self.frame)
+
 
 @dataclass(frozen=True, eq=False)
 class Photo:
@@ -25,4 +30,4 @@ class Photo:
 
 def read_photo(request: PhotoRequest) -> Iterator[Photo]:
     """Raises ClipError: the file is gone or damaged."""
-    yield Photo(request, request.clip.read_image(request.frame))
+    yield Photo(request, request.image)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.gui.views.free_view import Vector, vector
-from app.gui.work.viewing import ViewRequest
+from app.scene_view import ViewRequest
 
 Purpose = Literal["orbit", "measure"]
 
@@ -39,6 +39,6 @@ def surface(view: ViewRequest, pixel: tuple[int, int]) -> Vector | None:
     # Its kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.picking import surface_point
 
-    splats = view.shown.model.at(view.time)
-    point = surface_point(splats, view.camera, pixel, view.near, mode=view.shown.mode)
+    splats = view.scene.model.at(view.time)
+    point = surface_point(splats, view.camera, pixel, view.near, mode=view.scene.mode)
     return None if point is None else vector(point)

@@ -9,12 +9,14 @@ from typing import Any, Literal
 import numpy as np
 
 from app.color_bar import with_bar
+from app.drawing import ON_CPU
 from app.gui.work.enhancing import PictureRequest
 from app.gui.work.others import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.gui.work.page import INK, Panel, describe, sheet
 from app.gui.work.sizing import Sizing
-from app.gui.work.viewing import ShownModel, view_facts
 from app.methods import Look
+from app.scene import Scene
+from app.scene_view import ViewRequest, view_facts
 from app.views import Composed, Scale
 from enhance import Statistics
 from renderer.clip import ByteImage
@@ -27,7 +29,7 @@ class Shot:
     title: str
     photo: PictureRequest
     """The frame, and how statistics are taken; its own params do not matter."""
-    by: Look | str | ShownModel | None = None
+    by: Look | str | Scene | None = None
     """A setting, a method without parameters, or a model; None: the photo."""
 
     def at(self, frame: int) -> Shot:
@@ -39,8 +41,9 @@ class Shot:
         photo, by = self.photo, self.by
         facts: dict[str, Any] = {"title": self.title, "scope": photo.scope, "tissue_only": photo.tissue_only}
         facts |= {"mask": photo.mask, "span": photo.span}
-        if isinstance(by, ShownModel):
-            return facts | {"shows": "render", "view": view_facts(by.of_clip_frame(photo.frame_index))}
+        if isinstance(by, Scene):
+            view = ViewRequest.of_clip_frame(by, photo.frame_index)
+            return facts | {"shows": "render", "view": view_facts(view, ON_CPU)}
         if isinstance(by, str):
             return facts | {"shows": "method", "method": by}
         return facts | ({"shows": "original"} if by is None else {"shows": "setting", "params": by})

@@ -13,13 +13,14 @@ from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, keyframes_of
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
-from app.gui.work.viewing import ShownModel, draw_view
+from app.gui.work.viewing import draw_view
 from app.views import EXPLAINED, ViewKind
 from renderer.draw import splat_view
 from renderer.draw.offscreen import read_image
 from renderer.draw.storage import Storage
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from tests.app.gui.scenes import scene_of
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Drift:
 def drifting(state: AppState, model: DynamicGaussians) -> AppState:
     assert state.clip is not None
     moving = DynamicGaussians(model.raw, Drift())  # type: ignore[arg-type]
-    state.model = ShownModel(moving, state.clip.cameras, 50.0, "run", 7, 7, live=False)
+    state.model = scene_of(moving, state.clip.cameras)
     state.view_size, state.processor_draws = (64, 48), False
     return state
 

@@ -13,9 +13,10 @@ from app.gui.drawing.chosen_viewport import VIEWS, ChosenViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport
 from app.gui.state.app_state import AppState
-from app.gui.work.viewing import ShownModel, draw_view
+from app.gui.work.viewing import draw_view
 from renderer.draw.context import renderer_name
 from renderer.gaussians import DynamicGaussians
+from tests.app.gui.scenes import scene_of
 
 pytestmark = pytest.mark.gl
 
@@ -23,7 +24,7 @@ pytestmark = pytest.mark.gl
 @pytest.fixture
 def looking(state: AppState, model: DynamicGaussians) -> AppState:
     assert state.clip is not None
-    state.model = ShownModel(model, state.clip.cameras, 50.0, "run", 7, 7, live=False)
+    state.model = scene_of(model, state.clip.cameras)
     state.view_size = (64, 48)
     return state
 

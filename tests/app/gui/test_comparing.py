@@ -17,7 +17,7 @@ from app.gui.state.panes import difference_pane, other_request, pane, pixel, sho
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Channel
 from app.gui.work.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
-from app.gui.work.viewing import ShownModel
+from app.scene import Scene
 from app.settable import SOURCES
 from enhance import EnhanceParams, enhance
 from enhance.baselines import clahe
@@ -25,6 +25,7 @@ from enhance.vessel import VesselParams, enhance_vessels
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from tests.app.gui.conftest import make_clip, photo, start_live
+from tests.app.gui.scenes import scene_of
 from tests.app.gui.settling import settle
 
 
@@ -43,9 +44,9 @@ def said(state: AppState, side: str = "right") -> str:
     return " | ".join(one.text for one in pane(state, state.pictures, side).tags)  # type: ignore[arg-type]
 
 
-def shown_model(state: AppState, model: DynamicGaussians) -> ShownModel:
+def shown_model(state: AppState, model: DynamicGaussians) -> Scene:
     assert state.clip is not None
-    return ShownModel(model, state.clip.cameras, 50.0, "run", 10, 10, live=False)
+    return scene_of(model, state.clip.cameras, steps=10)
 
 
 def test_every_source_shows_what_its_name_says(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from tests.app.conftest import Call
 from tests.app.gui.conftest import make_model
+from tests.app.gui.scenes import scene_of
 
 
 def opened(state: AppState, path: Path) -> None:
@@ -92,8 +94,8 @@ def test_the_selection_is_coloured_for_the_eye_alone(splats: AppState) -> None:
     seen, plain = splats.view_request, splats.plain_view_request
     assert seen is not None
     assert plain is not None
-    assert plain.shown.model is shown(splats)
-    colors, own = seen.shown.model.at(0.5).colors, plain.shown.model.at(0.5).colors
+    assert plain.scene.model is shown(splats)
+    colors, own = seen.scene.model.at(0.5).colors, plain.scene.model.at(0.5).colors
     np.testing.assert_array_equal(colors[~chosen], own[~chosen])
     np.testing.assert_allclose(colors[chosen], OWN * own[chosen] + (1 - OWN) * np.array(COLOR), atol=1e-6)
     edit_actions.toggle(splats)
@@ -204,8 +206,7 @@ def test_edits_of_a_run_come_back_with_it(
     assert not again.editing.is_unsaved
     assert len(shown(again)) == count - len(hidden)
     assert again.model is not None
-    assert again.model.origin is not None
-    assert again.model.origin.facts["edits"]["n_hidden"] == len(hidden)
+    assert again.model.facts["edits"]["n_hidden"] == len(hidden)
     folder.save_model(folder.model().rows(np.arange(count - 1)))
     opened(again, folder.path)
     assert again.banner is not None
@@ -216,7 +217,7 @@ def test_edits_of_a_run_come_back_with_it(
 def test_editing_begins_anew_with_another_model(splats: AppState) -> None:
     edit_actions.select_all(splats)
     assert splats.model is not None
-    splats.model = type(splats.model)(make_model(12), splats.model.cameras, 50.0, "live", 1, 9, live=True)
+    splats.model = replace(scene_of(make_model(12), splats.model.cameras, "live", 9), iteration=1, live=True)
     update(splats, Channels(), 1.0)
     assert splats.editing.base is None
     assert not splats.editing.active

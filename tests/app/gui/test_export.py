@@ -14,9 +14,9 @@ from app.gui.state.app_state import AppState
 from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.exporting import export
 from app.gui.work.page import Panel, describe, sheet
-from app.gui.work.viewing import ShownModel
 from app.methods import Params, worded
 from app.provenance import digest, read_provenance
+from app.scene_view import ViewRequest
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -24,6 +24,7 @@ from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, photo
 from tests.app.gui.saving import asked, saved
+from tests.app.gui.scenes import scene_of
 from tests.app.gui.test_opening import make_run, opened
 
 
@@ -58,8 +59,8 @@ def test_the_file_says_how_to_make_it_again_and_nothing_private(tmp_path: Path, 
 def test_the_3d_view_is_drawn_at_the_photo_s_resolution_or_the_size_asked_for(
     tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
 ) -> None:
-    shown = ShownModel(model, clip.cameras, 50.0, "run-1", 7, 7, live=False)
-    view = shown.view(0.5, None, (24, 20))
+    shown = scene_of(model, clip.cameras, "run-1")
+    view = ViewRequest.fitted(shown, 0.5, None, (24, 20))
     path = saved(tmp_path, None, sized(view, None))
     facts = read_provenance(path)["views"][0]
     assert (facts["camera"]["width"], facts["camera"]["height"]) == SIZE
@@ -116,7 +117,7 @@ def test_a_run_s_view_names_its_own_clip_whatever_is_open(
     assert shown is not None
     assert shown.model is not None
     clip.path.mkdir()
-    view = shown.model.view(0.5, None, (24, 20))
+    view = ViewRequest.fitted(shown.model, 0.5, None, (24, 20))
     path = saved(tmp_path / "out", pair(clip, None).request, view)
     facts = read_provenance(path)
     assert facts["source"]["name"] == clip.name
@@ -138,9 +139,7 @@ def test_a_model_of_this_session_knows_its_run(
     run = make_run(path, phantom_path(), None)
     job_actions.show_live_model(state, model)
     assert state.model is not None
-    assert state.model.origin is not None
-    assert state.model.origin.facts["run"] == {"name": path.name, "model_sha256": None}
+    assert state.model.facts["run"] == {"name": path.name, "model_sha256": None}
     run.save_model(model)
     job_actions.show_finished_model(state, model)
-    assert state.model.origin is not None
-    assert state.model.origin.facts["run"]["model_sha256"] == digest(run.model_path)
+    assert state.model.facts["run"]["model_sha256"] == digest(run.model_path)

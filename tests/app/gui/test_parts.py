@@ -15,6 +15,7 @@ from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import RunFinder
 from app.picture_mask import PictureMask
+from app.scene_view import ViewRequest
 from app.training import TrainRequest, run_training
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
@@ -77,7 +78,7 @@ def test_no_frame_beyond_it_is_shown_as_reconstructed(live: AppState) -> None:
         assert bool(reason) == (frame not in (2, 3, 4)), reason
         if not reason:
             assert live.model is not None
-            assert live.model.of_clip_frame(frame).time == pytest.approx((frame - 2) / 3)
+            assert ViewRequest.of_clip_frame(live.model, frame).time == pytest.approx((frame - 2) / 3)
 
 
 def test_what_is_left_out_is_looked_up_of_the_part(state: AppState) -> None:

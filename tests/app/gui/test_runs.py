@@ -18,10 +18,10 @@ from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
-from app.gui.work.viewing import ShownModel
 from app.job import Failed
 from app.run_folder import RunFolder
 from app.run_holder import held
+from app.scene import Scene
 from app.training import TrainRequest, run_training
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
@@ -204,7 +204,7 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     ui.frame(lambda: draw_runs(opened, FakeJob))
 
 
-def kept_model(path: Path) -> ShownModel:
+def kept_model(path: Path) -> Scene:
     """What is shown of a run folder."""
     (answer,) = open_path(OpenRequest(path))
     assert answer.run is not None

@@ -47,7 +47,7 @@ def test_a_run_is_opened_and_drawn_beside_the_first(
     assert second.shown.name == "run-2"
     assert seen.view is not None
     assert second.view is not None
-    assert second.view.request == replace(seen.view.request, shown=second.shown)
+    assert second.view.request == replace(seen.view.request, scene=second.shown)
     np.testing.assert_array_equal(second.view.image, seen.view.image)  # The same model: the same picture.
     camera_actions.turn(seen, 0.3, 0.0)
     settle(seen, channels)
@@ -105,7 +105,7 @@ def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: Ap
     assert seen.beside(wanted) is None
     seen.second.shown = replace(seen.model)
     same = seen.beside(wanted)
-    assert same == replace(wanted, shown=seen.second.shown)
+    assert same == replace(wanted, scene=seen.second.shown)
     for other in (replace(seen.model, first=2), replace(seen.model, cameras=seen.model.cameras[:3])):
         seen.second.shown = other
         beside = seen.beside(wanted)

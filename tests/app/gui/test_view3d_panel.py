@@ -168,7 +168,7 @@ def test_two_reconstructions_share_camera_time_and_hand(
         assert first is not None
         assert second is not None
         assert first != before
-        assert second == replace(first, shown=opened.second.shown)
+        assert second == replace(first, scene=opened.second.shown)
         assert not opened.view_dragged
     actions.seek(opened, 4)
     assert opened.second_request is not None

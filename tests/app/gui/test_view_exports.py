@@ -17,6 +17,7 @@ from app.gui.work.viewing import draw_view
 from app.in_steps import in_one_go
 from app.pictures import read_image
 from app.provenance import read_provenance, write_sidecar
+from app.scene_view import ViewRequest
 from renderer.camera_path import CameraPath, Keyframe
 from tests.app.gui.exporting import Exporter, same, shape_of, sidecar
 
@@ -104,12 +105,12 @@ def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
     assert "difference" in export_actions.why_not_export(state, videos[1])
     request = export_actions.export_request(state, videos[0])
     assert request is not None
-    pages = list(view_pages(request.moments, request.photos))
+    pages = list(view_pages(request.moments))
     assert state.model is not None
     assert state.clip is not None
     for frame in (0, 7):
         photo = Photo(PhotoRequest(state.clip, frame), state.clip.read_image(frame))
-        (view,) = draw_view(state.model.of_frame(frame).of_kind("difference", photo))
+        (view,) = draw_view(ViewRequest.of_frame(state.model, frame).of_kind("difference", photo))
         np.testing.assert_array_equal(pages[frame][:48, :64], view.image)
     export_actions.cancelled(state)
     second_actions.open_second(state, runs["enhanced"])
@@ -125,7 +126,7 @@ def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
     request = export_actions.export_request(state, "video through time")
     assert request is not None
     own = [next(draw_view(views[0])).scale for views in request.moments]
-    moments = in_one_go(steady(request.moments, None))
+    moments = in_one_go(steady(request.moments))
     (scale,) = {views[0].scale for views in moments}
     assert scale is not None
     assert [views[0].of_kind("color").camera for views in moments] == [
@@ -134,7 +135,7 @@ def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
     assert scale.high == max(one.high for one in (own[0], own[-1]) if one is not None)
     assert own[0] is not None
     assert own[0].high < scale.high  # Nothing has moved yet.
-    pages = list(view_pages(moments, None))
+    pages = list(view_pages(moments))
     bars = [page[:, 64:] for page in pages]
     assert bars[0].size
     for bar in bars:

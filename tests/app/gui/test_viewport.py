@@ -12,6 +12,7 @@ from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
 from app.gui.state.app_state import AppState
 from app.gui.work.photos import read_photo
 from app.gui.work.viewing import draw_view
+from app.scene_view import ViewRequest
 from app.views import EXPLAINED, ViewKind, has_scale
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
@@ -56,15 +57,16 @@ def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live:
 def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: AppState) -> None:
     """In metres, or in no units at all: what counts is the near plane's share of the scene."""
     assert live.model is not None
-    large = live.model.view(0.0, None, SIZE)
+    large = ViewRequest.fitted(live.model, 0.0, None, SIZE)
     share = 1e-4
     raw = live.model.model.raw
     smaller = replace(
         raw, means=raw.means * np.float32(share), log_scales=raw.log_scales + np.float32(np.log(share))
     )
     model = replace(live.model.model, raw=smaller)
-    tiny = replace(live.model, model=model, distance=live.model.distance * share).view(0.0, None, SIZE)
-    assert large.near / live.model.distance == pytest.approx(tiny.near / tiny.shown.distance)
+    smaller_scene = replace(live.model, model=model, distance=live.model.distance * share)
+    tiny = ViewRequest.fitted(smaller_scene, 0.0, None, SIZE)
+    assert large.near / live.model.distance == pytest.approx(tiny.near / tiny.scene.distance)
     (wanted,), (seen,) = draw_view(large), draw_view(tiny)
     assert wanted.image.max() > 60
     assert np.abs(wanted.image.astype(int) - seen.image).max() <= 1

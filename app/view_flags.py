@@ -1,0 +1,56 @@
+"""Which kind of view is drawn of the moments that are asked for, as the flags say."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+
+from app.errors import UserError
+from app.evaluate import run_clip
+from app.gui.work.photos import PhotoRequest
+from app.moments import Moment
+from app.run_folder import RunFolder
+from app.scene import Scene, is_splat_file
+from app.scene_view import ViewRequest
+from app.training import input_clip
+from app.views import EXPLAINED
+from renderer.clip import Clip
+from renderer.near_plane import near_plane
+
+
+def add_flag(parser: argparse.ArgumentParser) -> None:
+    """Which kind of view is drawn."""
+    parser.add_argument(
+        "--view",
+        choices=EXPLAINED,
+        default="color",
+        help="what pictures and videos show, with a scale where that is a quantity, one for all of a video; "
+        "difference: to the photos that the run was trained on (default color)",
+    )
+
+
+def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> list[ViewRequest]:
+    """One a moment. Raises UserError for a difference where there are no photos."""
+    photos = _photos(flags) if flags.view == "difference" else None
+    return [_at(moment, flags, scene, photos) for moment in wanted]
+
+
+def _at(moment: Moment, flags: argparse.Namespace, scene: Scene, photos: Clip | None) -> ViewRequest:
+    photo = PhotoRequest(photos, moment.frame) if photos is not None and moment.frame is not None else None
+    near = near_plane(scene.model, moment.camera)
+    view = ViewRequest(scene, moment.time, moment.camera, near_plane=near, supersampling=flags.supersampling)
+    return view.of_kind(flags.view, photo)
+
+
+def _photos(flags: argparse.Namespace) -> Clip:
+    """What each frame of a run should look like. Raises UserError where there is none."""
+    if is_splat_file(flags.scene) or flags.camera or flags.path or flags.time is not None:
+        raise UserError("--view difference: expected frames of a run from its own cameras, which have photos")
+    record = RunFolder(flags.scene).record()
+    camera = record.camera(0)
+    if flags.size and not camera.has_shape(*flags.size):
+        raise UserError(
+            f"--view difference: expected a --size of the photos' shape, {camera.width} {camera.height}, "
+            f"got {flags.size[0]} {flags.size[1]}"
+        )
+    return input_clip(run_clip(record), record)
