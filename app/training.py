@@ -18,7 +18,7 @@ from app.errors import UserError
 from app.memory import peak_memory_mb
 from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.preparing import ReadAhead, reading, told_meanwhile
-from app.provenance import digest, version
+from app.provenance import digest, digests, version
 from app.room import planned_in
 from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
@@ -229,7 +229,7 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
 
 def _check_same(request: TrainRequest, record: RunRecord) -> None:
     """A run goes on as it began, or not at all: anything else would not be repeatable."""
-    if digest(request.clip_path) != record.clip.sha256:
+    if record.clip.sha256 not in digests(request.clip_path):
         raise UserError(
             f"cannot resume: the run began with another clip, or the clip has changed: {request.clip_path}"
         )
