@@ -314,11 +314,11 @@ def test_a_copy_elsewhere_has_its_digest(clip: Path, tmp_path: Path, monkeypatch
     assert digest(Path(clip.name)) == digest(clip)
 
 
-def began_with(run: Path, sha256: str) -> RunFolder:
+def began_with(run: Path, sha256: str, files: str) -> RunFolder:
     """The same run, now of a clip of this digest."""
     path = RunFolder(run).record_path
     facts = json.loads(path.read_text())
-    facts["clip"] |= {"sha256": sha256, "options": {"depth": ANY.depth}}
+    facts["clip"] |= {"sha256": sha256, "files": files, "options": {"depth": ANY.depth}}
     path.write_text(json.dumps(facts))
     return RunFolder(run)
 
@@ -326,7 +326,7 @@ def began_with(run: Path, sha256: str) -> RunFolder:
 def test_a_run_goes_on_with_an_equal_copy_and_no_other_clip(
     clip: Path, runs: dict[str, Path], tmp_path: Path
 ) -> None:
-    run = began_with(Path(shutil.copytree(runs["original"], tmp_path / "run")), digest(clip))
+    run = began_with(Path(shutil.copytree(runs["original"], tmp_path / "run")), digest(clip), "read")
     copy = Path(shutil.copytree(clip.parent, tmp_path / "other")) / clip.name
     assert len(list(run_training(request_of(copy, run.path, resume=True, clip_options=ANY)))) == 1
     for path in (files_of(copy)[0], files_of(copy)[-1]):
@@ -372,8 +372,12 @@ def test_a_run_of_before_goes_on(tmp_path: Path, runs: dict[str, Path]) -> None:
             (clip / "notes.txt").write_text("counted once")
             recorded = list(digests(clip))[-1]
         assert recorded != digest(clip)
-        run = began_with(Path(shutil.copytree(runs["original"], tmp_path / name)), recorded)
+        run = began_with(Path(shutil.copytree(runs["original"], tmp_path / name)), recorded, "former")
         assert len(list(run_training(request_of(clip, run.path, resume=True, clip_options=ANY)))) == 1
+        began_with(run.path, recorded, "read")
+        with pytest.raises(UserError, match="the clip has changed"):  # Right pictures were added since.
+            list(run_training(request_of(clip, run.path, resume=True, clip_options=ANY)))
+        began_with(run.path, recorded, "former")
         changed = next(path for path in files_of(clip) if path.suffix == ".png")
         changed.write_bytes(changed.read_bytes() + b" ")
         with pytest.raises(UserError, match="the clip has changed"):
