@@ -12,11 +12,10 @@ from app.enhanced_files import VIDEO, Setting, Watch, Written, enhance_into, unw
 from app.errors import UserError, sentence
 from app.in_steps import retold
 from app.pictures import is_image
-from app.provenance import LAYOUTS
 from app.series import open_series
 from enhance import ImageError
 from renderer.clip import ClipError
-from renderer.readers.endonerf import is_endonerf
+from renderer.layouts import layout_of
 from renderer.readers.picture_kinds import left_out, map_folders
 from renderer.readers.pictures import VIDEOS, natural_key
 
@@ -107,7 +106,7 @@ def _items_of(given: Path, output: Path, own: str, *, alone: bool, below: bool) 
 
 def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
     """The folder's pictures, its videos, then the folders in it; a clip of many folders is one item."""
-    if is_endonerf(folder) or any(is_layout(folder) for is_layout in LAYOUTS):
+    if layout_of(folder).is_data_set:
         yield Item(folder, output, name)
         return
     found = list(_inside(folder, output, name))

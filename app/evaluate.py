@@ -16,7 +16,6 @@ from app.drawing import Drawn
 from app.errors import UserError
 from app.mean import mean_of_finite
 from app.memory import peak_memory_mb
-from app.provenance import digest
 from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.stopwatch import REPEATS, Stopwatch
@@ -194,7 +193,7 @@ def run_clip(record: RunRecord) -> Clip:
     """The part of the clip that the run was trained on. Raises UserError when it is not the same any more."""
     path = Path(record.clip.path)
     clip = open_clip(path, record.clip.options)
-    if digest(path) != record.clip.sha256:
+    if not record.clip.is_of(path):
         raise UserError(f"expected the clip that the run was trained on, its files have changed: {path}")
     return record.clip.part.of(clip)
 

@@ -9,14 +9,14 @@ import hashlib
 import json
 import os
 import platform
-import re
 import struct
 import zlib
+from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed_version
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import cv2
@@ -26,16 +26,11 @@ from pydantic_core import to_jsonable_python
 
 from app.atomic import write_bytes
 from app.errors import UserError
-from renderer.depth.stereo_pairs import eye_folders
+from app.former_digests import former_files
 from renderer.json_files import parsed
+from renderer.layouts import layout_of
 from renderer.ply_comments import split
-from renderer.readers.endonerf import FOLDERS, POSES, is_endonerf
-from renderer.readers.hamlyn import is_hamlyn
-from renderer.readers.picture_kinds import map_folders, photo_folder
-from renderer.readers.pictures import is_picture
-from renderer.readers.scared import is_scared
-from renderer.readers.stereomis import is_stereomis
-from renderer.readers.structure_from_motion import is_structure_from_motion
+from renderer.readers.clip_files import files_in
 from renderer.regular_files import read_whole, require_regular
 
 NOTICE = "Research use only. Not a medical device."
@@ -111,44 +106,45 @@ def digest(path: Path) -> str:
 
     Raises OSError: there is no such file or folder, or it is something else.
     """
+    return next(digests(path))
+
+
+def digests(path: Path) -> Iterator[str]:
+    """The digest of a file or folder, then the one by which records of before may know the same files.
+
+    What was recorded is compared with both, `recorded in digests(path)`: the second is worked out only where
+    the first is another. Raises OSError as `digest`.
+    """
+    hashed = cache(_sha256)
     if not path.is_dir():
-        require_regular(path)
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
+        yield hashed(path)
+        return
+    yield _manifest(path, layout_of(path).files(path) or tuple(files_in(path)), hashed)
+    yield _manifest(path, former_files(path), hashed)
+
+
+def _sha256(path: Path) -> str:
+    require_regular(path)
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _manifest(folder: Path, files: Iterable[Path], sha256: Callable[[Path], str]) -> str:
+    whole = folder.resolve()
+    # By name: a reader may come upon one file by two ways.
+    named = {_name_in(path, folder, whole): path for path in files}
     manifest = hashlib.sha256()
-    for file_path in sorted(_files(path)):
-        name = os.fsencode(file_path.relative_to(path).as_posix())
-        manifest.update(name + f"\0{digest(file_path)}\n".encode())
+    for name in sorted(named):
+        manifest.update(os.fsencode(name.as_posix()) + f"\0{sha256(named[name])}\n".encode())
     return manifest.hexdigest()
 
 
-LAYOUTS = (is_scared, is_structure_from_motion, is_stereomis, is_hamlyn)
-"""Whose folders hold nothing but the clip."""
-
-
-def _files(folder: Path) -> list[Path]:
-    """What a clip is read from; links that lead nowhere are no files."""
-    if is_endonerf(folder):
-        poses = folder / POSES
-        parts = [folder / name for name in FOLDERS if (folder / name).is_dir()]
-        return [path for part in parts for path in _pictures(part)] + [poses] * poses.is_file()
-    if any(is_layout(folder) for is_layout in LAYOUTS):
-        return [path for path in folder.rglob("[!.]*") if path.is_file()]
-    maps = map_folders(folder)
-    places = [place for place in eye_folders(folder) or (photo_folder(folder),) if place not in maps]
-    found = [path for place in places for path in _pictures(place)]
-    found += [path for place in maps for path in _visible(place) if is_picture(path) or path.suffix == ".npy"]
-    return found or _visible(folder)
-
-
-def _pictures(folder: Path) -> list[Path]:
-    """The numbered ones, else all: beside a numbered picture, readers leave the others out."""
-    pictures = [path for path in _visible(folder) if is_picture(path)]
-    return [path for path in pictures if re.search(r"\d", path.stem)] or pictures
-
-
-def _visible(folder: Path) -> list[Path]:
-    return [path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")]
+def _name_in(path: Path, folder: Path, whole: Path) -> PurePath:
+    """Relative to the folder; of a file beside it, such as a right picture, the same wherever both lie."""
+    for place in (folder, whole):
+        if path.is_relative_to(place):
+            return PurePath(path.relative_to(place))
+    return PurePath("..", path.parent.name, path.name)
 
 
 def write_png(path: Path, image: Image, facts: dict[str, Any]) -> None:

@@ -20,7 +20,7 @@ from app.clip_part import WHOLE, ClipPart
 from app.device import Device
 from app.errors import UserError
 from app.methods import PAPER, VESSEL, Preset, preset_of
-from app.provenance import strict_json
+from app.provenance import digests, strict_json
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from renderer.budget import budget
@@ -49,6 +49,9 @@ class ClipRecord:
     """What of it counts: frames, cameras and times are of this part."""
     sha256: str
     """Of the manifest, see `app.provenance.digest`."""
+    files: Literal["former", "read"] = "former"
+    """Which files the manifest holds: those that are read, or, where a record does not say, it may be of
+    `app.former_digests`."""
     frames: int
     unit: str
     cameras: tuple[dict[str, Any], ...]
@@ -62,6 +65,11 @@ class ClipRecord:
             raise ValueError(f"expected one camera, or one a frame, got {got}")
         for camera in self.cameras:
             Camera.from_json(camera)
+
+    def is_of(self, path: Path) -> bool:
+        """Whether the clip there has the bytes of this one. Raises OSError: there is none."""
+        known = digests(path)
+        return self.sha256 == next(known) or (self.files == "former" and self.sha256 in known)
 
 
 def _preset(given: Any) -> Preset:

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.pictures import ArrayImage, is_image, photos_in, read_image
-from app.provenance import LAYOUTS, source
+from app.provenance import source
 from app.video import Timing
 from renderer.clip import Clip
+from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.readers.endonerf import is_endonerf
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import left_out, map_folders, photo_folder
 from renderer.sources import open_clip
@@ -68,9 +68,9 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
     """
     if not path.exists():
         raise UserError(f"expected a picture, a folder of pictures or a video, got no such file: {path}")
-    if any(is_layout(path) for is_layout in LAYOUTS if path.is_dir()):
-        return _of_clip(path)
     if path.is_dir():
+        if not layout_of(path).photos_are_files:
+            return _of_clip(path)
         kinds = photos_in(path)
         series = _of_files(kinds.photos)
         return replace(series, notices=(*kinds.notices(), *_left_out(path), *series.notices))
@@ -79,7 +79,7 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
 
 def _left_out(path: Path) -> Iterator[str]:
     """What is said of the folders beside that of the photos, where no layout says what they are."""
-    if photo_folder(path) != path and not is_endonerf(path):
+    if photo_folder(path) != path and not layout_of(path).is_data_set:
         for folder, kind in map_folders(path).items():
             yield left_out(kind, [f"{folder.name}/"])
 

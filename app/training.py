@@ -204,6 +204,7 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
             options=request.clip_options,
             part=request.part,
             sha256=digest(request.clip_path),
+            files="read",
             frames=len(clip),
             unit=clip.unit,
             cameras=tuple(camera.to_json() for camera in cameras),
@@ -229,7 +230,7 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
 
 def _check_same(request: TrainRequest, record: RunRecord) -> None:
     """A run goes on as it began, or not at all: anything else would not be repeatable."""
-    if digest(request.clip_path) != record.clip.sha256:
+    if not record.clip.is_of(request.clip_path):
         raise UserError(
             f"cannot resume: the run began with another clip, or the clip has changed: {request.clip_path}"
         )

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
-from renderer.readers.clip_options import Split
 
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]
 
+Split = Literal["field", "even-odd"]
+"""Frames held out of training: every eighth from the second on, or the odd ones."""
 
 DepthOrigin = Literal["measured", "beside", "stereo", "monocular", "brightness"]
 """Files of the clip's layout, files beside pictures, pairs that are matched, maps of a network, a guess."""

@@ -13,28 +13,19 @@ import numpy as np
 
 from app.described.fact import Fact, count, next_steps
 from app.pictures import photos_in
-from app.provenance import LAYOUTS as LAYOUTS_OF_FILES
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
 from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import eye_folders, right_pictures
+from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS
-from renderer.readers.endonerf import is_endonerf
 from renderer.readers.listing import listed
 from renderer.readers.pictures import SeveralSizes
 from renderer.readers.video_header import read_video_header
 from renderer.sources import open_clip
 
-LAYOUTS = {
-    "endonerf": "EndoNeRF",
-    "scared": "SCARED",
-    "hamlyn": "Hamlyn",
-    "stereomis": "StereoMIS",
-    "structure-from-motion": "structure from motion",
-    "images": "pictures",
-    "image": "one picture",
-}
+TITLES = {layout.name: layout.title for layout in LAYOUTS}
 UNCALIBRATED = ("images", "image", "video")
 LOOKED_AT = 3
 """Frames, while they take no longer than SECONDS all together."""
@@ -46,7 +37,7 @@ def of_clip(path: Path) -> tuple[Fact, ...]:
     try:
         return tuple(_facts(path, open_clip(path)))
     except SeveralSizes as error:
-        if is_endonerf(path) or any(is_layout(path) for is_layout in LAYOUTS_OF_FILES):
+        if layout_of(path).is_data_set:
             raise
         found = len(photos_in(path).photos)
         return (
@@ -94,7 +85,7 @@ def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
     # Matching a pair takes its time: of those, only the photos are looked at.
     matched = clip.has_depth and clip.depth_origin == "stereo"
     frames = _looked_at(open_clip(path, replace(DEFAULTS, depth="off")) if matched else clip)
-    layout = LAYOUTS.get(clip.format, clip.format) + (", left and right" if stereo else "")
+    layout = TITLES[clip.format] + (", left and right" if stereo else "")
     yield Fact("what", f"clip: {layout}", {"layout": clip.format, "stereo": stereo})
     yield _numbers(clip)
     yield Fact("size", f"{clip.size[0]}x{clip.size[1]}", list(clip.size))

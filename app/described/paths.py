@@ -8,12 +8,10 @@ from app.described.clips import of_clip, of_video
 from app.described.fact import Fact, count, next_steps
 from app.described.files import is_export, of_export, of_json, of_run, of_session, of_splats
 from app.errors import UserError
-from app.provenance import LAYOUTS
 from app.run_folder import RunFolder
 from app.scene import is_splat_file
 from app.sessions import SUFFIX
-from renderer.depth.stereo_pairs import is_stereo_folder
-from renderer.readers.endonerf import is_endonerf
+from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import photo_folder
 from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
@@ -68,7 +66,7 @@ def _commands(facts: tuple[Fact, ...]) -> tuple[tuple[str, ...], ...]:
 def _folder(path: Path) -> tuple[Fact, ...]:
     if RunFolder(path).is_run:
         return of_run(path)
-    known = is_endonerf(path) or any(is_layout(path) for is_layout in LAYOUTS) or is_stereo_folder(path)
+    known = layout_of(path).name != "images"
     pictures = any(is_picture(entry) for entry in photo_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)
 

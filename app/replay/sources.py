@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
-from app.provenance import digest
+from app.provenance import digests
 from app.run_folder import RunFolder
 from assets import phantom_path
 
@@ -40,7 +40,7 @@ class Sources:
 
     def find(self, named: Named) -> Path:
         """The file or folder with these bytes. Raises UserError: missing, or its bytes have changed."""
-        return self._found(named.name, named.sha256, digest)
+        return self._found(named.name, named.sha256, digests)
 
     def find_run(self, run: NamedRun) -> RunFolder:
         """The run with this model. Raises UserError: missing, with another model, or never finished."""
@@ -48,12 +48,12 @@ class Sources:
             raise UserError(
                 f"{self.file.name} shows {run.name} while it was being trained: that model is gone"
             )
-        return RunFolder(self._found(run.name, run.model_sha256, _digest_of_model))
+        return RunFolder(self._found(run.name, run.model_sha256, _digests_of_model))
 
-    def _found(self, name: str, sha256: str, digest_of: Callable[[Path], str]) -> Path:
+    def _found(self, name: str, sha256: str, digests_of: Callable[[Path], Iterable[str]]) -> Path:
         candidates = list(dict.fromkeys(path.absolute() for path in self._candidates(name)))
         for path in candidates:
-            if digest_of(path) == sha256:
+            if sha256 in digests_of(path):
                 return path
         if not candidates and not _is_bare(name):
             said = f"{self.file.name} names its source by a path, {name}"
@@ -66,7 +66,7 @@ class Sources:
         shown = candidates[0]
         raise UserError(
             f"the source has changed since {self.file.name} was made: expected SHA-256 {sha256[:12]}…, "
-            f"got {digest_of(shown)[:12]}…: {shown}"
+            f"got {next(iter(digests_of(shown)))[:12]}…: {shown}"
         )
 
     def _candidates(self, name: str) -> Iterator[Path]:
@@ -92,6 +92,6 @@ def _lies_in(path: Path, folder: Path) -> bool:
     return path.resolve().is_relative_to(folder.resolve())
 
 
-def _digest_of_model(path: Path) -> str:
+def _digests_of_model(path: Path) -> Iterable[str]:
     run = RunFolder(path)
-    return digest(run.model_path) if run.is_finished else "no finished run"
+    return digests(run.model_path) if run.is_finished else ("no finished run",)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Final
 
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.depth_prior import depth_from_brightness, with_guessed_depth
-from renderer.depth.monocular import FOLDERS, monocular_guess, monocular_maps
-from renderer.depth.stereo_pairs import right_pictures, with_stereo_depth
+from renderer.depth.monocular import FOLDERS, map_files, monocular_guess, monocular_maps
+from renderer.depth.stereo_pairs import right_files, right_pictures, with_stereo_depth
 from renderer.readers.clip_options import ClipOptions, DepthSource
 
 BY_BRIGHTNESS: Final = (
@@ -29,6 +30,11 @@ def with_depth(clip: Clip, options: ClipOptions) -> Clip:
         ClipError: the source asked for is not there or does not fit; one line that names the path.
     """
     return _SOURCES[options.depth](clip, options)
+
+
+def depth_files(path: Path, names: Sequence[str]) -> tuple[Path, ...]:
+    """The files that any source takes for pictures of these names of a clip in the folder `path`."""
+    return (*right_files(path, names), *map_files(path, names))
 
 
 def _auto(clip: Clip, options: ClipOptions) -> Clip:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.depth.monocular import FOLDERS as MONOCULAR
 from renderer.depth.monocular import read_array
+from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.depth_maps import plane_of, plausible
 from renderer.readers.nonzero_masks import read_nonzero, require_shapes
@@ -65,7 +66,7 @@ def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
         ClipError: masks of another shape than the pictures; or, when its frame is read, a map or mask that
             cannot be.
     """
-    offers = list(_offers(clip, photos))
+    offers = list(_offers(clip.path, photos, clip.labels))
     if not offers:
         return clip
     kept = tuple(
@@ -86,32 +87,48 @@ def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
     )
 
 
-def _offers(clip: Clip, photos: Path) -> Iterator[_Offer]:
+def map_files(path: Path, photos: Path, labels: Sequence[str]) -> list[Path]:
+    """What `with_maps` may take for a clip in the folder `path` whose pictures in `photos` are called so, and
+    all maps in folders of such names.
+
+    Raises:
+        ClipError: a picture that cannot be read.
+    """
+    used = [
+        each
+        for offer in (_offers(path, photos, labels) if labels else ())
+        if offer.kind != "map"
+        for each in offer.files.values()
+    ]
+    return [*used, *(each for place in map_folders(path) for each in files_in(place) if _is_map_file(each))]
+
+
+def _offers(path: Path, photos: Path, labels: Sequence[str]) -> Iterator[_Offer]:
     files = [
         entry for entry in sorted(photos.iterdir(), key=natural_key) if entry.is_file() and is_visible(entry)
     ]
     kinds = kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
     groups: dict[tuple[str, Kind], list[Path]] = defaultdict(list)
-    for path, kind in kinds.others.items():
-        groups[re.sub(r"\d+", "#", path.name), kind].append(path)
+    for each, kind in kinds.others.items():
+        groups[re.sub(r"\d+", "#", each.name), kind].append(each)
     for (_, kind), paths in groups.items():
-        yield _offer(clip, kind, paths[0].name, paths)
-    for place, kind in map_folders(clip.path).items():
+        yield _offer(labels, kind, paths[0].name, paths)
+    for place, kind in map_folders(path).items():
         inside = [entry for entry in sorted(place.iterdir(), key=natural_key) if _is_map_file(entry)]
         if inside and place.name not in MONOCULAR and place != photos:
-            yield _offer(clip, kind, f"{place.name}/", inside)
+            yield _offer(labels, kind, f"{place.name}/", inside)
 
 
 def _is_map_file(path: Path) -> bool:
     return is_picture(path) or (path.suffix.lower() == ".npy" and is_visible(path))
 
 
-def _offer(clip: Clip, kind: Kind, name: str, paths: Sequence[Path]) -> _Offer:
+def _offer(labels: Sequence[str], kind: Kind, name: str, paths: Sequence[Path]) -> _Offer:
     """The files, each with the frame that it belongs to; those of the other eye belong to none."""
-    of_right = "right" in _parts(name) and "right" not in _parts(clip.labels[0])
-    files = {} if of_right else _by_stem(clip.labels, paths) or _by_number(clip.labels, paths)
+    of_right = "right" in _parts(name) and "right" not in _parts(labels[0])
+    files = {} if of_right else _by_stem(labels, paths) or _by_number(labels, paths)
     if kind == "mask" and not files and len(paths) == 1 and not of_right:
-        files = dict.fromkeys(range(len(clip)), paths[0])
+        files = dict.fromkeys(range(len(labels)), paths[0])
     return _Offer(kind, name, files, len(paths))
 
 

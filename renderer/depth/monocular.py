@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.depth.alignment import aligned
 from renderer.depth.depth_prior import Guess
+from renderer.readers.clip_files import files_in
 from renderer.readers.depth_maps import plane_of
-from renderer.readers.numbered_files import beside
+from renderer.readers.numbered_files import beside, number_of
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import is_picture, read_stored
 
@@ -35,16 +36,29 @@ def monocular_maps(clip: Clip) -> tuple[Path, ...]:
     Raises:
         ClipError: a folder that lacks maps for some frames.
     """
-    places = (clip.path, clip.path.parent)
-    folder = next((place / name for place in places for name in FOLDERS if (place / name).is_dir()), None)
+    folder = _map_folder(clip.path)
     if folder is None:
         return ()
-    numbers = [re.findall(r"\d+", Path(label).stem) for label in clip.labels]
-    if not all(numbers):
+    numbers = [number_of(Path(label)) for label in clip.labels]
+    known = [number for number in numbers if number is not None]
+    if len(known) < len(numbers):
         raise ClipError(
             f"expected pictures with numbers in their names for the maps, got others: {clip.path}"
         )
-    return beside((int(found[-1]) for found in numbers), folder, _is_map)
+    return beside(known, folder, _is_map)
+
+
+def map_files(path: Path, names: Sequence[str]) -> tuple[Path, ...]:
+    """What `monocular_maps` takes for pictures of these names in the folder `path`, as far as it is there."""
+    folder = _map_folder(path)
+    numbers = {number_of(Path(name)) for name in names} - {None}
+    maps = filter(_is_map, files_in(folder)) if folder else ()
+    return tuple(entry for entry in maps if number_of(entry) in numbers)
+
+
+def _map_folder(path: Path) -> Path | None:
+    places = (path, path.parent)
+    return next((place / name for place in places for name in FOLDERS if (place / name).is_dir()), None)
 
 
 def monocular_guess(clip: Clip, maps: tuple[Path, ...]) -> Guess:

@@ -57,7 +57,8 @@ def right_name(name: str) -> str | None:
 
 def is_stereo_folder(path: Path) -> bool:
     """Whether the folder holds left and right pictures side by side, or in two folders."""
-    return _left_folder(path) is not None or bool(_paired_names(entry.name for entry in path.iterdir()))
+    names = (entry.name for entry in path.iterdir() if is_picture(entry))
+    return _left_folder(path) is not None or bool(_paired_names(names))
 
 
 def eye_folders(path: Path) -> tuple[Path, ...]:
@@ -86,16 +87,18 @@ def right_pictures(clip: Clip) -> tuple[Path, ...]:
     """
     if not clip.path.is_dir():
         return ()
-    for folder in _picture_folders(clip.path, clip.labels[0]):
-        partners = _partners(folder, clip.labels)
-        found = tuple(path for path in partners if path is not None)
-        if len(found) == len(partners):
-            return found
-        if found:
-            lacking = [name for name, path in zip(clip.labels, partners, strict=True) if path is None]
-            counts = f"{len(found)} right pictures for {len(partners)} left ones"
-            raise ClipError(f"expected stereo pairs, got {counts}, none for {listed(lacking)}: {folder}")
-    return ()
+    folder, partners = _first_partners(clip.path, clip.labels)
+    found = tuple(path for path in partners if path is not None)
+    if found and len(found) < len(partners):
+        lacking = [name for name, path in zip(clip.labels, partners, strict=True) if path is None]
+        counts = f"{len(found)} right pictures for {len(partners)} left ones"
+        raise ClipError(f"expected stereo pairs, got {counts}, none for {listed(lacking)}: {folder}")
+    return found
+
+
+def right_files(path: Path, names: Sequence[str]) -> tuple[Path, ...]:
+    """What `right_pictures` takes for pictures of these names in the folder `path`, as far as it is there."""
+    return tuple(found for found in _first_partners(path, names)[1] if found is not None)
 
 
 def with_stereo_depth(clip: Clip, rights: tuple[Path, ...], baseline: float | None) -> Clip:
@@ -202,6 +205,15 @@ def _left_half(clip: Clip) -> Clip:
         read_image=lambda index: clip.read_image(places[index]),
         notices=(*clip.notices, *said),
     )
+
+
+def _first_partners(path: Path, names: Sequence[str]) -> tuple[Path, list[Path | None]]:
+    """The first folder of these pictures that has a right one for any of them, and the right ones there."""
+    for folder in _picture_folders(path, names[0]) if names else ():
+        partners = _partners(folder, names)
+        if any(partners):
+            return folder, partners
+    return path, []
 
 
 def _picture_folders(path: Path, label: str) -> Iterator[Path]:

@@ -8,9 +8,9 @@ from annotated_types import Interval, Unit
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "off"]
+from renderer.clip import Split
 
-Split = Literal["field", "even-odd"]
+DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "off"]
 
 Deinterlacing = Literal["frame", "field", "off"]
 

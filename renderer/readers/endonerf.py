@@ -14,6 +14,7 @@ from PIL import Image
 
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.listing import listed
 from renderer.readers.picture_files import read_npy
@@ -38,6 +39,12 @@ def is_endonerf(path: Path) -> bool:
     """Whether the folder holds images/ and a sign that it is more than a folder of pictures."""
     signs = (POSES, "depth", "masks")
     return (path / "images").is_dir() and any((path / sign).exists() for sign in signs)
+
+
+def endonerf_files(path: Path) -> ClipFiles:
+    """What a folder of this layout is read from; depth/ too where depth_fine/ is preferred."""
+    photos, *others = FOLDERS
+    return ClipFiles(pictures_of(path, [photos]), (*pictures_of(path, others), *those_there(path, [POSES])))
 
 
 def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:

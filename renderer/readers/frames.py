@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,9 +11,10 @@ import numpy as np
 
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_files import files_in
 from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
-from renderer.readers.picture_kinds import is_named_array, kinds_of
+from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
 from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
 
 FIELD_OF_VIEW = 60.0
@@ -29,9 +30,8 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """
     visible = [entry for entry in path.iterdir() if is_visible(entry)]
     files = sorted((entry for entry in visible if entry.is_file()), key=natural_key)
-    kinds = kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
-    numbered = [entry for entry in kinds.photos if re.search(r"\d", entry.stem)]
-    paths = tuple(numbered or kinds.photos)
+    kinds = _kinds(files)
+    paths = _frames_of(kinds)
     if not paths:
         folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
         videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
@@ -55,6 +55,24 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         field_of_view=field_of_view,
         notices=(*kinds.notices(), *said, *left_pages(paths)),
     )
+
+
+def photos_of(folder: Path) -> tuple[Path, ...]:
+    """The pictures that `open_images` takes, in its order; none where there are none.
+
+    Raises:
+        ClipError: a picture that cannot be read.
+    """
+    return _frames_of(_kinds(sorted(files_in(folder), key=natural_key)))
+
+
+def _kinds(files: Iterable[Path]) -> PictureKinds:
+    return kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
+
+
+def _frames_of(kinds: PictureKinds) -> tuple[Path, ...]:
+    """The numbered photos, else all."""
+    return tuple(entry for entry in kinds.photos if re.search(r"\d", entry.stem)) or kinds.photos
 
 
 def _check_names(paths: tuple[Path, ...], folder: Path) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.depth_maps import DepthMap, plausible, read_map
 from renderer.readers.endonerf import POSES
@@ -23,11 +24,19 @@ LEFT_COLUMNS = 40
 
 INTRINSICS = "intrinsics.txt"
 
+_MASKS, _DEPTH = "gt_masks", ("gt_depth", "depth")
+
 
 def is_hamlyn(path: Path) -> bool:
     """Whether the folder holds images/ and intrinsics.txt, but no poses."""
     has_poses = (path / POSES).exists()
     return (path / "images").is_dir() and (path / INTRINSICS).is_file() and not has_poses
+
+
+def hamlyn_files(path: Path) -> ClipFiles:
+    """What a folder of this layout is read from; depth/ too where gt_depth/ is preferred."""
+    maps = pictures_of(path, (_MASKS, *_DEPTH))
+    return ClipFiles(pictures_of(path, ["images"]), (*maps, *those_there(path, [INTRINSICS])))
 
 
 def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
@@ -43,8 +52,8 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         ClipError: parts that are missing or do not agree, masks that look inverted, bad intrinsics.
     """
     images = numbered(path / "images")
-    masks = beside(images, path / "gt_masks") if (path / "gt_masks").is_dir() else ()
-    folder = next((name for name in ("gt_depth", "depth") if (path / name).is_dir()), None)
+    masks = beside(images, path / _MASKS) if (path / _MASKS).is_dir() else ()
+    folder = next((name for name in _DEPTH if (path / name).is_dir()), None)
     depth = beside(images, path / folder) if folder else ()
     width, height = common_size((*images.values(), *masks, *depth))
     if width <= LEFT_COLUMNS:
@@ -52,8 +61,8 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     camera = _camera(path / INTRINSICS, width, height)
     reader = _Reader(tuple(images.values()), masks, depth, camera, options.mask_polarity == "tissue")
     if masks and options.mask_polarity == "auto":
-        refuse_inverted(reader.sample, len(images), "tool", path / "gt_masks")
-    parts = ["images", *(["gt_masks"] if masks else []), *([folder] if folder else [])]
+        refuse_inverted(reader.sample, len(images), "tool", path / _MASKS)
+    parts = ["images", *([_MASKS] if masks else []), *([folder] if folder else [])]
     said = [stray for part in parts for stray in strays(images, path / part)]
     if not depth:
         said.append("no gt_depth/ and no depth/: the shape is not measured")

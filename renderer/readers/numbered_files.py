@@ -23,7 +23,7 @@ def numbered(folder: Path, accepts: Accepts = is_picture) -> dict[int, Path]:
         raise ClipError(f"expected a folder {folder.name}/, got none: {folder}")
     found: dict[int, Path] = {}
     for entry in sorted(folder.iterdir()):
-        number = _number(entry) if accepts(entry) else None
+        number = number_of(entry) if accepts(entry) else None
         if number in found:
             both = f"{found[number].name} and {entry.name}"
             raise ClipError(f"expected one file a frame, got {both}, both number {number}: {folder}")
@@ -52,10 +52,11 @@ def strays(frames: Iterable[int], folder: Path, accepts: Accepts = is_picture) -
     """A sentence about the visible files in `folder` that belong to none of `frames`, if there are any."""
     known = set(frames)
     visible = [entry for entry in sorted(folder.iterdir()) if not entry.name.startswith(".")]
-    loose = [entry.name for entry in visible if not (accepts(entry) and _number(entry) in known)]
+    loose = [entry.name for entry in visible if not (accepts(entry) and number_of(entry) in known)]
     return [f"{folder.name}/ holds files that belong to no frame: {listed(loose)}"] if loose else []
 
 
-def _number(entry: Path) -> int | None:
+def number_of(entry: Path) -> int | None:
+    """The last number of a name without its suffix."""
     digits = re.findall(r"\d+", entry.stem)
     return int(digits[-1]) if digits else None

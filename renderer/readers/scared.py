@@ -17,6 +17,7 @@ from renderer.budget import OverBudget
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.json_files import read_json
+from renderer.readers.clip_files import ClipFiles, files_in, pictures_of
 from renderer.readers.depth_maps import DepthMap, read_map, within
 from renderer.readers.numbered_files import beside, numbered, strays
 from renderer.readers.picture_files import require_size
@@ -43,6 +44,14 @@ def is_scared(path: Path) -> bool:
     return any((folder / _POSES).is_dir() for folder in (path, path / "data"))
 
 
+def scared_files(path: Path) -> ClipFiles:
+    """What a keyframe is read from; scene_points/ too where disparity/ is preferred."""
+    data = _data(path)
+    told = [file for name in (_POSES, _MATRICES) for file in files_in(data / name) if _is_json(file)]
+    maps = pictures_of(data, (_DISPARITY, _POINTS))
+    return ClipFiles(pictures_of(data, [_PICTURES]), (*told, *maps))
+
+
 def usual_step(path: Path) -> int:
     """The field keeps one frame in so many of the keyframe at `path`, by the folder dataset_N above it."""
     numbers = (re.fullmatch(r"dataset_(\d+)", part) for part in reversed(path.resolve().parts))
@@ -66,7 +75,7 @@ def open_scared(path: Path) -> Clip:
     Raises:
         ClipError: parts that are missing or do not agree, or matrices that are none.
     """
-    data = path if (path / _POSES).is_dir() else path / "data"
+    data = _data(path)
     images = numbered(data / _PICTURES)
     lenses = tuple(_lens(file) for file in beside(images, data / _MATRICES, _is_json))
     poses, mended = _poses(beside(images, data / _POSES, _is_json))
@@ -134,6 +143,10 @@ class _Reader:
         tissue = every if depth is None else _closed(depth > 0)
         time = index / len(self.images)
         return Frame(index, time, self.image(index), camera, tissue, tissue.copy(), depth)
+
+
+def _data(path: Path) -> Path:
+    return path if (path / _POSES).is_dir() else path / "data"
 
 
 def _name(data: Path) -> str:

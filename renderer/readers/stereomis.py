@@ -10,6 +10,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_files import ClipFiles, numbered_pictures, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.listing import listed
 from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted, require_shapes
@@ -30,6 +31,13 @@ def is_stereomis(path: Path) -> bool:
     return (path / CALIBRATION).is_file()
 
 
+def stereomis_files(path: Path) -> ClipFiles:
+    """What a sequence is read from."""
+    photos = filter(_is_left, numbered_pictures(_photo_folder(path)))
+    masks = filter(_is_left, numbered_pictures(path / "masks"))
+    return ClipFiles(tuple(photos), (*masks, *those_there(path, (CALIBRATION, TRAJECTORY))))
+
+
 def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     """Opens a sequence with StereoCalibration.ini and rectified pictures NNNNNNl.png, NNNNNNr.png.
 
@@ -42,8 +50,7 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     Raises:
         ClipError: parts that are missing or do not agree, masks that look inverted, a bad calibration.
     """
-    folder = path / "video_frames" if (path / "video_frames").is_dir() else path
-    images = _lefts(folder)
+    images = _lefts(_photo_folder(path))
     masks = numbered(path / "masks", _is_left) if (path / "masks").is_dir() else {}
     kept = [number for number in images if number in masks or not masks]
     if not kept:
@@ -96,6 +103,10 @@ class _Reader:
         every = np.ones((camera.height, camera.width), dtype=bool)
         tissue = np.equal(self.marked(index), self.marked_is_tissue) if self.masks else every
         return Frame(index, time, self.image(index), camera, tissue, tissue.copy())
+
+
+def _photo_folder(path: Path) -> Path:
+    return path / "video_frames" if (path / "video_frames").is_dir() else path
 
 
 def _lefts(folder: Path) -> dict[int, Path]:

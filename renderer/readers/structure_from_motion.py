@@ -10,6 +10,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, those_there
 from renderer.readers.field_of_view import is_displaced, lit_field
 from renderer.readers.listing import listed
 from renderer.readers.number_tables import read_table
@@ -36,6 +37,13 @@ _POSE = re.compile(
 def is_structure_from_motion(path: Path) -> bool:
     """Whether the folder holds motion.yaml and camera_intrinsics_per_view."""
     return (path / POSES).is_file() and (path / INTRINSICS).is_file()
+
+
+def structure_from_motion_files(path: Path) -> ClipFiles:
+    """What such a folder is read from."""
+    masks = [entry for entry in files_in(path) if entry.match(f"{MASK}.*") and is_picture(entry)]
+    told = those_there(path, (POSES, INTRINSICS, VIEWS, POINTS))
+    return ClipFiles(numbered_pictures(path), (*masks, *told))
 
 
 def open_structure_from_motion(path: Path) -> Clip:

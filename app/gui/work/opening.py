@@ -10,7 +10,7 @@ from typing import Final
 from app.errors import UserError
 from app.gui.work.reported import Reported, read
 from app.gui.work.told import Told, told
-from app.provenance import digest
+from app.provenance import digests
 from app.report.saved import holds_report, is_report
 from app.run_edits import read_edits
 from app.run_folder import RunFolder, RunRecord
@@ -134,7 +134,7 @@ def _open_session(path: Path) -> Opened:
         raise UserError(f"expected {name} where it was or beside the session, found it nowhere: {path}")
     (opened,) = open_path(OpenRequest(place, session.clip_options))
     notices = opened.notices
-    if wanted.sha256 is not None and digest(place) != wanted.sha256:
+    if wanted.sha256 is not None and wanted.sha256 not in digests(place):
         notices = (*notices, f"{place.name} has changed since the session was saved")
     warning = damage or opened.warning
     return replace(opened, session=session, path=place, notices=notices, warning=warning)

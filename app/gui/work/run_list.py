@@ -10,7 +10,7 @@ from typing import Any, Literal
 from app.errors import UserError
 from app.gui.work.opening import request_of
 from app.gui.work.told import NOTHING_TOLD, Told, told
-from app.provenance import digest
+from app.provenance import digests
 from app.run_folder import RunFolder, RunRecord
 from app.run_holder import holder
 from app.training import TrainRequest
@@ -68,7 +68,7 @@ class RunFinder:
     """Answers RunsRequests; reads again only what has changed."""
 
     _read: dict[tuple[Any, ...], tuple[RunRecord, ListedRun]] = field(default_factory=dict)
-    _digests: dict[Path, str] = field(default_factory=dict)
+    _digests: dict[Path, tuple[str, ...]] = field(default_factory=dict)
 
     def find(self, request: RunsRequest) -> Iterator[FoundRuns]:
         """Raises OSError: the folder of all runs cannot be listed."""
@@ -98,8 +98,8 @@ class RunFinder:
         if record.clip.name != clip.name or not (trimmed or record.clip.frames == len(clip)):
             return False
         if clip.path not in self._digests:
-            self._digests = {clip.path: digest(clip.path)}
-        return self._digests[clip.path] == record.clip.sha256
+            self._digests = {clip.path: tuple(digests(clip.path))}
+        return record.clip.sha256 in self._digests[clip.path]
 
 
 def _key(run: RunFolder) -> tuple[Any, ...]:

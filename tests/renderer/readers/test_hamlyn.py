@@ -22,7 +22,10 @@ WHOLE = Camera(80.0, 84.0, 61.5, 20.5, 104, 48)
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    path = tmp_path / "rectified01"
+    return write_hamlyn(tmp_path / "rectified01")
+
+
+def write_hamlyn(path: Path) -> Path:
     for name in ("images", "gt_masks", "gt_depth"):
         (path / name).mkdir(parents=True)
     for frame in small_frames(WHOLE):

@@ -27,8 +27,11 @@ SMALL = Camera(60.0, 60.0, 33.3, 22.7, 80, 64)
 
 @pytest.fixture
 def sequence(tmp_path: Path) -> Path:
+    return write_sequence(tmp_path / "P3")
+
+
+def write_sequence(path: Path) -> Path:
     """Frames from FIRST on, both eyes, masks of tissue at half size, and a trajectory in metres."""
-    path = tmp_path / "P3"
     for name in ("video_frames", "masks"):
         (path / name).mkdir(parents=True)
     rows = []
@@ -47,7 +50,10 @@ def sequence(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def converted(tmp_path: Path) -> Path:
-    path = tmp_path / "plain_name"
+    return write_converted(tmp_path / "plain_name")
+
+
+def write_converted(path: Path) -> Path:
     for name in ("images", "masks", "depth"):
         (path / name).mkdir(parents=True)
     for frame in small_frames(SMALL):

@@ -31,7 +31,10 @@ def pose_text(number: int, camera: Camera) -> str:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    path = tmp_path / "sequence"
+    return write_structure_from_motion(tmp_path / "sequence")
+
+
+def write_structure_from_motion(path: Path) -> Path:
     path.mkdir()
     frames = small_frames(angle=STEP)
     for frame in frames:

@@ -1,0 +1,196 @@
+"""Every layout of a clip that has a reader: how it is known, how it is opened, and from which files.
+
+The one place that knows them all: opening, digests, batches and descriptions follow from LAYOUTS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from renderer.clip import Clip, ClipError
+from renderer.depth.clip_depth import depth_files
+from renderer.depth.maps_beside import map_files, with_maps
+from renderer.depth.stereo_pairs import eye_folders, is_stereo_folder, open_stereo_folder
+from renderer.readers import hamlyn, stereomis
+from renderer.readers.clip_files import ClipFiles, numbered_pictures
+from renderer.readers.clip_options import ClipOptions
+from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
+from renderer.readers.endonerf import endonerf_files, is_endonerf, open_endonerf
+from renderer.readers.frames import open_image, open_images, photos_of
+from renderer.readers.picture_kinds import photo_folder
+from renderer.readers.pictures import is_picture
+from renderer.readers.scared import is_scared, open_scared, scared_files, usual_step
+from renderer.readers.structure_from_motion import (
+    is_structure_from_motion,
+    open_structure_from_motion,
+    structure_from_motion_files,
+)
+from renderer.readers.video import open_video
+from renderer.regular_files import require_regular
+
+
+def every_frame(path: Path) -> int:
+    """The usual step of most layouts."""
+    return 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """One way in which a clip lies on disk."""
+
+    name: str
+    title: str
+    """As a person calls it."""
+    matches: Callable[[Path], bool]
+    """Whether a path, which is there, is of this layout, if it is of none before it."""
+    open: Callable[[Path, ClipOptions], Clip]
+    """All frames, with the depth of its own files. Raises ClipError, CameraError, OverBudget or OSError."""
+    own_files: Callable[[Path], ClipFiles]
+    is_data_set: bool = False
+    """Of folders that are one clip together, with poses, calibration or depth."""
+    photos_are_files: bool = True
+    """Whether its photos are picture files as they stand: else, the reader makes them of its files."""
+    usual_step: Callable[[Path], int] = every_frame
+    """The field keeps one frame in so many."""
+
+    def files(self, path: Path) -> tuple[Path, ...]:
+        """The files of which a clip depends under any options, each once; those of right pictures and of
+        monocular maps may lie beside the folder `path`.
+
+        What is missing or damaged is left to `open`, which says so. Raises OSError.
+        """
+        own = self.own_files(path)
+        beside = depth_files(path, [photo.name for photo in own.photos]) if path.is_dir() else ()
+        return tuple(dict.fromkeys((*own.photos, *own.others, *beside)))
+
+
+def layout_of(path: Path) -> Layout:
+    """The layout of a file or folder that is there. Raises OSError: a folder cannot be listed."""
+    return next(layout for layout in LAYOUTS if layout.matches(path))
+
+
+def _open_endonerf(path: Path, options: ClipOptions) -> Clip:
+    return (open_converted_stereomis if is_converted_stereomis(path) else open_endonerf)(path, options)
+
+
+def _open_stereo(path: Path, options: ClipOptions) -> Clip:
+    left = next(iter(eye_folders(path)), path)
+    return with_maps(open_stereo_folder(path, options.field_of_view), left, options)
+
+
+def _stereo_files(path: Path) -> ClipFiles:
+    left, *right = eye_folders(path) or (path,)
+    own = _photos_and_maps(path, left)
+    return replace(own, others=(*own.others, *(each for eye in right for each in numbered_pictures(eye))))
+
+
+def _open_pictures(path: Path, options: ClipOptions) -> Clip:
+    pictures = photo_folder(path)
+    clip = open_images(pictures, options.field_of_view)
+    return with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
+
+
+def _photos_and_maps(path: Path, folder: Path) -> ClipFiles:
+    """The photos in `folder` and what lies beside them; numbered pictures that are of no frame too."""
+    told = numbered_pictures(folder)
+    try:
+        photos = photos_of(folder)
+        return ClipFiles(photos, (*told, *map_files(path, folder, [photo.name for photo in photos])))
+    except ClipError:
+        return ClipFiles(told)  # A damaged picture, of which its reader says so.
+
+
+def _open_picture(path: Path, options: ClipOptions) -> Clip:
+    require_regular(path)
+    return open_image(path, options.field_of_view)
+
+
+def _open_video(path: Path, options: ClipOptions) -> Clip:
+    require_regular(path)
+    return open_video(path, options)
+
+
+def _itself(path: Path) -> ClipFiles:
+    return ClipFiles((path,))
+
+
+LAYOUTS: Final = (
+    Layout(
+        name="image",
+        title="one picture",
+        matches=lambda path: is_picture(path) and not path.is_dir(),
+        open=_open_picture,
+        own_files=_itself,
+    ),
+    Layout(
+        name="video",
+        title="video",
+        matches=lambda path: not path.is_dir(),
+        open=_open_video,
+        own_files=_itself,
+        photos_are_files=False,
+    ),
+    Layout(
+        name="scared",
+        title="SCARED",
+        matches=is_scared,
+        open=lambda path, options: open_scared(path),
+        own_files=scared_files,
+        is_data_set=True,
+        photos_are_files=False,
+        usual_step=usual_step,
+    ),
+    Layout(
+        name="structure-from-motion",
+        title="structure from motion",
+        matches=is_structure_from_motion,
+        open=lambda path, options: open_structure_from_motion(path),
+        own_files=structure_from_motion_files,
+        is_data_set=True,
+        photos_are_files=False,
+    ),
+    Layout(
+        name="stereomis",
+        title="StereoMIS",
+        matches=stereomis.is_stereomis,
+        open=stereomis.open_stereomis,
+        own_files=stereomis.stereomis_files,
+        is_data_set=True,
+        photos_are_files=False,
+    ),
+    Layout(
+        name="hamlyn",
+        title="Hamlyn",
+        matches=hamlyn.is_hamlyn,
+        open=hamlyn.open_hamlyn,
+        own_files=hamlyn.hamlyn_files,
+        is_data_set=True,
+        photos_are_files=False,
+    ),
+    Layout(
+        name="endonerf",
+        title="EndoNeRF",
+        matches=is_endonerf,
+        open=_open_endonerf,
+        own_files=endonerf_files,
+        is_data_set=True,
+    ),
+    Layout(
+        name="stereo",
+        title="left and right pictures",
+        matches=is_stereo_folder,
+        open=_open_stereo,
+        own_files=_stereo_files,
+    ),
+    Layout(
+        name="images",
+        title="pictures",
+        matches=lambda path: True,
+        open=_open_pictures,
+        own_files=lambda path: _photos_and_maps(path, photo_folder(path)),
+    ),
+)
+"""In the order in which they are asked: a folder may look like several."""
