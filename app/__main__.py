@@ -12,6 +12,8 @@ from typing import TextIO
 from app.cli import run
 from app.ending import EndingSignals
 from app.errors import UserError
+from app.one_place import require_one_place
+from app.open_mp import rest_while_waiting
 
 # A damaged file is one line of ours, none of the decoders'. OpenCV reads these once, when it loads.
 QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
@@ -20,6 +22,7 @@ QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command. A mistake of the user is one line on stderr; a bug keeps its traceback."""
     keep_quiet()
+    rest_while_waiting()
     # A shell may have closed them (`>&-`), and a program without a console has none.
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
@@ -28,6 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signals = EndingSignals()
     try:
         with signals:
+            require_one_place()
             run(sys.argv[1:] if arguments is None else arguments)
             sys.stdout.flush()
     except BrokenPipeError:

@@ -22,7 +22,7 @@ from app.stopwatch import REPEATS, Stopwatch
 from app.training import input_clip
 from app.wall_clock import STEPS, WALL
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
-from enhance.vesselness import vessel_mask
+from enhance.ridges import vessel_mask
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files

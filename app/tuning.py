@@ -20,7 +20,7 @@ from app.pictures import ArrayImage
 from enhance import Statistics
 from enhance.image import BoolImage
 from enhance.metrics import dvbv_otsu, noise_gain, saturated_share, vessel_contrast
-from enhance.vesselness import field_of_view, vessel_mask
+from enhance.ridges import field_of_view, vessel_mask
 
 MOST_CELLS = 400
 SLOWEST: Final = ("radii", "subsample", "eps", "radius", "shading")

@@ -14,6 +14,7 @@ from typing import Literal
 import psutil
 
 from app.errors import UserError, sentence
+from app.open_mp import rest_while_waiting
 from app.shared_model import Slot, SlotWriter
 from app.training import TrainRequest
 from enhance import ImageError
@@ -64,6 +65,7 @@ def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> N
 
     Ends quietly, at its next step, when the process at the other end of the pipe is gone.
     """
+    rest_while_waiting()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C in a terminal reaches both; the parent decides.
     psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else 19)
     try:

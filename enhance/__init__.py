@@ -1,25 +1,115 @@
-"""2D vascular enhancement of endoscopic images: section 3.1 of the paper."""
+"""2D vascular enhancement of endoscopic images: section 3.1 of the paper, other methods, and measures.
 
-import os
+Images are (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA; uint8, uint16 or float in [0, 1]. Masks are (H, W),
+True where tissue is kept. Visibility only: nothing here detects or diagnoses.
 
-from enhance.enhancer import Enhancer
-from enhance.image import ImageError
-from enhance.params import EnhanceParams
-from enhance.pipeline import enhance, measure
-from enhance.result import EnhanceResult
-from enhance.statistics import LiveStatistics, Statistics
+- The paper's method: `enhance`, `EnhanceParams`, `EnhanceResult`, `Omission`; `Enhancer` for many images
+  or many settings of one; `measure`, `Statistics` for a clip, `LiveStatistics` for a stream.
+- VesselSplat's preset `vessel`: `enhance_vessels`, `VesselParams`, `VesselEnhancer`.
+- Others to compare with: `clahe`, `unsharp`, `msrcr`, `aindane`, `aindane_green`, `wang2020`, `jiang2019`,
+  and all of them by name in `BASELINES`.
+- Measures: `dvbv_otsu`, `dvbv_local`, `DvBv`, `vessel_contrast`, `vessel_cnr`, `noise_gain`,
+  `blackened_share`, `saturated_share`, `flicker`; where vessels are: `vesselness`, `vessel_mask`,
+  `field_of_view`.
 
-# numba's threads must not spin while they wait for each other: see renderer/__init__.py. The runtime reads
-# this once, when numba first starts its threads.
-os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+Every mistake in an image is an `ImageError`, every one in a parameter a `pydantic.ValidationError`; both are
+ValueErrors. Importing the package loads nothing; each name loads what it needs when it is first used. Nothing
+of the process is changed. The kernels compute on several cores by OpenMP, whose threads spin while they wait:
+where other work shares the cores, set OMP_WAIT_POLICY=PASSIVE in the environment before the first is used.
+"""
+
+import importlib as _importlib
+import typing as _typing
+
+if _typing.TYPE_CHECKING:
+    from enhance.baselines import (
+        BASELINES,
+        aindane,
+        aindane_green,
+        clahe,
+        jiang2019,
+        msrcr,
+        unsharp,
+        wang2020,
+    )
+    from enhance.enhancer import Enhancer
+    from enhance.image import ImageError
+    from enhance.metrics import (
+        DvBv,
+        blackened_share,
+        dvbv_local,
+        dvbv_otsu,
+        flicker,
+        noise_gain,
+        saturated_share,
+        vessel_cnr,
+        vessel_contrast,
+    )
+    from enhance.params import EnhanceParams
+    from enhance.pipeline import enhance, measure
+    from enhance.result import EnhanceResult, Omission
+    from enhance.ridges import field_of_view, vessel_mask, vesselness
+    from enhance.statistics import LiveStatistics, Statistics
+    from enhance.vessel import VesselEnhancer, VesselParams, enhance_vessels
 
 __all__ = [
+    "BASELINES",
+    "DvBv",
     "EnhanceParams",
     "EnhanceResult",
     "Enhancer",
     "ImageError",
     "LiveStatistics",
+    "Omission",
     "Statistics",
+    "VesselEnhancer",
+    "VesselParams",
+    "aindane",
+    "aindane_green",
+    "blackened_share",
+    "clahe",
+    "dvbv_local",
+    "dvbv_otsu",
     "enhance",
+    "enhance_vessels",
+    "field_of_view",
+    "flicker",
+    "jiang2019",
     "measure",
+    "msrcr",
+    "noise_gain",
+    "saturated_share",
+    "unsharp",
+    "vessel_cnr",
+    "vessel_contrast",
+    "vessel_mask",
+    "vesselness",
+    "wang2020",
 ]
+
+_MODULES = {
+    "baselines": "BASELINES aindane aindane_green clahe jiang2019 msrcr unsharp wang2020",
+    "enhancer": "Enhancer",
+    "image": "ImageError",
+    "metrics": "DvBv blackened_share dvbv_local dvbv_otsu flicker noise_gain saturated_share vessel_cnr "
+    "vessel_contrast",
+    "params": "EnhanceParams",
+    "pipeline": "enhance measure",
+    "result": "EnhanceResult Omission",
+    "ridges": "field_of_view vessel_mask vesselness",
+    "statistics": "LiveStatistics Statistics",
+    "vessel": "VesselEnhancer VesselParams enhance_vessels",
+}
+_HOME = {name: f"enhance.{module}" for module, names in _MODULES.items() for name in names.split()}
+
+
+def __getattr__(name: str) -> _typing.Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(_importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -1,4 +1,4 @@
-"""Other methods to compare with, each one function from (H, W, 3) uint8 RGB to the same.
+"""Other methods to compare with, each one function from (H, W, 3) uint8 RGB to a new array of the same.
 
 "Wang" of the paper's Table 3 is taken to be Wang 2020. "Tao" is not identified: `msrcr`, `aindane` and
 `aindane_green` stand in for it, as methods that fit its description, and are never called by that name.
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from enhance.brightness import brighten, level, value, value_histogram, z_from_level
 from enhance.detail import FLOOR
-from enhance.image import Float32Image
+from enhance.image import Float32Image, ImageError
 from enhance.saturation import Saturation, recolor, saturation, stretch
 
 ByteImage = NDArray[np.uint8]
@@ -28,7 +28,19 @@ MOST_GAIN: Final = 4.0
 
 
 def clahe(image: ByteImage) -> ByteImage:
-    """CLAHE on L of Lab, clip limit 2, 8x8 tiles (Zuiderveld, Graphics Gems IV, 1994)."""
+    """CLAHE on L of Lab, clip limit 2, 8x8 tiles (Zuiderveld, Graphics Gems IV, 1994).
+
+    Raises:
+        ImageError: anything but (H, W, 3) uint8.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import clahe
+        >>> image = np.random.default_rng(0).integers(0, 200, (64, 64, 3), dtype=np.uint8)
+        >>> clahe(image).shape
+        (64, 64, 3)
+    """
+    _require_bytes(image)
     lab = cv2.cvtColor(image, cv2.COLOR_RGB2LAB)
     equalize = cv2.createCLAHE(clipLimit=2.0, tileGridSize=(8, 8))
     lab[..., 0] = equalize.apply(np.ascontiguousarray(lab[..., 0]))
@@ -36,7 +48,18 @@ def clahe(image: ByteImage) -> ByteImage:
 
 
 def unsharp(image: ByteImage) -> ByteImage:
-    """Unsharp mask: the difference to a Gaussian of sigma 3 px is added once more."""
+    """Unsharp mask: the difference to a Gaussian of sigma 3 px is added once more.
+
+    Raises:
+        ImageError: anything but (H, W, 3) uint8.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import unsharp
+        >>> image = np.random.default_rng(0).integers(0, 200, (64, 64, 3), dtype=np.uint8)
+        >>> unsharp(image).shape
+        (64, 64, 3)
+    """
     colors = _unit(image)
     return _bytes(2 * colors - cv2.GaussianBlur(colors, (0, 0), 3.0))
 
@@ -46,7 +69,18 @@ def msrcr(image: ByteImage) -> ByteImage:
 
     Scales 15, 80 and 250 px, alpha 125. The published gain, offset and beta are affine and fall out in the
     stretch of the 1st to the 99th percentile of the image, which ends it, as is usual.
+
+    Raises:
+        ImageError: anything but (H, W, 3) uint8.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import msrcr
+        >>> image = np.random.default_rng(0).integers(0, 200, (64, 64, 3), dtype=np.uint8)
+        >>> msrcr(image).shape
+        (64, 64, 3)
     """
+    _require_bytes(image)
     colors = image.astype(np.float32) + 1
     retinex = np.mean([np.log(colors) - np.log(_blurred(colors, sigma)) for sigma in (15, 80, 250)], axis=0)
     restored = retinex * np.log(125 * colors / colors.sum(axis=2, keepdims=True))
@@ -55,13 +89,35 @@ def msrcr(image: ByteImage) -> ByteImage:
 
 
 def aindane(image: ByteImage) -> ByteImage:
-    """AINDANE on luma (Tao and Asari, Journal of Electronic Imaging 14(4) 043006, 2005); gain at most 4."""
+    """AINDANE on luma (Tao and Asari, Journal of Electronic Imaging 14(4) 043006, 2005); gain at most 4.
+
+    Raises:
+        ImageError: anything but (H, W, 3) uint8.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import aindane
+        >>> image = np.random.default_rng(0).integers(0, 200, (64, 64, 3), dtype=np.uint8)
+        >>> aindane(image).shape
+        (64, 64, 3)
+    """
     colors = _unit(image)
     return _aindane(colors, np.asarray(colors @ LUMA, dtype=np.float32))
 
 
 def aindane_green(image: ByteImage) -> ByteImage:
-    """AINDANE with green in place of luma. Own variant: a stand-in for a method that works on green."""
+    """AINDANE with green in place of luma. Own variant: a stand-in for a method that works on green.
+
+    Raises:
+        ImageError: anything but (H, W, 3) uint8.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import aindane_green
+        >>> image = np.random.default_rng(0).integers(0, 200, (64, 64, 3), dtype=np.uint8)
+        >>> aindane_green(image).shape
+        (64, 64, 3)
+    """
     colors = _unit(image)
     return _aindane(colors, np.ascontiguousarray(colors[..., 1]))
 
@@ -71,6 +127,16 @@ def wang2020(image: ByteImage) -> ByteImage:
     Engineering 47(1) 190268, 2020).
 
     Red and blue follow by the change of green. The order of clipping is inferred.
+
+    Raises:
+        ImageError: anything but (H, W, 3) uint8.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import wang2020
+        >>> image = np.random.default_rng(0).integers(0, 200, (64, 64, 3), dtype=np.uint8)
+        >>> wang2020(image).shape
+        (64, 64, 3)
     """
     colors = _unit(image)
     green = colors[..., 1]
@@ -89,6 +155,16 @@ def jiang2019(image: ByteImage) -> ByteImage:
     All constants are inferred: detail times 1.75, base of green and blue through
     1.245 / (1 + (0.545 / x)^2.35), base of red times 0.9, radius 16 px, eps 0.01. The published detail gain
     follows the signal to noise ratio.
+
+    Raises:
+        ImageError: anything but (H, W, 3) uint8.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import jiang2019
+        >>> image = np.random.default_rng(0).integers(0, 200, (64, 64, 3), dtype=np.uint8)
+        >>> jiang2019(image).shape
+        (64, 64, 3)
     """
     colors = _unit(image)
     planes = [np.ascontiguousarray(colors[..., index]) for index in range(3)]
@@ -152,7 +228,15 @@ def _blurred(image: Float32Image, sigma: float) -> Float32Image:
     return np.asarray(cv2.resize(blurred, (width, height), interpolation=cv2.INTER_LINEAR), dtype=np.float32)
 
 
+def _require_bytes(image: ByteImage) -> None:
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
+        raise ImageError(
+            f"expected an RGB image of shape (H, W, 3) and uint8, got {image.shape} {image.dtype}"
+        )
+
+
 def _unit(image: ByteImage) -> Float32Image:
+    _require_bytes(image)
     return np.asarray(image / np.float32(255), dtype=np.float32)
 
 

@@ -119,6 +119,15 @@ class Enhancer:
     A moved d-factor leaves V* as it is; a moved z or P does not filter again; a moved radius filters and
     measures one scale. The memory for all that stays from image to image. Not to be used from two threads at
     once.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import EnhanceParams, Enhancer
+        >>> enhancer = Enhancer()
+        >>> enhancer.show(np.random.default_rng(0).integers(0, 200, (48, 64, 3), dtype=np.uint8))
+        >>> settings = [EnhanceParams(d_factor=k) for k in (0.0, 0.5, 1.0)]
+        >>> [enhancer.enhance(params).image.shape for params in settings]
+        [(48, 64, 3), (48, 64, 3), (48, 64, 3)]
     """
 
     def __init__(self, live: LiveStatistics | None = None) -> None:

@@ -15,7 +15,17 @@ BoolImage = NDArray[np.bool_]
 
 
 class ImageError(ValueError):
-    """An image, its mask or its statistics cannot be used: what was expected and what came."""
+    """An image, its mask or its statistics cannot be used: what was expected and what came.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import ImageError, enhance
+        >>> try:
+        ...     enhance(np.zeros((8, 8, 5), np.uint8))
+        ... except ImageError as error:
+        ...     print(error)
+        expected an image of shape (H, W), (H, W, 3) or (H, W, 4), got (8, 8, 5)
+    """
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,15 @@ NOISE_KERNEL: Final = np.outer((1, -2, 1), (1, -2, 1)).astype(np.float32)
 
 @dataclass(frozen=True)
 class DvBv:
-    """Detail variance, background variance (grey levels squared) and their ratio; NaN where undefined."""
+    """Detail variance, background variance (grey levels squared) and their ratio; NaN where undefined.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import dvbv_otsu
+        >>> found = dvbv_otsu(np.full((16, 16), 80, np.uint8))  # nothing above its threshold: no ratio
+        >>> type(found).__name__, found.ratio
+        ('DvBv', nan)
+    """
 
     dv: float
     bv: float
@@ -39,11 +47,18 @@ def dvbv_otsu(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> DvBv:
     tables' ratio is the mean of the ratios. NaN: an empty class, and the ratio where bv = 0.
 
     Args:
+        image: as `enhance` takes it.
         tissue_mask: (H, W), True = keep: threshold and variances are of these pixels. Without it, a black
             surround is the class below.
 
     Raises:
-        ImageError: a mask of another size.
+        ImageError: an image that cannot be used, or a mask of another size.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import dvbv_otsu
+        >>> dvbv_otsu(np.uint8([[10, 20, 200, 240]]))  # variances of 200, 240 and of 10, 20
+        DvBv(dv=400.0, bv=25.0, ratio=16.0)
     """
     grey = np.rint(_grey(image)).astype(np.uint8).ravel()
     if tissue_mask is not None:
@@ -74,6 +89,14 @@ def dvbv_local(
 
     Raises:
         ImageError: images of different sizes.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import dvbv_local, unsharp
+        >>> image = np.random.default_rng(0).normal(120, 2, (64, 64, 3)).astype(np.uint8)
+        >>> image[:, 30:34] = 80
+        >>> bool(dvbv_local(unsharp(image), image).dv > dvbv_local(image, image).dv)
+        True
     """
     before, after = _local_variance(_grey(original)), _local_variance(_grey(image))
     if before.shape != after.shape:
@@ -96,7 +119,7 @@ def vessel_contrast(
 
     The ring is what lies 3 to 7 pixels from the mask; the two pixels beside it, blurred edges, are left out.
     RGB images only by that order of colours: green is the middle channel; a grey image is its own green.
-    To compare methods, keep one mask: a given truth, or `vesselness.vessel_mask` of the original.
+    To compare methods, keep one mask: a given truth, or `vessel_mask` of the original.
     NaN: no vessel, no ring or a black ring.
 
     Args:
@@ -104,6 +127,16 @@ def vessel_contrast(
 
     Raises:
         ImageError: a mask of another size.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import vessel_contrast
+        >>> image = np.full((64, 64, 3), 200, np.uint8)
+        >>> vessel = np.zeros((64, 64), bool)
+        >>> vessel[:, 30:34] = True
+        >>> image[vessel] = 150
+        >>> round(vessel_contrast(image, vessel), 3)  # (200 - 150) / 200
+        0.25
     """
     vessel, ring = _vessel_and_ring(image, vessel_mask, tissue_mask)
     around = _mean(ring)
@@ -117,6 +150,17 @@ def vessel_cnr(image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImag
 
     Raises:
         ImageError: a mask of another size.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import vessel_cnr
+        >>> image = np.full((64, 64, 3), 200, np.uint8)
+        >>> vessel = np.zeros((64, 64), bool)
+        >>> vessel[:, 30:34] = True
+        >>> image[vessel] = 150
+        >>> image[::2] += 10
+        >>> round(vessel_cnr(image, vessel), 2)  # 50 by a deviation of 5
+        10.0
     """
     vessel, ring = _vessel_and_ring(image, vessel_mask, tissue_mask)
     spread = math.sqrt(_variance(ring))
@@ -128,6 +172,15 @@ def blackened_share(image: AnyImage, original: AnyImage, vessel_mask: BoolImage)
 
     Raises:
         ImageError: images or a mask of different sizes.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import blackened_share
+        >>> original = np.full((8, 8, 3), 100, np.uint8)
+        >>> image = original.copy()
+        >>> image[:4] = 20
+        >>> blackened_share(image, original, np.ones((8, 8), bool))
+        0.5
     """
     before, after = _colors(original), _colors(image)
     _check_sizes(after, before)
@@ -151,6 +204,13 @@ def noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | 
 
     Raises:
         ImageError: images or a mask of different sizes.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import noise_gain
+        >>> noise = np.random.default_rng(0).normal(0, 0.01, (64, 64))
+        >>> round(noise_gain(0.5 + 2 * noise, 0.5 + noise), 2)
+        2.0
     """
     before, after = _colors(original), _colors(image)
     _check_sizes(after, before)
@@ -166,6 +226,14 @@ def flicker(images: Iterable[AnyImage], originals: Iterable[AnyImage]) -> float:
 
     Raises:
         ImageError: not as many images as originals.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import flicker
+        >>> originals = [np.full((8, 8), level, np.uint8) for level in (100, 101, 100)]
+        >>> images = [np.full((8, 8), level, np.uint8) for level in (150, 154, 150)]
+        >>> round(flicker(images, originals), 3)  # steps of 4 in place of 1
+        3.0
     """
     after, before = ([float(_grey(image).mean()) for image in clip] for clip in (images, originals))
     if len(after) != len(before):
@@ -174,7 +242,17 @@ def flicker(images: Iterable[AnyImage], originals: Iterable[AnyImage]) -> float:
 
 
 def saturated_share(image: AnyImage) -> float:
-    """Share of pixels, 0 to 1, whose largest channel is at 250 of 255 or above."""
+    """Share of pixels, 0 to 1, whose largest channel is at 250 of 255 or above.
+
+    Raises:
+        ImageError: an image that cannot be used.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import saturated_share
+        >>> saturated_share(np.uint8([[0, 100, 250, 255]]))
+        0.5
+    """
     return float(np.mean(value(read_picture(image).colors) >= np.float32(SATURATED)))
 
 

@@ -20,11 +20,17 @@ DFactor = Annotated[float, Interval(ge=0.0, le=4.0)]
     config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
 )
 class EnhanceParams:
-    """Parameters of Eqs 1-12.
+    """Parameters of Eqs 1-12 of the paper, with their ranges; each says what it is below its field.
 
     Raises:
-        pydantic.ValidationError: (a ValueError) a value out of its range, or as many P as there are not
+        pydantic.ValidationError: (a ValueError) a value out of its range, or another number of P than of
             scales.
+
+    Example:
+        >>> from enhance import EnhanceParams
+        >>> params = EnhanceParams(z=0.4, p=(0.5, 0.5, 1.0))  # brightness given, stronger large-scale detail
+        >>> params.radii
+        (4, 16, 64)
     """
 
     z: Annotated[float, Interval(ge=0.0, le=1.0)] | None = None

@@ -37,6 +37,14 @@ def enhance(
 
     Raises:
         ImageError: an image, mask or statistics that cannot be used; the text says why.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import EnhanceParams, enhance
+        >>> image = np.random.default_rng(0).integers(0, 90, (48, 64, 3), dtype=np.uint8)
+        >>> result = enhance(image, EnhanceParams(z=0.0))
+        >>> result.image.shape, result.image.dtype, bool(result.image.mean() > image.mean())
+        ((48, 64, 3), dtype('uint8'), True)
     """
     enhancer = Enhancer()
     enhancer.show(image, tissue_mask)
@@ -48,7 +56,8 @@ def measure(
     params: EnhanceParams = DEFAULTS,
     tissue_masks: Iterable[AnyImage | None] | None = None,
 ) -> Statistics:
-    """Statistics of a whole clip: histograms, saturations and variances pooled over all kept pixels.
+    """Statistics of a whole clip for Eqs 2, 9 and 12: histograms, saturations and variances pooled over all
+    kept pixels, so that the colours of its frames agree.
 
     Args:
         images: as `enhance` takes them; sizes may differ. Read one at a time.
@@ -56,6 +65,14 @@ def measure(
 
     Raises:
         ImageError: as `enhance`, with the position in the clip; no image; fewer or more masks than images.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import enhance, measure
+        >>> frames = np.random.default_rng(0).integers(0, 200, (3, 48, 64, 3), dtype=np.uint8)
+        >>> statistics = measure(frames)
+        >>> {enhance(frame, statistics=statistics).statistics.scope for frame in frames}
+        {'clip'}
     """
     enhancer, total = Enhancer(), None
     for index, (image, mask) in enumerate(_pairs(images, tissue_masks)):

@@ -21,6 +21,13 @@ class Statistics:
 
     `level`, `saturation_mean` and `sigmas` are measured; `z` and `p` follow from them and the parameters
     (`resolved`).
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import measure
+        >>> used = measure([np.full((32, 32, 3), 100, np.uint8)])
+        >>> used.level, used.z, used.saturation_mean  # L of Eq 2; z; S_m of Eq 12
+        (100, 0.5, 0.0)
     """
 
     level: float
@@ -122,7 +129,22 @@ def from_sums(
 
 @dataclass(frozen=True, kw_only=True)
 class LiveStatistics:
-    """How statistics follow a live stream: each image moves them a share of the way, so nothing flickers."""
+    """How statistics follow a live stream: each image moves them a share of the way, so nothing flickers.
+
+    Raises:
+        ValueError: a half-life below 0, or none.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import Enhancer, LiveStatistics
+        >>> enhancer = Enhancer(LiveStatistics(half_life=1))
+        >>> for level in (50, 150, 150):
+        ...     enhancer.show(np.full((32, 32, 3), level, np.uint8))
+        ...     print(enhancer.enhance().statistics.level)
+        50
+        100.0
+        125.0
+    """
 
     half_life: float = 12.0
     """Images after which half of a sudden change has been followed; 0 follows at once."""

@@ -26,7 +26,16 @@ def _identity() -> FloatArray:
 
 
 class CameraError(ValueError):
-    """Numbers that are no camera: the text says what was expected."""
+    """Numbers that are no camera: the text says what was expected.
+
+    Example:
+        >>> from renderer import Camera, CameraError
+        >>> try:
+        ...     Camera(fx=100, fy=100, cx=32, cy=24, width=0, height=48)
+        ... except CameraError as error:
+        ...     print(error)
+        Camera size must be at least 1x1 pixels, got 0x48
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +48,14 @@ class Camera:
     Raises:
         CameraError: sizes or focal lengths that are not positive, or a matrix that is not a finite (4, 4) or
             does more than turn and move; or numbers beyond what can be drawn.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Camera
+        >>> camera = Camera(fx=100, fy=100, cx=32, cy=24, width=64, height=48)
+        >>> pixels, depths = camera.project(np.array([[0.1, 0.0, 1.0]]))
+        >>> pixels.tolist(), depths.tolist()
+        ([[42.0, 24.0]], [1.0])
     """
 
     fx: float

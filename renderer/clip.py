@@ -23,7 +23,17 @@ DepthOrigin = Literal["measured", "beside", "stereo", "monocular", "brightness"]
 
 
 class ClipError(ValueError):
-    """A clip cannot be read: the text says what was expected, what came, and where."""
+    """A clip cannot be read: the text says what was expected, what came, and where.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from renderer import ClipError, open_clip
+        >>> try:
+        ...     open_clip(Path("nothing-here"))
+        ... except ClipError as error:
+        ...     print(error)
+        expected a clip, got no such file or folder: nothing-here
+    """
 
 
 def held_out_frames(count: int, split: Split = "field") -> tuple[int, ...]:
@@ -33,7 +43,18 @@ def held_out_frames(count: int, split: Split = "field") -> tuple[int, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One moment of a clip."""
+    """One moment of a clip: photo, depth, masks, time and camera.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Camera, Frame
+        >>> image, keep = np.full((24, 32, 3), 120, np.uint8), np.ones((24, 32), bool)
+        >>> depth = np.full((24, 32), 50, np.float32)
+        >>> depth[:12] = 0
+        >>> frame = Frame(0, 0.0, image, Camera.from_fov(60, 32, 24), keep, keep, depth)
+        >>> float(frame.depth_mask.mean())
+        0.5
+    """
 
     index: int
     """Position in the clip, from 0."""
@@ -76,7 +97,34 @@ class SparsePoints:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A readable clip; frames are decoded when they are asked for, never all at once."""
+    """A readable clip; frames are decoded when they are asked for, never all at once.
+
+    `open_clip` gives one of files; one of arrays is made as below. Reading a frame of damaged files raises
+    ClipError.
+
+    Example:
+        >>> from pathlib import Path
+        >>> import numpy as np
+        >>> from renderer import Camera, Clip, Frame
+        >>> camera = Camera.from_fov(60, 32, 24)
+        >>> image, keep = np.full((24, 32, 3), 120, np.uint8), np.ones((24, 32), bool)
+        >>> depth = np.full((24, 32), 50, np.float32)
+        >>> clip = Clip(
+        ...     name="flat",
+        ...     path=Path("flat"),
+        ...     format="images",
+        ...     cameras=(camera,) * 10,
+        ...     read_frame=lambda index: Frame(index, index / 10, image, camera, keep, keep, depth),
+        ...     read_image=lambda index: image,
+        ...     labels=tuple(f"{index:03d}" for index in range(10)),
+        ...     has_depth=True,
+        ...     unit="mm",
+        ... )
+        >>> len(clip), clip.size, clip.test_indices  # every eighth from the second on is held out
+        (10, (32, 24), (1, 9))
+        >>> clip.every(2).read_frame(3).time
+        0.6
+    """
 
     name: str
     path: Path

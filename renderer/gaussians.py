@@ -25,7 +25,24 @@ NEEDED = ("means", "quats", "log_scales", "opacity_logits", "colors")
 
 @dataclass(frozen=True, eq=False)
 class DynamicGaussians:
-    """N Gaussians that move and change over time in [0, 1]."""
+    """N Gaussians that move and change over time in [0, 1]: what training gives; safetensors as a file.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import DynamicGaussians, RawGaussians
+        >>> raw = RawGaussians(
+        ...     means=np.float32([[0, 0, 5], [1, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]] * 2),
+        ...     log_scales=np.log(np.full((2, 3), 0.3, np.float32)),
+        ...     opacity_logits=np.float32([0, 2]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2], [0.2, 0.8, 0.2]]),
+        ...     harmonics=np.zeros((2, 0, 3), np.float32),
+        ... )
+        >>> from renderer.deformation.motion import Still
+        >>> model = DynamicGaussians(raw, Still())
+        >>> model.at(0.5).opacities.round(2).tolist()
+        [0.5, 0.8799999952316284]
+    """
 
     raw: RawGaussians
     """At rest."""

@@ -26,13 +26,30 @@ def psnr(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
 
     Raises:
         ValueError: shapes that do not agree.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import psnr
+        >>> reference, mask = np.full((16, 16, 3), 0.5), np.zeros((16, 16), bool)
+        >>> mask[:4] = True
+        >>> round(psnr(reference + 0.1, reference, mask), 2)  # 20 dB of a quarter of the pixels
+        26.02
     """
     error = _squared_error(image, reference, mask)
     return _decibel(float(error.sum()) / error.size) if mask.any() else float("nan")
 
 
 def psnr_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
-    """PSNR in dB over the pixels of the mask alone; NaN for an empty mask. Otherwise as `psnr`."""
+    """PSNR in dB over the pixels of the mask alone; NaN for an empty mask. Otherwise as `psnr`.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import psnr_masked
+        >>> reference, mask = np.full((16, 16, 3), 0.5), np.zeros((16, 16), bool)
+        >>> mask[:4] = True
+        >>> round(psnr_masked(reference + 0.1, reference, mask), 2)
+        20.0
+    """
     error = _squared_error(image, reference, mask)
     counted = np.count_nonzero(mask) * (error.size // mask.size)
     return _decibel(float(error.sum()) / counted) if counted else float("nan")
@@ -43,6 +60,14 @@ def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
 
     Both pictures times the mask, 11x11 Gaussian window of sigma 1.5, zeros beyond the border,
     mean over all pixels and channels; NaN for an empty mask. Arguments and errors as for `psnr`.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import ssim
+        >>> reference, mask = np.full((16, 16, 3), 0.5), np.zeros((16, 16), bool)
+        >>> mask[:4] = True
+        >>> round(ssim(reference, reference, mask), 6)
+        1.0
     """
     x, y = masked(image, reference, mask)
     mean_x, mean_y = _window(x), _window(y)
@@ -61,6 +86,12 @@ def depth_rmse(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
 
     Raises:
         ValueError: shapes that do not agree.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import depth_rmse
+        >>> depth_rmse(np.array([[52.0, 0.0]]), np.array([[50.0, 50.0]]), np.array([[True, True]]))
+        2.0
     """
     drawn, true = _depths(depth, reference, mask)
     return float(np.sqrt(np.mean((drawn - true) ** 2))) if len(true) else float("nan")

@@ -23,7 +23,22 @@ def sigmoid(logits: Float32Array) -> Float32Array:
 
 @dataclass(frozen=True, eq=False)
 class RawGaussians:
-    """N Gaussians; or, of the same shapes, gradients by their raw values."""
+    """N Gaussians; or, of the same shapes, gradients by their raw values. All arrays are float32.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import RawGaussians
+        >>> raw = RawGaussians(
+        ...     means=np.float32([[0, 0, 5], [1, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]] * 2),
+        ...     log_scales=np.log(np.full((2, 3), 0.3, np.float32)),
+        ...     opacity_logits=np.float32([0, 2]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2], [0.2, 0.8, 0.2]]),
+        ...     harmonics=np.zeros((2, 0, 3), np.float32),
+        ... )
+        >>> raw.splats().scales.shape, float(raw.splats().opacities[0])
+        ((2, 3), 0.5)
+    """
 
     means: Float32Array
     """(N, 3) in the clip's unit."""

@@ -22,6 +22,19 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
 
     Raises:
         ClipError: nothing there, or nothing that can be read; one line that names the path.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> import numpy as np
+        >>> from PIL import Image
+        >>> from renderer import open_clip
+        >>> with TemporaryDirectory() as folder:
+        ...     for index in range(3):
+        ...         Image.fromarray(np.zeros((24, 32, 3), np.uint8)).save(Path(folder, f"{index}.png"))
+        ...     clip = open_clip(Path(folder))
+        >>> clip.format, len(clip), clip.size, clip.has_depth
+        ('images', 3, (32, 24), False)
     """
     if not path.exists():
         raise ClipError(f"expected a clip, got no such file or folder: {path}")

@@ -29,6 +29,19 @@ class Splats:
 
     Raises:
         ValueError: shapes that do not agree. The message names the field.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Splats
+        >>> splats = Splats(
+        ...     means=np.float32([[0, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]]),
+        ...     scales=np.full((1, 3), 0.3, np.float32),
+        ...     opacities=np.float32([0.9]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2]]),
+        ... )
+        >>> len(splats), splats.harmonics.shape
+        (1, (1, 0, 3))
     """
 
     means: Float32Array

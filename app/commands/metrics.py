@@ -34,7 +34,7 @@ from enhance.metrics import (
     vessel_cnr,
     vessel_contrast,
 )
-from enhance.vesselness import field_of_view, vessel_mask
+from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr, ssim
 
 ALONE = ("dv", "bv", "dv_bv", "saturated_share")

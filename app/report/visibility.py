@@ -22,8 +22,8 @@ from enhance.metrics import (
     vessel_cnr,
     vessel_contrast,
 )
+from enhance.ridges import vessel_mask
 from enhance.vessel import enhance_vessels
-from enhance.vesselness import vessel_mask
 from renderer.laps import lap_times
 
 ByteImage = NDArray[np.uint8]

@@ -9,7 +9,17 @@ import moderngl
 
 
 class OpenGLUnavailable(RuntimeError):
-    """No OpenGL 3.3 here; the message says what to install."""
+    """No OpenGL 3.3 here; the message says what to install.
+
+    Example:
+        >>> from renderer import OpenGLUnavailable, standalone_context
+        >>> try:
+        ...     ctx = standalone_context()
+        ... except OpenGLUnavailable as error:
+        ...     print(error)
+        ... else:
+        ...     ctx.release()
+    """
 
 
 def standalone_context() -> moderngl.Context:
@@ -17,6 +27,13 @@ def standalone_context() -> moderngl.Context:
 
     Raises:
         OpenGLUnavailable: no driver, or one too old, in one sentence.
+
+    Example:
+        >>> from renderer import standalone_context
+        >>> ctx = standalone_context()
+        >>> ctx.version_code >= 330
+        True
+        >>> ctx.release()
     """
     settings: dict[str, Any] = {"backend": "egl"} if sys.platform.startswith("linux") else {}
     try:

@@ -80,7 +80,26 @@ def render_offscreen(
     near: float = 0.01,
     mode: RenderMode = "default",
 ) -> Float32Array:
-    """The view of `camera` over an RGB background: image (H, W, 3), top row first, not clipped to [0, 1]."""
+    """The view of `camera` over an RGB background: image (H, W, 3), top row first, not clipped to [0, 1].
+
+    Raises:
+        ValueError: as `SplatView` and its `upload`.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Camera, Splats, render_offscreen, standalone_context
+        >>> splats = Splats(
+        ...     means=np.float32([[0, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]]),
+        ...     scales=np.full((1, 3), 0.3, np.float32),
+        ...     opacities=np.float32([0.9]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2]]),
+        ... )
+        >>> ctx = standalone_context()
+        >>> render_offscreen(ctx, splats, Camera.from_fov(60, 64, 48)).shape
+        (48, 64, 3)
+        >>> ctx.release()
+    """
     view = SplatView(ctx, precision=precision, keys="float32", near=near)
     framebuffer = ctx.simple_framebuffer((camera.width, camera.height), 4, dtype="f4")
     try:

@@ -59,6 +59,28 @@ class SplatView:
     in half floats and a software driver, for which they are no faster and which truncates them, in
     floats. The splats are sorted, by `keys`, only when they, the time or the depth axis of the camera
     changed. Drawing leaves the OpenGL state as it found it.
+
+    Raises:
+        ValueError: a `near` that is not above 0.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Camera, Splats, SplatView, standalone_context
+        >>> splats = Splats(
+        ...     means=np.float32([[0, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]]),
+        ...     scales=np.full((1, 3), 0.3, np.float32),
+        ...     opacities=np.float32([0.9]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2]]),
+        ... )
+        >>> ctx = standalone_context()
+        >>> view = SplatView(ctx)
+        >>> view.upload(splats)
+        >>> color, depth = (read(Camera.from_fov(60, 64, 48)) for read in (view.read_color, view.read_depth))
+        >>> color.shape, round(float(depth[24, 32]), 3)
+        ((48, 64, 4), 5.0)
+        >>> view.release(), ctx.release()
+        (None, None)
     """
 
     def __init__(

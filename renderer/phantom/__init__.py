@@ -42,7 +42,16 @@ _READ_SHARE = 0.36  # Of the noise variance at full brightness; the rest is shot
     config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
 )
 class PhantomParams:
-    """What the phantom shows. Equal parameters give equal pictures."""
+    """What the phantom shows. Equal parameters give equal pictures.
+
+    Raises:
+        pydantic.ValidationError: (a ValueError) a value out of its range.
+
+    Example:
+        >>> from renderer import PhantomParams
+        >>> PhantomParams(tissue="static", tools=0).width
+        320
+    """
 
     n_frames: Annotated[int, Interval(ge=1, le=5000)] = 24
     """Length of the clip."""
@@ -75,7 +84,14 @@ class View:
 
 
 class Phantom:
-    """The scene for one set of parameters; any frame can be drawn in any order."""
+    """The scene for one set of parameters; any frame can be drawn in any order.
+
+    Example:
+        >>> from renderer import Phantom, PhantomParams
+        >>> view = Phantom(PhantomParams(width=64, height=48)).view(index=5)
+        >>> view.frame.depth.shape, view.vessel_mask.shape, view.material.shape
+        ((48, 64), (48, 64), (48, 64, 2))
+    """
 
     def __init__(self, params: PhantomParams) -> None:
         rng = np.random.default_rng(params.seed)
@@ -204,7 +220,20 @@ def write_phantom(
 ) -> None:
     """Writes the clip and vessel_masks/ (1 bit, set = vessel) to the new folder `out`.
 
-    The folder appears when it is whole. Raises ClipError when it exists already or cannot be written.
+    The folder appears when it is whole.
+
+    Raises:
+        ClipError: it exists already or cannot be written.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> from renderer import PhantomParams, open_clip, write_phantom
+        >>> with TemporaryDirectory() as folder:
+        ...     write_phantom(Path(folder, "clip"), PhantomParams(n_frames=10, width=32, height=24))
+        ...     clip = open_clip(Path(folder, "clip"))
+        >>> len(clip), clip.size, clip.unit, clip.has_depth
+        (10, (32, 24), 'mm', True)
     """
     if out.exists():
         raise ClipError(f"expected a new folder for the phantom, got one that exists: {out}")

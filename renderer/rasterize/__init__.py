@@ -36,7 +36,18 @@ def rasterize(
 
     Raises:
         ValueError: shapes that do not agree, or an unknown backend.
-        ImportError: "cuda" without gsplat.
+        ImportError: no torch; "cuda" without gsplat.
+
+    Example:
+        >>> import torch
+        >>> from renderer import Camera, rasterize
+        >>> means, quats = torch.tensor([[0.0, 0.0, 5.0]]), torch.tensor([[1.0, 0.0, 0.0, 0.0]])
+        >>> scales, opacities = torch.full((1, 3), 0.3), torch.tensor([0.9])
+        >>> colors = torch.tensor([[0.8, 0.2, 0.2]], requires_grad=True)
+        >>> rendered = rasterize(means, quats, scales, opacities, colors, Camera.from_fov(60, 64, 48))
+        >>> rendered.image.sum().backward()
+        >>> tuple(rendered.depth.shape), bool((colors.grad > 0).all())
+        ((48, 64), True)
     """
     from renderer.rasterize.cuda import rasterize_cuda
     from renderer.rasterize.differentiable import CpuRasterize

@@ -49,7 +49,23 @@ BLACK: Background = (0.0, 0.0, 0.0)
 @dataclass(frozen=True, eq=False)
 class Rendered:
     """A picture: image (H, W, 3) float32 over the background; alpha (H, W) in [0, 1]; depth (H, W)
-    the expected depth sum(w z) / sum(w) along +z, 0 where alpha is 0."""
+    the expected depth sum(w z) / sum(w) along +z, 0 where alpha is 0.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Camera, Splats, render
+        >>> splats = Splats(
+        ...     means=np.float32([[0, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]]),
+        ...     scales=np.full((1, 3), 0.3, np.float32),
+        ...     opacities=np.float32([0.9]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2]]),
+        ... )
+        >>> camera = Camera.from_fov(60, 64, 48)
+        >>> rendered = render(splats, camera)
+        >>> round(float(rendered.depth[24, 32]), 3), float(rendered.depth[0, 0])
+        (5.0, 0.0)
+    """
 
     image: Float32Array
     alpha: Float32Array
@@ -73,6 +89,26 @@ class Rasterizer:
 
     `forward` blends the splats into `planes` (see tiles.py), padded to whole tiles; `backward` turns an
     adjoint of the same padding into gradients. The values between the two calls are kept here.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Camera, Rasterizer, Splats
+        >>> splats = Splats(
+        ...     means=np.float32([[0, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]]),
+        ...     scales=np.full((1, 3), 0.3, np.float32),
+        ...     opacities=np.float32([0.9]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2]]),
+        ... )
+        >>> camera = Camera.from_fov(60, 64, 48)
+        >>> rasterizer = Rasterizer(camera.width, camera.height)
+        >>> entries = rasterizer.forward(splats, camera)
+        >>> rendered = rasterizer.rendered(camera.width, camera.height, background=(0.0, 0.0, 0.0))
+        >>> by_image = np.ones(rendered.image.shape)  # of the loss that is the sum of the picture
+        >>> nothing = np.zeros(rendered.alpha.shape)
+        >>> rasterizer.set_adjoint(by_image, nothing, nothing, rendered, (0.0, 0.0, 0.0))
+        >>> bool((rasterizer.backward(splats).colors > 0).all())
+        True
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -223,7 +259,26 @@ def render(
     near: float = NEAR,
     mode: RenderMode = "default",
 ) -> Rendered:
-    """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out."""
+    """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out.
+
+    Gaussians are projected and blended front to back (Eqs 13-16; Kerbl et al., 3D Gaussian Splatting, ACM
+    TOG 42(4), 2023), in float32. `near` in scene units; `mode` "mip" makes up for the low-pass filter.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import Camera, Splats, render
+        >>> splats = Splats(
+        ...     means=np.float32([[0, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]]),
+        ...     scales=np.full((1, 3), 0.3, np.float32),
+        ...     opacities=np.float32([0.9]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2]]),
+        ... )
+        >>> camera = Camera.from_fov(60, 64, 48)
+        >>> rendered = render(splats, camera, background=(0.0, 0.0, 1.0))
+        >>> rendered.image.shape, rendered.image[0, 0].tolist()
+        ((48, 64, 3), [0.0, 0.0, 1.0])
+    """
     rasterizer = Rasterizer(camera.width, camera.height)
     rasterizer.forward(splats, camera, near, mode=mode)
     return rasterizer.rendered(camera.width, camera.height, background)

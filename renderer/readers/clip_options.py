@@ -21,7 +21,16 @@ Deinterlacing = Literal["frame", "field", "off"]
     config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
 )
 class ClipOptions:
-    """How to read what a folder itself does not say; what a layout has no use for is left alone."""
+    """How to read what a folder itself does not say; what a layout has no use for is left alone.
+
+    Raises:
+        pydantic.ValidationError: (a ValueError) a value out of its range.
+
+    Example:
+        >>> from renderer import ClipOptions
+        >>> ClipOptions(depth="brightness", frame_step=2).field_of_view  # for open_clip(path, options)
+        60.0
+    """
 
     pose_convention: Literal["opencv", "opengl", "llff"] = "opencv"
     """Axes of the camera-to-world matrices of an EndoNeRF folder; all agree for the identity poses of a

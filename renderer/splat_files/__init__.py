@@ -5,16 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from renderer.atomic_files import written_atomically
 from renderer.budget import OverBudget
 from renderer.ply_elements import MAGIC, PlyError, read_ply
+from renderer.raw_gaussians import RawGaussians
 from renderer.regular_files import read_whole
 from renderer.splat_files import inria_ply, other_kinds, packed_ply
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
+from renderer.splats import RenderMode
 
 SUFFIXES = (".ply", ".splat", ".spz")
-__all__ = ["SUFFIXES", "SplatFile", "SplatFileError", "is_named_as_splats", "read_splats"]
+__all__ = ["SUFFIXES", "SplatFile", "SplatFileError", "is_named_as_splats", "read_splats", "write_splats"]
 
 
 def read_splats(path: Path) -> SplatFile:
@@ -22,6 +25,25 @@ def read_splats(path: Path) -> SplatFile:
 
     Raises:
         SplatFileError: the file cannot be read, or is damaged; names it.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> import numpy as np
+        >>> from renderer import RawGaussians, read_splats, write_splats
+        >>> raw = RawGaussians(
+        ...     means=np.float32([[0, 0, 5], [1, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]] * 2),
+        ...     log_scales=np.log(np.full((2, 3), 0.3, np.float32)),
+        ...     opacity_logits=np.float32([0, 2]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2], [0.2, 0.8, 0.2]]),
+        ...     harmonics=np.zeros((2, 0, 3), np.float32),
+        ... )
+        >>> with TemporaryDirectory() as folder:
+        ...     write_splats(Path(folder, "model.ply"), raw)
+        ...     file = read_splats(Path(folder, "model.ply"))
+        >>> bool((file.raw.means == raw.means).all())
+        True
     """
     if path.is_dir() and is_named_as_splats(path):
         path /= other_kinds.SOG_LIST
@@ -32,6 +54,45 @@ def read_splats(path: Path) -> SplatFile:
         raise SplatFileError(f"expected a file of splats, got none that can be read{why}: {path}") from error
     except (PlyError, SplatFileError, OverBudget) as error:
         raise SplatFileError(f"{error}: {path}") from error
+
+
+def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") -> None:
+    """A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), which viewers open.
+
+    `read_splats` gives all values back bit for bit, colours to 1e-7. The file appears when it is whole. Of
+    a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
+
+    Args:
+        path: ends in .ply; replaced where it exists.
+        mode: how the Gaussians are meant to be drawn, see RenderMode.
+
+    Raises:
+        ValueError: another ending.
+        OSError: it cannot be written.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> import numpy as np
+        >>> from renderer import RawGaussians, read_splats, write_splats
+        >>> raw = RawGaussians(
+        ...     means=np.float32([[0, 0, 5], [1, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]] * 2),
+        ...     log_scales=np.log(np.full((2, 3), 0.3, np.float32)),
+        ...     opacity_logits=np.float32([0, 2]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2], [0.2, 0.8, 0.2]]),
+        ...     harmonics=np.zeros((2, 0, 3), np.float32),
+        ... )
+        >>> with TemporaryDirectory() as folder:
+        ...     write_splats(Path(folder, "model.ply"), raw)
+        ...     file = read_splats(Path(folder, "model.ply"))
+        >>> bool((file.raw.means == raw.means).all())
+        True
+    """
+    if path.suffix.lower() != ".ply":
+        raise ValueError(f"expected the name of a .ply file, got {path}")
+    with written_atomically(path) as partial:
+        partial.write_bytes(inria_ply.ply_bytes(raw, mode))
 
 
 def is_named_as_splats(path: Path) -> bool:

@@ -20,12 +20,38 @@ MOST_LOGIT: Final = np.float32(80.0)
 
 
 class SplatFileError(ValueError):
-    """What was expected and what came, without the file."""
+    """A file of splats cannot be read: what was expected and what came.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from renderer import SplatFileError, read_splats
+        >>> try:
+        ...     read_splats(Path("nothing-here.ply"))
+        ... except SplatFileError as error:
+        ...     print(error)
+        expected a file of splats, got none that can be read (No such file or directory): nothing-here.ply
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class SplatFile:
-    """Gaussians at rest, in the axes of the file's convention turned to x right, y down, z forward."""
+    """Gaussians at rest, in the axes of the file's convention turned to x right, y down, z forward.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer import RawGaussians, SplatFile
+        >>> raw = RawGaussians(
+        ...     means=np.float32([[0, 0, 5], [1, 0, 5]]),
+        ...     quats=np.float32([[1, 0, 0, 0]] * 2),
+        ...     log_scales=np.log(np.full((2, 3), 0.3, np.float32)),
+        ...     opacity_logits=np.float32([0, 2]),
+        ...     colors=np.float32([[0.8, 0.2, 0.2], [0.2, 0.8, 0.2]]),
+        ...     harmonics=np.zeros((2, 0, 3), np.float32),
+        ... )
+        >>> file = SplatFile(raw)
+        >>> file.mode, file.notices
+        ('default', ())
+    """
 
     raw: RawGaussians
     mode: RenderMode = "default"

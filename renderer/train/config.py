@@ -45,6 +45,14 @@ class TrainConfig:
     """One run of training. Lengths are fractions of the scene size, the median depth of the tissue.
 
     What the defaults were chosen on: CHOSEN.
+
+    Raises:
+        pydantic.ValidationError: (a ValueError) a value out of its range, or a part both kept and left out.
+
+    Example:
+        >>> from renderer import TrainConfig
+        >>> TrainConfig(method="deform3dgs", iterations=1000).n_gaussians
+        30000
     """
 
     method: Method = "vesselsplat"

@@ -44,6 +44,15 @@ class Planned:
 
 @dataclass(frozen=True)
 class Started:
+    """Training begins; comes first.
+
+    Example:
+        >>> from renderer import Started
+        >>> event = Started(iteration=0, iterations=3000, n_gaussians=500, omitted=())
+        >>> [f"{one.what}: {one.why}" for one in event.omitted]  # nothing that this clip does without
+        []
+    """
+
     iteration: int
     """0, or the iteration of the checkpoint that is resumed."""
     iterations: int
@@ -53,6 +62,15 @@ class Started:
 
 @dataclass(frozen=True)
 class Progress:
+    """How far training is; comes a few times a second.
+
+    Example:
+        >>> from renderer import Progress
+        >>> event = Progress(50, 100, loss=0.02, psnr=30.0, seconds=1.5, seconds_left=1.5, n_gaussians=500)
+        >>> f"{event.iteration / event.iterations:.0%}, {event.seconds_left:.1f} s left"
+        '50%, 1.5 s left'
+    """
+
     iteration: int
     iterations: int
     loss: float
@@ -69,7 +87,15 @@ class Progress:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """A copy of the model, for the live preview. The newest replaces all older ones."""
+    """A copy of the model, for the live preview. The newest replaces all older ones.
+
+    Example:
+        >>> from renderer import Snapshot
+        >>> def preview(event):
+        ...     return event.model.at(0.5) if isinstance(event, Snapshot) else None
+        >>> preview("another event") is None
+        True
+    """
 
     iteration: int
     model: DynamicGaussians
@@ -77,7 +103,14 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class Evaluated:
-    """The model as it stands, on frames that training does not see: means over them."""
+    """The model as it stands, on frames that training does not see: means over them.
+
+    Example:
+        >>> from renderer import Evaluated
+        >>> event = Evaluated(iteration=3000, psnr=33.7, depth_rmse=0.47)
+        >>> f"{event.psnr} dB, {event.depth_rmse} mm"
+        '33.7 dB, 0.47 mm'
+    """
 
     iteration: int
     psnr: float
@@ -88,13 +121,29 @@ class Evaluated:
 
 @dataclass(frozen=True)
 class Warned:
-    """Something is wrong but training goes on."""
+    """Something is wrong but training goes on.
+
+    Example:
+        >>> from renderer import Warned
+        >>> Warned("the camera moves").message
+        'the camera moves'
+    """
 
     message: str
 
 
 @dataclass(frozen=True, eq=False)
 class Finished:
+    """Training is done; comes last, with the model.
+
+    Example:
+        >>> from renderer import Finished
+        >>> def trained(events):
+        ...     return next((event.model for event in events if isinstance(event, Finished)), None)
+        >>> trained(["another event"]) is None
+        True
+    """
+
     iteration: int
     seconds: float
     """Of steps."""

@@ -52,7 +52,25 @@ FULL_COST = 1.7
 
 
 class TrainingError(RuntimeError):
-    """Training cannot go on: the text says why and what to do."""
+    """Training cannot go on: the text says why and what to do.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> from renderer import PhantomParams, TrainConfig, TrainingError, open_clip, train, write_phantom
+        >>> with TemporaryDirectory() as folder:
+        ...     run = Path(folder, "run")
+        ...     run.mkdir()
+        ...     write_phantom(Path(folder, "clip"), PhantomParams(n_frames=4, width=48, height=32))
+        ...     clip = open_clip(Path(folder, "clip"))
+        ...     for seed in (0, 1):
+        ...         config = TrainConfig(iterations=2, n_gaussians=100, seed=seed)
+        ...         try:
+        ...             last = list(train(clip, config, folder=run, resume=True))[-1]
+        ...         except TrainingError as error:
+        ...             print(error)
+        the checkpoint belongs to another clip or configuration: run
+    """
 
 
 def train(
@@ -63,16 +81,31 @@ def train(
     resume: bool = False,
     pictures: Pictures | None = None,
 ) -> Iterator[TrainEvent]:
-    """Reconstruct `clip` from its training frames.
+    """Reconstruct `clip` from its training frames, as a generator of events: Started first, Finished with the
+    model last; ending it early ends the training.
 
-    With a `folder`, checkpoints are written there; `resume` goes on from the newest. `pictures` draws, by
-    the numba kernels when there is none. One seed gives the same bytes on the CPU, whether interrupted or
-    not and whatever the number of threads.
+    With a `folder`, which exists, checkpoints are written there; `resume` goes on from the newest. `pictures`
+    draws, by the numba kernels when there is none. One seed gives the same bytes on the CPU, whether
+    interrupted or not and whatever the number of threads.
 
     Raises:
         ClipError: frames cannot be read, or there is no depth to start from.
         TrainingError: the checkpoint belongs to another run, the loss is no longer finite, or no frame shows
             anything of the model.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> from renderer import PhantomParams, TrainConfig, open_clip, train, write_phantom
+        >>> with TemporaryDirectory() as folder:
+        ...     write_phantom(Path(folder, "clip"), PhantomParams(n_frames=4, width=48, height=32))
+        ...     clip = open_clip(Path(folder, "clip"))
+        ...     events = list(train(clip, TrainConfig(iterations=4, n_gaussians=100)))
+        >>> type(events[0]).__name__, type(events[-1]).__name__
+        ('Started', 'Finished')
+        >>> model = events[-1].model
+        >>> model.at(0.5).means.shape == (len(model), 3)
+        True
     """
     opened, spilled = time.perf_counter(), nearest_folder(folder) if folder else None
     require_depth(clip)

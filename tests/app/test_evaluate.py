@@ -21,7 +21,7 @@ from app.evaluate import measure_frame, open_evaluation
 from app.run_folder import RunFolder
 from app.stopwatch import Stopwatch
 from enhance.metrics import vessel_contrast
-from enhance.vesselness import vessel_mask
+from enhance.ridges import vessel_mask
 from renderer.clip import Clip
 from renderer.lpips import LAYERS, read_lpips
 from renderer.metrics import depth_abs_rel

@@ -18,8 +18,8 @@ from app.provenance import read_provenance
 from app.tuning import METRICS, Axis, Measures, axis, ranked, settings, tried
 from enhance import EnhanceParams, enhance
 from enhance.metrics import dvbv_otsu, noise_gain
+from enhance.ridges import field_of_view
 from enhance.vessel import VesselParams, enhance_vessels
-from enhance.vesselness import field_of_view
 from tests.app.conftest import Call, tissue
 
 Cli = Callable[..., Call]

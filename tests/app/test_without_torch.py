@@ -60,6 +60,44 @@ if __name__ == "__main__":
     sys.exit(job.state != "finished")
 """
 
+WINDOW = """
+import sys
+from pathlib import Path
+
+from app.gui.actions import actions
+from app.gui.state.settings import Settings
+from tests.app.gui.kept_session import places_in
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+driver = Driver(places_in(Path.cwd()), Settings(), [])
+state = driver.state
+
+
+def drive(ctx):
+    ctx.item_click("//Before you begin/I understand")
+    actions.open_path(state, Path("run"))
+    wait(ctx, lambda: is_settled(state) and state.model is not None, "the run")
+    print(len(state.model.model), "Gaussians of", state.clip.name, state.banner, flush=True)
+
+
+driver.run(drive)
+sys.exit(sys.modules["torch"] is not None)
+"""
+FACES = """
+import enhance, renderer
+
+for face in (enhance, renderer):
+    for name in face.__all__:
+        getattr(face, name)
+model = renderer.DynamicGaussians.load(renderer_model)
+camera = renderer.Camera.from_fov(60, 48, 40)
+assert renderer.render(model.at(0.5), camera).image.shape == (40, 48, 3)
+try:
+    renderer.rasterize(*[None] * 5, camera)
+except ImportError as error:
+    print("no rasterize:", error)
+"""
+
 
 class Machine:
     """One without torch, and a folder on it."""
@@ -102,6 +140,22 @@ def test_commands_work_and_lpips_says_why_it_is_missing(machine: Machine) -> Non
 def test_a_spawned_process_trains(machine: Machine) -> None:
     done = machine.python("-c", OF_A_SPAWNED_PROCESS)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_the_libraries_offer_all_but_the_differentiable_rasteriser(machine: Machine) -> None:
+    path = "from pathlib import Path; renderer_model = Path('run/model.safetensors')\n"
+    done = machine.python("-c", path + FACES)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("no rasterize:")
+
+
+@pytest.mark.slow
+@pytest.mark.display
+def test_the_window_opens_a_run(machine: Machine) -> None:
+    done = machine.python("-c", WINDOW)
+    assert done.returncode == 0, done.stderr[-2000:] + done.stdout[-2000:]
+    assert "Gaussians of clip None" in done.stdout
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from app.report.visibility import COLUMNS, BoolImage, ByteImage, Sample, methods
 from app.sheet import Tile, sheet
 from enhance.baselines import TAO_STAND_INS
 from enhance.metrics import flicker
-from enhance.vesselness import field_of_view
+from enhance.ridges import field_of_view
 
 STATUS_BAR = 16
 """Rows at the bottom of the da Vinci clip."""

@@ -19,9 +19,9 @@ from enhance.metrics import (
     vessel_cnr,
     vessel_contrast,
 )
+from enhance.ridges import field_of_view, vessel_mask
 from enhance.vessel import ABSORPTION, VESSEL, VesselEnhancer, VesselParams, enhance_vessels
 from enhance.vessel_kernels import MOST
-from enhance.vesselness import field_of_view, vessel_mask
 from tests.enhance.pictures import DTYPES, as_type, images, vessels
 from tests.enhance.test_real_images import DATA, FRAMES, read
 from tests.enhance.vessel_oracle import vessels_of

@@ -13,6 +13,7 @@ from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from renderer.train import hidden as hidden_tissue
 from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.hidden import SLACK, _seen_shares, settled
 
@@ -99,7 +100,7 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
     model = gaussians(rng)
     shares = [rng.uniform(0, 1, COUNT).astype(np.float32) for _ in TIMES]
     shares = [share * (rng.uniform(size=COUNT) < 0.3) for share in shares]
-    monkeypatch.setattr("renderer.train.hidden._seen_shares", lambda *_: shares)
+    monkeypatch.setattr(hidden_tissue, "_seen_shares", lambda *_: shares)
     still, _ = settled(model, frames(hidden_after=2.0), near=0.1)
     basis = np.zeros((len(TIMES), CONTROLS))
     for row, time in zip(basis, TIMES, strict=True):

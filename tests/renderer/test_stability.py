@@ -14,6 +14,7 @@ from renderer.draw.offscreen import render_offscreen
 from renderer.stability import PARTS, blending, learning, runs, stability
 from renderer.stability.blending import pictures
 from renderer.stability.row import Row, worst
+from renderer.train import guards, model
 from renderer.train.config import Method
 from renderer.train.trainer import TrainingError
 
@@ -104,13 +105,13 @@ def test_whole_runs_that_always_fail_fail(
 @pytest.mark.parametrize("method", get_args(Method))
 def test_whole_runs_that_do_not_train_fail(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
     """A step that moves nothing leaves pictures as they are at first."""
-    monkeypatch.setattr("renderer.train.model.update_rows", lambda *_: None)
+    monkeypatch.setattr(model, "update_rows", lambda *_: None)
     rows = [row for row in runs.of_method(method) if not row.case.endswith(": depth")]
     assert [row.case for row in rows if row.passed] == []
 
 
 def test_a_run_that_is_not_refused_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("renderer.train.guards.WORSE", 1e30)
+    monkeypatch.setattr(guards, "WORSE", 1e30)
     rows = {row.case: row for row in runs.refused()}
     assert not rows["static, learning rates x100"].passed
     assert rows["static, learning rates x100"].done == "expected 'the loss rises', got it trained"

@@ -15,7 +15,7 @@ from app.gui.work.shots import Panes, made
 from app.gui.work.sizing import Sizing
 from app.provenance import provenance, write_sidecar
 from app.tuning import DEFINITIONS, METRICS, measured
-from enhance.vesselness import field_of_view, vessel_mask
+from enhance.ridges import field_of_view, vessel_mask
 
 Row = dict[str, Any]
 UNMEASURED = "milliseconds"

@@ -16,8 +16,8 @@ from app.methods import Look
 from app.tuning import Measures, measured
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
+from enhance.ridges import field_of_view, vessel_mask
 from enhance.saturation import Saturation, stretch
-from enhance.vesselness import field_of_view, vessel_mask
 from renderer.clip import BoolImage, ByteImage
 
 BINS = 64

@@ -12,7 +12,7 @@ from app.gui.views.picture_view import PictureView
 from app.gui.work.enhancing import PictureMaker, PictureRequest
 from app.tuning import Axis, Measures, Setting, measured, ranked, working_order
 from enhance.image import BoolImage
-from enhance.vesselness import field_of_view, vessel_mask
+from enhance.ridges import field_of_view, vessel_mask
 from renderer.clip import ByteImage
 
 THUMB_WIDTH = 320

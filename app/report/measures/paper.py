@@ -21,7 +21,7 @@ from app.report.section import Cell, Column, Section, Table
 from app.report.visibility import COLUMNS, Sample, measured, methods, pattern, sample
 from enhance.baselines import TAO_STAND_INS
 from enhance.metrics import noise_gain
-from enhance.vesselness import field_of_view
+from enhance.ridges import field_of_view
 from renderer.clip import ClipError
 from renderer.phantom import Phantom, PhantomParams
 from renderer.sources import open_clip

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from enhance import ImageError
-from enhance.vesselness import GLARE_MARGIN, LEAST_AREA, MARGIN, field_of_view, vessel_mask, vesselness
+from enhance.ridges import GLARE_MARGIN, LEAST_AREA, MARGIN, field_of_view, vessel_mask, vesselness
 from tests.enhance.pictures import vessels
 from tests.enhance.test_real_images import read
 

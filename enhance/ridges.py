@@ -39,6 +39,15 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
 
     Raises:
         ImageError: an image that cannot be used; no scale.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import vesselness
+        >>> image = np.full((96, 96, 3), 180, np.uint8)
+        >>> image[:, 46:50] = 120
+        >>> strength = vesselness(image)
+        >>> int(strength[48].argmax()) in range(46, 50), float(strength[48, 10].round(6))
+        (True, 0.0)
     """
     if not sigmas:
         raise ImageError("expected at least one sigma, got none")
@@ -48,7 +57,19 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
 
 
 def field_of_view(image: AnyImage) -> BoolImage:
-    """What the endoscope sees, (H, W): True but for the black surround (`enhance.surround`)."""
+    """What the endoscope sees, (H, W): True but for the black surround, as `enhance.surround` has it.
+
+    Raises:
+        ImageError: an image that cannot be used.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import field_of_view
+        >>> image = np.zeros((64, 64, 3), np.uint8)
+        >>> image[16:48, 16:48] = 150
+        >>> bool(field_of_view(image)[32, 32]), bool(field_of_view(image)[2, 2])
+        (True, False)
+    """
     return ~surround([image])
 
 
@@ -64,6 +85,15 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
 
     Raises:
         ImageError: an image that cannot be used, or a mask of another size.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import vessel_mask
+        >>> image = np.full((96, 96, 3), 180, np.uint8)
+        >>> image[:, 46:50] = 120
+        >>> columns = np.flatnonzero(vessel_mask(image).any(axis=0)).tolist()
+        >>> 40 < columns[0] <= columns[-1] < 56
+        True
     """
     strength = vesselness(image)
     tissue = field_of_view(image) if tissue_mask is None else np.asarray(tissue_mask) != 0
