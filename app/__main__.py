@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from app.cli import run
-from app.ending import EndingSignals
+from app.console.ending import EndingSignals
+from app.console.one_place import require_one_place
+from app.console.open_mp import rest_while_waiting
 from app.errors import UserError
-from app.one_place import require_one_place
-from app.open_mp import rest_while_waiting
 
 # A damaged file is one line of ours, none of the decoders'. OpenCV reads these once, when it loads.
 QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
@@ -69,7 +69,7 @@ def mistake(error: ValueError) -> str | None:
     """The line for a mistake of the user, or None for a bug."""
     from pydantic import ValidationError
 
-    from app.arguments import problem
+    from app.console.flags import problem
     from enhance import ImageError
     from renderer.clip import ClipError
 

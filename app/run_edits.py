@@ -14,8 +14,8 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from app.arguments import problem
 from app.atomic import write_bytes
+from app.console.flags import problem
 from app.errors import UserError
 from app.provenance import digest, strict_json, version
 from app.run_folder import RunFolder

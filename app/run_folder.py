@@ -14,9 +14,9 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Discriminator, Tag, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from app.arguments import problem
 from app.atomic import make_folder, replaced, write_bytes
 from app.clip_part import WHOLE, ClipPart
+from app.console.flags import problem
 from app.device import Device
 from app.errors import UserError
 from app.methods import PAPER, VESSEL, Preset, preset_of

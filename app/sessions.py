@@ -17,9 +17,9 @@ from annotated_types import Interval
 from pydantic import AfterValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.arguments import shortened
 from app.atomic import write_bytes
 from app.clip_part import ClipPart
+from app.console.flags import shortened
 from app.errors import UserError
 from app.mended import mended
 from app.own_files import left_behind, own_file

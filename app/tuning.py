@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from pydantic import ValidationError
 
-from app.arguments import AUTO, problem
+from app.console.flags import AUTO, problem
 from app.errors import UserError
 from app.methods import Look, LookEnhancer, load_kernels
 from app.pictures import ArrayImage

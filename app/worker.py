@@ -13,8 +13,8 @@ from typing import Literal
 
 import psutil
 
+from app.console.open_mp import rest_while_waiting
 from app.errors import UserError, sentence
-from app.open_mp import rest_while_waiting
 from app.shared_model import Slot, SlotWriter
 from app.training import TrainRequest
 from enhance import ImageError

@@ -16,11 +16,11 @@ import numpy as np
 from app.atomic import make_folder, write_bytes
 from app.commands.evaluate import measured
 from app.commands.train import follow
-from app.display import has_display
+from app.console.display import has_display
+from app.console.progress import progress
 from app.drawing import Drawn, colored_depth, draw_on_cpu
 from app.errors import UserError
 from app.evaluate import Evaluation, FrameMeasures, open_evaluation
-from app.progress import progress
 from app.provenance import NOTICE, provenance, source, strict_json, write_png
 from app.run_folder import Input, RunFolder
 from app.sheet import ByteImage, Tile, sheet

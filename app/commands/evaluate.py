@@ -12,13 +12,13 @@ from typing import Any
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from app.console.progress import progress
+from app.console.terminal import Terminal
 from app.errors import UserError
 from app.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
-from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.report.paper_rows import PAPER
 from app.run_folder import ClipRecord
-from app.terminal import Terminal
 from app.wall_clock import in_all
 from renderer.lpips import WEIGHT_FILES
 

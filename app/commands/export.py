@@ -10,12 +10,12 @@ from pathlib import Path
 from app import moments, view_flags
 from app.atomic import filled, together, write_bytes
 from app.color_bar import with_bar
+from app.console.progress import progress
 from app.drawers import drawer
 from app.errors import UserError
 from app.in_steps import in_one_go
 from app.moments import Moment
 from app.pictures import ArrayImage
-from app.progress import progress
 from app.provenance import repeatable, write_sidecar
 from app.scene import Scene
 from app.scene_splats import of_degree, splat_file

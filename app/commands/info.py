@@ -11,8 +11,8 @@ from importlib.metadata import version as installed_version
 from pathlib import Path
 from typing import Any
 
+from app.console.display import has_display
 from app.device import cuda_devices, missing
-from app.display import has_display
 from app.provenance import NOTICE, strict_json, version
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 

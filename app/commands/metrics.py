@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
+from app.console.progress import progress
+from app.console.terminal import table_terminal
 from app.errors import UserError
 from app.mean import mean_of_finite
 from app.pictures import ArrayImage
-from app.progress import progress
 from app.provenance import provenance, strict_json
 from app.series import open_series
-from app.terminal import table_terminal
 from enhance import ImageError
 from enhance.image import BoolImage
 from enhance.metrics import (

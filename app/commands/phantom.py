@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from app.arguments import parameters
+from app.console.flags import parameters
 from renderer.phantom import PhantomParams, write_phantom
 
 SPELLED = {"n_frames": "--frames", "width": "--size", "height": "--size"}

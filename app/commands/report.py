@@ -9,8 +9,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.arguments import positive
 from app.atomic import filled
+from app.console.flags import positive
 from app.errors import UserError
 from app.provenance import provenance, source, strict_json
 from app.report.advice import advice

@@ -11,13 +11,13 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from app.arguments import add_fields, parameters, problem
 from app.clip_part import ClipPart
+from app.console.flags import add_fields, parameters, problem
+from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.device import Asked, Device
 from app.errors import UserError
 from app.methods import PAPER, Look
 from app.picture_mask import PictureMask
-from app.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.provenance import provenance, strict_json
 from app.room import told
 from app.run_folder import RunFolder

@@ -13,18 +13,18 @@ from typing import Any, cast
 
 from rich.table import Table
 
-from app.arguments import add_fields, parameters
 from app.atomic import filled
 from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
+from app.console.flags import add_fields, parameters
+from app.console.progress import progress
+from app.console.terminal import table_terminal
 from app.contact_sheet import columns_of, contact_sheet, tile
 from app.errors import UserError
 from app.methods import PAPER, VESSEL, Look
 from app.pictures import ArrayImage, write_image
-from app.progress import progress
 from app.provenance import provenance, source, strict_json, write_png
 from app.series import open_series
 from app.sheet import Tile
-from app.terminal import table_terminal
 from app.tuning import (
     DEFINITIONS,
     METRICS,

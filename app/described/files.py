@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from app.arguments import problem
+from app.console.flags import problem
 from app.described.fact import Fact, count, next_steps
 from app.errors import UserError
 from app.replay.recorded import recorded

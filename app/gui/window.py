@@ -11,7 +11,7 @@ import glfw
 import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
-from app.ending import noted
+from app.console.ending import noted
 from app.errors import UserError
 from app.gui.actions import (
     actions,

@@ -10,7 +10,7 @@ from typing import Final
 
 from pydantic import ValidationError
 
-from app.arguments import problem
+from app.console.flags import problem
 from app.errors import UserError
 from app.provenance import libraries, version
 from app.replay.difference import Difference, difference

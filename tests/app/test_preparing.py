@@ -142,7 +142,7 @@ def test_the_command_prints_it(
         yield from run_training(request)
 
     now = [0.0]
-    monkeypatch.setattr("app.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("app.console.progress.time.monotonic", lambda: now[0])
     monkeypatch.setattr("app.commands.train.run_training", slowly)
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run", "--iterations", 2)
     assert call.code == 0

@@ -12,7 +12,7 @@ from annotated_types import Interval
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from pydantic.fields import FieldInfo
 
-from app.arguments import marks
+from app.console.flags import marks
 from app.gui.legible import legible
 from app.gui.look import theme
 from app.methods import Look

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from app import one_place
 from app.__main__ import main
+from app.console import one_place
 from app.errors import UserError
 from tests.app.conftest import ROOT
 

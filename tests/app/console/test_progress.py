@@ -8,14 +8,14 @@ import pytest
 from rich.console import Console
 from rich.progress import Progress
 
-from app.progress import _bar, progress
+from app.console.progress import _bar, progress
 
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """The time, to be set."""
     now = [0.0]
-    monkeypatch.setattr("app.progress.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("app.console.progress.time.monotonic", lambda: now[0])
     return now
 
 

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.ending import EndingSignals, noted
+from app.console.ending import EndingSignals, noted
 
 ROOT = Path(__file__).resolve().parents[2]
 
