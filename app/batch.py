@@ -10,9 +10,9 @@ from pathlib import Path
 
 from app.enhanced_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
 from app.errors import UserError, sentence
-from app.in_steps import retold
-from app.pictures import is_image
-from app.series import open_series
+from app.files.image_files import is_image
+from app.files.image_series import open_series
+from app.files.stepping import retold
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.layouts import layout_of

@@ -57,7 +57,7 @@ def run(arguments: Sequence[str]) -> None:
         sys.stdout.write(overview())
         return
     if arguments and arguments[0] == "--version":
-        from app.provenance import NOTICE, version
+        from app.files.provenance import NOTICE, version
 
         sys.stdout.write(f"VesselSplat {version()}\n{NOTICE}\n")
         return

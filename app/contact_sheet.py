@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from app.pictures import ArrayImage
-from app.provenance import NOTICE
-from app.sheet import Tile, sheet
+from app.files.image_files import ArrayImage
+from app.files.provenance import NOTICE
+from app.files.sheet import Tile, sheet
 from app.tuning import Cell, Measures
 from renderer.clip import ByteImage
 

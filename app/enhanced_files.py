@@ -8,14 +8,14 @@ from itertools import tee
 from pathlib import Path
 from typing import Any, Literal
 
-from app.ahead import ahead
-from app.atomic import filled, together
 from app.errors import UserError
+from app.files.atomic import filled, together
+from app.files.image_files import ArrayImage, is_image, write_image
+from app.files.image_series import Series
+from app.files.prefetch import ahead
+from app.files.provenance import provenance, write_sidecar
+from app.files.video import write_frames
 from app.methods import Enhanced, LookEnhancer, Params, apply, measure_for
-from app.pictures import ArrayImage, is_image, write_image
-from app.provenance import provenance, write_sidecar
-from app.series import Series
-from app.video import write_frames
 from enhance import ImageError, Statistics
 from enhance.image import BoolImage
 from enhance.surround import inside

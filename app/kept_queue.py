@@ -10,9 +10,9 @@ from typing import Final
 
 from pydantic import TypeAdapter, ValidationError
 
-from app.atomic import write_bytes
-from app.own_files import left_behind, own_file
-from app.provenance import strict_json
+from app.files.atomic import write_bytes
+from app.files.process_files import left_behind, own_file
+from app.files.provenance import strict_json
 from app.training import TrainRequest
 from renderer.json_files import read_json
 

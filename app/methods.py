@@ -9,7 +9,7 @@ from typing import Final, Literal
 import numpy as np
 
 from app.errors import UserError
-from app.pictures import ArrayImage
+from app.files.image_files import ArrayImage
 from enhance import EnhanceParams, Enhancer, EnhanceResult, Statistics, measure
 from enhance.baselines import BASELINES
 from enhance.image import BoolImage

@@ -14,10 +14,10 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from app.atomic import write_bytes
 from app.console.flags import problem
 from app.errors import UserError
-from app.provenance import digest, strict_json, version
+from app.files.atomic import write_bytes
+from app.files.provenance import digest, strict_json, version
 from app.run_folder import RunFolder
 from app.settable import at_most
 from renderer.editing.edits import Edits

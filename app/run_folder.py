@@ -14,13 +14,13 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Discriminator, Tag, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from app.atomic import make_folder, replaced, write_bytes
 from app.clip_part import WHOLE, ClipPart
 from app.console.flags import problem
 from app.device import Device
 from app.errors import UserError
+from app.files.atomic import make_folder, replaced, write_bytes
+from app.files.provenance import digests, strict_json
 from app.methods import PAPER, VESSEL, Preset, preset_of
-from app.provenance import digests, strict_json
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from renderer.budget import budget
@@ -48,10 +48,10 @@ class ClipRecord:
     part: ClipPart = WHOLE
     """What of it counts: frames, cameras and times are of this part."""
     sha256: str
-    """Of the manifest, see `app.provenance.digest`."""
+    """Of the manifest, see `app.files.provenance.digest`."""
     files: Literal["former", "read"] = "former"
     """Which files the manifest holds: those that are read, or, where a record does not say, it may be of
-    `app.former_digests`."""
+    `app.files.former_digests`."""
     frames: int
     unit: str
     cameras: tuple[dict[str, Any], ...]

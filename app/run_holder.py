@@ -10,8 +10,8 @@ from pathlib import Path
 import psutil
 from filelock import FileLock, Timeout
 
-from app.atomic import write_bytes
 from app.errors import UserError
+from app.files.atomic import write_bytes
 from renderer.atomic_files import PARTIAL
 from renderer.json_files import read_json
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from app.clip_part import WHOLE, ClipPart
 from app.errors import UserError
-from app.provenance import digest, source
+from app.files.provenance import digest, source
 from app.run_edits import edits_facts, read_edits
 from app.run_folder import RunFolder, RunRecord
 from app.views import SCENE_UNITS

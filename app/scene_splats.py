@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from app.provenance import comments
+from app.files.provenance import comments
 from app.scene import Scene
 from renderer.splat_files.inria_ply import ply_bytes
 

@@ -17,13 +17,13 @@ from annotated_types import Interval
 from pydantic import AfterValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.atomic import write_bytes
 from app.clip_part import ClipPart
 from app.console.flags import shortened
 from app.errors import UserError
-from app.mended import mended
-from app.own_files import left_behind, own_file
-from app.provenance import strict_json, version
+from app.files.atomic import write_bytes
+from app.files.mended import mended
+from app.files.process_files import left_behind, own_file
+from app.files.provenance import strict_json, version
 from app.run_edits import MOST, MaskText
 from app.run_folder import RecordedLook
 from app.settable import (

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from app.atomic import make_folder, write_bytes
 from app.commands.evaluate import measured
 from app.commands.train import follow
 from app.console.display import has_display
@@ -21,9 +20,10 @@ from app.console.progress import progress
 from app.drawing import Drawn, colored_depth, draw_on_cpu
 from app.errors import UserError
 from app.evaluate import Evaluation, FrameMeasures, open_evaluation
-from app.provenance import NOTICE, provenance, source, strict_json, write_png
+from app.files.atomic import make_folder, write_bytes
+from app.files.provenance import NOTICE, provenance, source, strict_json, write_png
+from app.files.sheet import ByteImage, Tile, sheet
 from app.run_folder import Input, RunFolder
-from app.sheet import ByteImage, Tile, sheet
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest, device_of, enhanced_clip, pooled
 from assets import phantom_path
 from renderer.clip import Clip

@@ -8,17 +8,17 @@ import time
 from pathlib import Path
 from typing import Any, cast
 
-from app.ahead import ahead
 from app.batch import Item, Step, enhance_batch, items_in
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.enhanced_files import VIDEO, Setting, Stream, Written, enhance_into
 from app.errors import UserError
-from app.in_steps import in_one_go
+from app.files.image_files import is_image
+from app.files.image_series import Series, open_series
+from app.files.prefetch import ahead
+from app.files.provenance import provenance, strict_json
+from app.files.stepping import in_one_go
 from app.methods import METHODS, PAPER, VESSEL, Params
-from app.pictures import is_image
-from app.provenance import provenance, strict_json
-from app.series import Series, open_series
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions

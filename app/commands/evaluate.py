@@ -16,7 +16,7 @@ from app.console.progress import progress
 from app.console.terminal import Terminal
 from app.errors import UserError
 from app.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
-from app.provenance import provenance, strict_json
+from app.files.provenance import provenance, strict_json
 from app.report.paper_rows import PAPER
 from app.run_folder import ClipRecord
 from app.wall_clock import in_all

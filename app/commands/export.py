@@ -8,19 +8,19 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from app import moments, view_flags
-from app.atomic import filled, together, write_bytes
 from app.color_bar import with_bar
 from app.console.progress import progress
 from app.drawers import drawer
 from app.errors import UserError
-from app.in_steps import in_one_go
+from app.files.atomic import filled, together, write_bytes
+from app.files.image_files import ArrayImage
+from app.files.provenance import repeatable, write_sidecar
+from app.files.stepping import in_one_go
+from app.files.video import Timing, write_video
 from app.moments import Moment
-from app.pictures import ArrayImage
-from app.provenance import repeatable, write_sidecar
 from app.scene import Scene
 from app.scene_splats import of_degree, splat_file
 from app.scene_view import lasting_facts, steady
-from app.video import Timing, write_video
 from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.harmonics import BANDS
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from app.console.display import has_display
 from app.device import cuda_devices, missing
-from app.provenance import NOTICE, strict_json, version
+from app.files.provenance import NOTICE, strict_json, version
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 
 PACKAGES = ("numpy", "numba", "opencv-contrib-python-headless", "torch", "gsplat", "moderngl", "imgui-bundle")

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from app import moments, view_flags
-from app.atomic import filled
 from app.color_bar import with_bar
 from app.console.progress import progress
 from app.drawers import drawer
 from app.drawing import Drawn, colored_depth
 from app.errors import UserError
+from app.files.atomic import filled
+from app.files.image_files import write_image
+from app.files.provenance import repeatable, write_png
 from app.moments import Moment
-from app.pictures import write_image
-from app.provenance import repeatable, write_png
 from app.scene_view import view_facts
 from app.views import SHAPES, has_scale
 

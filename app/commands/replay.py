@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from app.atomic import filled
 from app.errors import UserError
-from app.provenance import provenance, strict_json
+from app.files.atomic import filled
+from app.files.provenance import provenance, strict_json
 from app.replay import replay
 
 

@@ -9,10 +9,10 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.atomic import filled
 from app.console.flags import positive
 from app.errors import UserError
-from app.provenance import provenance, source, strict_json
+from app.files.atomic import filled
+from app.files.provenance import provenance, source, strict_json
 from app.report.advice import advice
 from app.report.bench import Bench, Clock, opened
 from app.report.machine import machine

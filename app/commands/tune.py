@@ -13,18 +13,18 @@ from typing import Any, cast
 
 from rich.table import Table
 
-from app.atomic import filled
 from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.console.terminal import table_terminal
 from app.contact_sheet import columns_of, contact_sheet, tile
 from app.errors import UserError
+from app.files.atomic import filled
+from app.files.image_files import ArrayImage, write_image
+from app.files.image_series import open_series
+from app.files.provenance import provenance, source, strict_json, write_png
+from app.files.sheet import Tile
 from app.methods import PAPER, VESSEL, Look
-from app.pictures import ArrayImage, write_image
-from app.provenance import provenance, source, strict_json, write_png
-from app.series import open_series
-from app.sheet import Tile
 from app.tuning import (
     DEFINITIONS,
     METRICS,

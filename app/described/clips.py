@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from app.described.fact import Fact, count, next_steps
-from app.pictures import photos_in
+from app.files.image_files import photos_in
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS

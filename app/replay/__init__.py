@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from app.console.flags import problem
 from app.errors import UserError
-from app.provenance import libraries, version
+from app.files.provenance import libraries, version
 from app.replay.difference import Difference, difference
 from app.replay.drawn import remake_depth, remake_render, remake_splats, remake_video
 from app.replay.enhanced import remake_enhanced, remake_enhanced_video

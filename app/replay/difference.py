@@ -13,7 +13,7 @@ import numpy as np
 from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
-from app.pictures import read_image
+from app.files.image_files import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
 from renderer.readers.video import open_video

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
-from app.provenance import KEYWORD, provenance, read_provenance
+from app.files.provenance import KEYWORD, provenance, read_provenance
 from renderer.json_files import parsed
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply

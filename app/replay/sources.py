@@ -9,7 +9,7 @@ from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
-from app.provenance import digests
+from app.files.provenance import digests
 from app.run_folder import RunFolder
 from assets import phantom_path
 

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from app.provenance import strict_json
+from app.files.provenance import strict_json
 from app.report.section import Column, Table
 from app.report.work_precision import Diagram, Point
 from app.run_folder import Input

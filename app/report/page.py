@@ -11,7 +11,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from app.provenance import NOTICE
+from app.files.provenance import NOTICE
 from app.report.cells import is_number, said
 from app.report.plots import diagrams_figure, growth_figure, svg
 from app.report.section import Cell, Column, Section, Table

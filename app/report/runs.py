@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from app.provenance import strict_json
+from app.files.provenance import strict_json
 from app.report.outcomes import setting_of
 from app.run_folder import Input, RunFolder
 from app.training import Measured, TrainRequest, input_clip, run_training

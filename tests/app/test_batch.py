@@ -13,8 +13,8 @@ import pytest
 from app.batch import enhance_batch, items_in
 from app.enhanced_files import Setting
 from app.errors import UserError
-from app.pictures import read_image
-from app.provenance import read_provenance
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance
 from app.replay import replay
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from app.__main__ import main
-from app.pictures import read_image
-from app.provenance import NOTICE, digest, read_provenance
-from app.series import Series, open_series
-from app.video import Timing
+from app.files.image_files import read_image
+from app.files.image_series import Series, open_series
+from app.files.provenance import NOTICE, digest, read_provenance
+from app.files.video import Timing
 from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import BASELINES
 from enhance.surround import inside
@@ -341,7 +341,7 @@ def test_a_video_that_breaks_off_leaves_what_was_whole(
     names = tuple(str(index) for index in range(8))
     series = Series(names, (given,) * 8, read, is_video=True, timing=Timing(12.0, like=given))
     monkeypatch.setattr("app.commands.enhance.open_series", lambda path, options: series)
-    monkeypatch.setattr("app.video.find_spec", lambda name: None)
+    monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
     assert main(["enhance", str(given), str(out), "--statistics", statistics]) == 0
     captured = capfd.readouterr()
     stopped, sound = captured.err.splitlines()

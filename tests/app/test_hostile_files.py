@@ -20,10 +20,10 @@ import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from app.files.provenance import KEYWORD
 from app.gui.state.presets import load_presets
 from app.gui.state.settings import load_settings
 from app.kept_queue import take_over
-from app.provenance import KEYWORD
 from app.report.saved import read_report
 from app.run_folder import RunFolder
 from renderer.phantom import PhantomParams, write_phantom

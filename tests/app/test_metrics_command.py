@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.provenance import digest
+from app.files.provenance import digest
 from tests.app.conftest import Call, tissue
 
 Cli = Callable[..., Call]

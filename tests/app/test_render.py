@@ -16,7 +16,7 @@ from app.drawers import Renderer, drawer
 from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.evaluate import open_evaluation
-from app.provenance import read_provenance
+from app.files.provenance import read_provenance
 from app.run_folder import RunFolder
 from app.training import run_training
 from renderer.camera import Camera

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from app.drawing import draw_on_cpu
+from app.files.image_files import read_image
 from app.gui.actions import actions, comparing, edit_actions, job_actions, second_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, GraphicsViewport
 from app.gui.state.settings import Places
 from app.gui.work.viewing import draw_view
-from app.pictures import read_image
 from app.run_edits import save_edits
 from app.run_folder import RunFolder
 from app.training import run_training

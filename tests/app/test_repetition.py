@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from app import provenance
+from app.files import provenance
 from tests.app.conftest import Call
 
 Cli = Callable[..., Call]
@@ -29,7 +29,7 @@ def passing_hours(monkeypatch: pytest.MonkeyPatch) -> None:
         def now(cls, tz: object = None) -> provenance.datetime:  # type: ignore[name-defined]
             return provenance.datetime.fromtimestamp(began + 3600 * next(hours), tz)
 
-    monkeypatch.setattr("app.provenance.datetime", Clock)
+    monkeypatch.setattr("app.files.provenance.datetime", Clock)
 
 
 @pytest.mark.usefixtures("passing_hours")

@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 import pytest
 
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance, write_png
 from app.gui.views.free_view import FreeView
 from app.gui.work.enhancing import PictureRequest
 from app.gui.work.opening import OpenRequest, open_path
 from app.picture_mask import PictureMask
-from app.pictures import read_image
-from app.provenance import read_provenance, write_png
 from app.replay import replay
 from app.replay.difference import difference
 from app.scene_view import ViewRequest

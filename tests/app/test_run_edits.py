@@ -15,7 +15,7 @@ import pytest
 
 from app.drawing import draw_on_cpu
 from app.errors import UserError
-from app.provenance import digest, read_provenance
+from app.files.provenance import digest, read_provenance
 from app.run_edits import read_edits, save_edits
 from app.run_folder import RunFolder
 from renderer.editing.edits import Edits

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.drawing import Drawn, draw_on_cpu
-from app.provenance import read_provenance
+from app.files.provenance import read_provenance
 from app.supersampling import FACTORS, averaged, supersampled
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats

@@ -19,8 +19,8 @@ import pytest
 
 from app.drawing import draw_on_cpu
 from app.errors import UserError
+from app.files.provenance import read_provenance
 from app.job import TrainingJob
-from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from app.training import TrainRequest, input_clip, run_training
 from enhance import EnhanceParams, enhance, measure

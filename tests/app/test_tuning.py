@@ -13,8 +13,8 @@ import pytest
 
 from app.contact_sheet import columns_of
 from app.errors import UserError
-from app.pictures import read_image
-from app.provenance import read_provenance
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance
 from app.tuning import METRICS, Axis, Measures, axis, ranked, settings, tried
 from enhance import EnhanceParams, enhance
 from enhance.metrics import dvbv_otsu, noise_gain

@@ -15,7 +15,7 @@ from app.color_bar import LEAST_HEIGHT, color_bar, with_bar
 from app.drawers import Renderer, drawer
 from app.drawing import Drawn, draw_on_cpu
 from app.evaluate import open_evaluation
-from app.provenance import read_provenance
+from app.files.provenance import read_provenance
 from app.run_folder import RunFolder
 from app.views import EXPLAINED, SHAPES, Composed, Scale, composed, difference, has_scale, nice_step
 from renderer.camera import Camera

@@ -18,8 +18,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from app.files.sheet import Tile, sheet
 from app.report.visibility import COLUMNS, BoolImage, ByteImage, Sample, methods, pattern, row, sample
-from app.sheet import Tile, sheet
 from enhance.baselines import TAO_STAND_INS
 from enhance.metrics import flicker
 from enhance.ridges import field_of_view

@@ -20,8 +20,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
-from app.atomic import write_bytes
-from app.provenance import provenance, source, strict_json
+from app.files.atomic import write_bytes
+from app.files.provenance import provenance, source, strict_json
 from app.report.bench import PHANTOM as PARAMS
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import write_diagrams

@@ -22,9 +22,9 @@ from pathlib import Path
 import av
 import numpy as np
 
-from app.pictures import ArrayImage
-from app.series import Series, open_series
-from app.video import write_video
+from app.files.image_files import ArrayImage
+from app.files.image_series import Series, open_series
+from app.files.video import write_video
 from renderer.clip import ClipError
 
 PAGE = """<pre id=o></pre><script>(async () => {

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from app.clip_part import WHOLE
 from app.errors import UserError
-from app.gui.legible import legible
+from app.files.legible import legible
 from app.gui.state.app_state import AppState, Banner, Toast
 from app.gui.state.camera_list import CameraList
 from app.gui.state.reconstruction import Reconstruction

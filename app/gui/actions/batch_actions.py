@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from app.enhanced_files import Setting
+from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
 from app.gui.work.enhancing import POOLED_FRAMES
 from app.methods import preset_of, worded
-from app.stamp import stamp
 
 
 def toggle_batches(state: AppState) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from app.atomic import write_bytes
 from app.errors import UserError
+from app.files.atomic import write_bytes
+from app.files.provenance import repeatable
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.editing import (
@@ -19,7 +20,6 @@ from app.gui.work.editing import (
     Tool,
     tinted_model,
 )
-from app.provenance import repeatable
 from app.run_edits import edits_facts, save_edits, saved_since
 from app.run_folder import RunFolder
 from app.scene_splats import splat_file

@@ -8,8 +8,8 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+from app.files.legible import capital, legible
 from app.gui.actions.actions import latest, leave, say
-from app.gui.legible import capital, legible
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Job, Reconstruction, Waiting
 from app.run_folder import Input, RunFolder

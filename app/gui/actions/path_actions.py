@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from app.atomic import write_bytes
+from app.files.atomic import write_bytes
+from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.views.free_view import FreeView
-from app.stamp import stamp
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.camera_path import CameraPath, Keyframe

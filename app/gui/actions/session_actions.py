@@ -11,13 +11,13 @@ from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
+from app.files.provenance import digest
 from app.gui.actions import actions, edit_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
 from app.gui.views.free_view import FreeView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import Choice
-from app.provenance import digest
 from app.run_edits import packed, unpacked
 from app.sessions import (
     MOST_STEPS,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from app.files.legible import legible
 from app.gui.commands.command import Command, Section
-from app.gui.legible import legible
 from app.gui.state.app_state import AppState
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
+from app.files.legible import legible
 from app.gui.actions import actions, second_actions
 from app.gui.commands.command import Command
-from app.gui.legible import legible
 from app.gui.state.app_state import AppState
 
 

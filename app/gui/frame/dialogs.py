@@ -13,7 +13,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import portable_file_dialogs as desktop
 
-from app.gui.legible import legible
+from app.files.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import em, within
 

@@ -11,8 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from app.atomic import write_bytes
 from app.errors import UserError
+from app.files.atomic import write_bytes
 from renderer.regular_files import read_regular
 
 NAME: Final = "window.ini"

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.files.legible import legible
 from app.gui.actions import path_actions
-from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState

@@ -8,7 +8,7 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, implot
 from numpy.typing import NDArray
 
-from app.gui.legible import grouped
+from app.files.legible import grouped
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.state.reconstruction import Reconstruction

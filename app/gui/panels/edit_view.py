@@ -7,8 +7,8 @@ from itertools import combinations, product
 
 from imgui_bundle import ImVec2, ImVec2Like, imgui
 
+from app.files.legible import grouped
 from app.gui.actions import edit_actions
-from app.gui.legible import grouped
 from app.gui.look import theme
 from app.gui.look.widgets import em, tag
 from app.gui.panels.scene_marks import on_screen, placement

@@ -6,8 +6,8 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.files.legible import grouped
 from app.gui.actions import edit_actions
-from app.gui.legible import grouped
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, question, row
 from app.gui.state.app_state import AppState

@@ -8,8 +8,8 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.files.legible import legible, named
 from app.gui.actions import actions, history_actions, preset_actions
-from app.gui.legible import legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, row, slide, slide_auto
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of

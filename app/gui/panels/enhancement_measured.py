@@ -9,7 +9,7 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
-from app.gui.legible import legible
+from app.files.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.state.app_state import AppState

@@ -6,8 +6,8 @@ from itertools import groupby
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.files.legible import legible
 from app.gui.commands.command import Command, Section
-from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.panels.overlays import LONG_NOTICE

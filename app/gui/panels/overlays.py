@@ -7,14 +7,14 @@ from itertools import groupby
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.files.legible import capital
+from app.files.provenance import NOTICE
 from app.gui.actions import actions
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
-from app.gui.legible import capital
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, question, within
 from app.gui.state.app_state import AppState
-from app.provenance import NOTICE
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (

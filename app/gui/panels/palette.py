@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.files.legible import legible
 from app.gui.commands.command import Section
 from app.gui.commands.finding import Found, find
-from app.gui.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.state.app_state import AppState

@@ -7,9 +7,9 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import job_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
-from app.gui.legible import capital, grouped, legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from app.gui.panels.curves import draw_curves

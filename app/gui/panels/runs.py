@@ -7,9 +7,9 @@ from datetime import datetime
 from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
+from app.files.legible import legible, named
 from app.gui.actions import queue_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
-from app.gui.legible import legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState

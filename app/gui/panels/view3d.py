@@ -8,10 +8,10 @@ from collections.abc import Callable
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.files.legible import grouped, legible, named
 from app.gui.actions import actions, camera_actions, view_actions
 from app.gui.commands.command import Command
 from app.gui.drawing.viewport import OnScreen, Viewport
-from app.gui.legible import grouped, legible, named
 from app.gui.look import theme
 from app.gui.look.widgets import beside, beside_of, button, centered, em, explain, stack_tags
 from app.gui.panels.color_bar import draw_color_bar

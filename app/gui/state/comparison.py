@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
-from app.gui.legible import named
+from app.files.legible import named
 from app.methods import PAPER, VESSEL
 from app.settable import ENHANCED, ORIGINAL, RENDER, Mode
 

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.gui.legible import legible, named
+from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side
 from app.gui.work.enhancing import Pictures

@@ -11,12 +11,12 @@ from typing import Final
 
 from pydantic import TypeAdapter
 
-from app.atomic import write_bytes
 from app.errors import UserError
+from app.files.atomic import write_bytes
+from app.files.mended import mended
+from app.files.provenance import strict_json
 from app.gui.state.settings import Places
-from app.mended import mended
 from app.methods import Look
-from app.provenance import strict_json
 from app.run_folder import RecordedLook
 from app.settable import LONGEST_NAME
 from app.training import RECONSTRUCTION_PARAMS

@@ -12,8 +12,8 @@ import platformdirs
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
-from app.atomic import write_bytes
-from app.mended import mended
+from app.files.atomic import write_bytes
+from app.files.mended import mended
 from app.settable import PathText, at_most
 from renderer.json_files import read_json
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from app.files.legible import legible
 from app.gui.actions import actions, path_actions, second_actions, session_actions
-from app.gui.legible import legible
 from app.gui.state.app_state import AppState, Banner
 from app.gui.work.background import Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path

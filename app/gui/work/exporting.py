@@ -7,20 +7,20 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from app.atomic import filled, together
 from app.drawing import ON_CPU
+from app.files.atomic import filled, together
+from app.files.image_series import timing_of
+from app.files.provenance import provenance, source, write_png, write_sidecar
+from app.files.stepping import retold
+from app.files.timestamp import stamp
+from app.files.video import Timing, write_frames
 from app.gui.work.measure_table import measured_rows, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
 from app.gui.work.shots import Panes
 from app.gui.work.view_pages import Views, drawn_panel, steady, video_facts, view_pages
-from app.in_steps import retold
 from app.moments import FRAMES_PER_SECOND
-from app.provenance import provenance, source, write_png, write_sidecar
 from app.scene_view import view_facts
-from app.series import timing_of
-from app.stamp import stamp
-from app.video import Timing, write_frames
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 Form = Literal["picture", "panes video", "view video", "measures"]

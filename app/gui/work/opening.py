@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from app.errors import UserError
+from app.files.provenance import digests
 from app.gui.work.reported import Reported, read
 from app.gui.work.told import Told, told
-from app.provenance import digests
 from app.report.saved import holds_report, is_report
 from app.run_edits import read_edits
 from app.run_folder import RunFolder, RunRecord

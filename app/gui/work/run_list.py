@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.errors import UserError
+from app.files.provenance import digests
 from app.gui.work.opening import request_of
 from app.gui.work.told import NOTHING_TOLD, Told, told
-from app.provenance import digests
 from app.run_folder import RunFolder, RunRecord
 from app.run_holder import holder
 from app.training import TrainRequest

@@ -8,8 +8,8 @@ from typing import Any
 from app import scene_view
 from app.color_bar import with_bar
 from app.drawing import ON_CPU, Draw, draw_on_cpu
+from app.files.stepping import retold
 from app.gui.work.page import Panel, sheet
-from app.in_steps import retold
 from app.scene_view import ViewRequest, lasting_facts, moment_facts
 from renderer.clip import ByteImage
 

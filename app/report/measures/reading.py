@@ -11,11 +11,11 @@ from typing import Final
 import cv2
 import numpy as np
 
+from app.files.video import Timing, write_video
 from app.report.bench import Bench, Clock
 from app.report.laps import Laps, laps
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.report.work_precision import Diagram, Point
-from app.video import Timing, write_video
 from renderer.clip import Clip
 from renderer.metrics import depth_rmse
 from renderer.phantom import Phantom, PhantomParams, write_phantom

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance
 from app.gui.actions import actions, batch_actions, queue_actions
 from app.gui.commands.keys import chord
 from app.gui.frame.dialogs import TITLES
@@ -18,8 +20,6 @@ from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Worker
-from app.pictures import read_image
-from app.provenance import read_provenance
 from app.replay import replay
 from assets import phantom_path
 from enhance import EnhanceParams, enhance

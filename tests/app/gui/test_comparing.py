@@ -9,8 +9,8 @@ from weakref import ref
 import numpy as np
 import pytest
 
+from app.files.legible import named
 from app.gui.actions import actions, comparing, history_actions
-from app.gui.legible import named
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
 from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not

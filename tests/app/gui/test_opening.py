@@ -10,12 +10,12 @@ import pytest
 
 from app.cli import load
 from app.errors import UserError
+from app.files.provenance import version
 from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.gui.work.viewing import draw_view
-from app.provenance import version
 from app.run_folder import ClipRecord, RunFolder, RunRecord
 from app.training import TrainRequest
 from assets import phantom_path

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
+from app.files.provenance import provenance, strict_json
 from app.gui.actions import actions
 from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.reported import LEAST, Scale, current, read
-from app.provenance import provenance, strict_json
 from app.report.growth_fit import Curve, Growth
 from app.report.section import Plate, Section
 from app.report.work_precision import Diagram, Point

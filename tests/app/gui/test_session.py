@@ -225,7 +225,7 @@ def test_a_full_disk_is_told_once_and_costs_nothing_saved(
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
     with monkeypatch.context() as patch:
-        patch.setattr("app.atomic.os.fsync", full)
+        patch.setattr("app.files.atomic.os.fsync", full)
         state.notes = "more"
         turn(state, channels)
         turn(state, channels)

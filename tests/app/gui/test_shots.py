@@ -16,6 +16,8 @@ from imgui_bundle import imgui
 
 from app.clip_part import ClipPart
 from app.color_bar import LEAST_HEIGHT
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance, write_png
 from app.gui.actions import actions, comparing, export_actions
 from app.gui.actions.export_actions import OFFERS
 from app.gui.commands.keys import chord
@@ -28,8 +30,6 @@ from app.gui.work.exporting import Exporting, export
 from app.gui.work.others import DifferenceRequest, heat_map
 from app.gui.work.sizing import Sizing
 from app.picture_mask import PictureMask
-from app.pictures import read_image
-from app.provenance import read_provenance, write_png
 from app.tuning import METRICS
 from assets import phantom_path
 from enhance import EnhanceParams
@@ -209,7 +209,7 @@ def test_a_full_disk_is_a_sentence_and_leaves_nothing(run: Exporter, monkeypatch
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patch:
-        patch.setattr("app.atomic.os.fsync", full)
+        patch.setattr("app.files.atomic.os.fsync", full)
         for what in ("both panes", "video of both panes", "measures of both panes"):
             run.begin(what)
             run.turn(30)

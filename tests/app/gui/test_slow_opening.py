@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from app.files.provenance import digest
 from app.gui.actions import actions, queue_actions, session_actions
 from app.gui.actions.session_actions import WriteRequest
 from app.gui.panels.overlays import draw_banner
@@ -24,7 +25,6 @@ from app.gui.update.opening_work import LONG
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
-from app.provenance import digest
 from app.sessions import Session, SessionSource, write_session
 from app.training import TrainRequest
 from assets import phantom_path

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
+from app.files.provenance import read_provenance
 from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.job import TrainingJob
-from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from app.sessions import autosave_path, read_session
 from assets import phantom_path
@@ -88,7 +88,7 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patch:
-        patch.setattr("app.atomic.os.fsync", full)
+        patch.setattr("app.files.atomic.os.fsync", full)
         app.save()
         assert app.trouble().startswith("the picture was not saved: No space left on device: clip-")
         request = session_actions.save_request(app.state)

@@ -8,15 +8,15 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance, write_sidecar
+from app.files.stepping import in_one_go
 from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
 from app.gui.views.free_view import FreeView
 from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.view_pages import steady, view_pages
 from app.gui.work.viewing import draw_view
-from app.in_steps import in_one_go
-from app.pictures import read_image
-from app.provenance import read_provenance, write_sidecar
 from app.scene_view import ViewRequest
 from renderer.camera_path import CameraPath, Keyframe
 from tests.app.gui.exporting import Exporter, same, shape_of, sidecar

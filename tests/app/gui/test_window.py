@@ -16,6 +16,7 @@ import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
+from app.files.provenance import read_provenance
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.drawing.textures import Textures
@@ -25,7 +26,6 @@ from app.gui.state.clip_settings import load_clips
 from app.gui.state.presets import load_presets, presets_file
 from app.gui.state.settings import Places, Settings, load_settings
 from app.gui.window import Window
-from app.provenance import read_provenance
 from app.run_folder import RunFolder
 from assets import phantom_path
 from enhance import EnhanceParams

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.described.paths import described
+from app.files.image_files import read_image
 from app.gui.state.presets import load_presets
 from app.gui.state.settings import load_settings
 from app.gui.work.told import told
 from app.kept_queue import take_over
-from app.pictures import read_image
 from app.replay.recorded import recorded
 from app.report.saved import read_report
 from app.run_edits import read_edits

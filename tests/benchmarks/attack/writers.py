@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.pictures import read_image
+from app.files.image_files import read_image
 
 Which = Literal["old", "new"]
 Prints = dict[str, str]

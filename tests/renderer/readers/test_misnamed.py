@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.pictures import read_image
+from app.files.image_files import read_image
 from renderer.clip import ClipError
 from renderer.readers.misnamed import VIDEO, what_it_is
 from renderer.sources import open_clip

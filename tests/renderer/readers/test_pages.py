@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.series import open_series
+from app.files.image_series import open_series
 from renderer.sources import open_clip
 
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from PIL import Image, ImageOps
 
-from app.atomic import filled, replaced, write_bytes
 from app.errors import UserError
-from app.pictures import read_image, write_image
-from app.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
-from app.video import Timing, write_video
+from app.files.atomic import filled, replaced, write_bytes
+from app.files.image_files import read_image, write_image
+from app.files.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
+from app.files.video import Timing, write_video
 from renderer.leftovers import temporary_name
 from renderer.readers.pictures import read_rgb
 
@@ -115,7 +115,7 @@ def test_the_file_is_synced_through_a_handle_that_may_write(
         if not stat.S_ISDIR(os.fstat(handle).st_mode):
             os.write(handle, b"")
 
-    monkeypatch.setattr("app.atomic.os.fsync", sync)
+    monkeypatch.setattr("app.files.atomic.os.fsync", sync)
     write_bytes(tmp_path / "file.txt", b"content")
     assert (tmp_path / "file.txt").read_bytes() == b"content"
 

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic_core import to_jsonable_python
 
-from app.atomic import write_bytes
 from app.errors import UserError
-from app.former_digests import former_files
+from app.files.atomic import write_bytes
+from app.files.former_digests import former_files
 from renderer.json_files import parsed
 from renderer.layouts import layout_of
 from renderer.ply_comments import split

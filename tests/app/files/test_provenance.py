@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from app.errors import UserError
-from app.provenance import (
+from app.files.provenance import (
     NOTICE,
     digest,
     encode_png,

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, UnidentifiedImageError
 
-from app.atomic import together, write_bytes
 from app.errors import UserError
-from app.provenance import encode_png, write_sidecar
+from app.files.atomic import together, write_bytes
+from app.files.provenance import encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is

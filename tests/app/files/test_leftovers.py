@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from app.atomic import filled, together, write_bytes
+from app.files.atomic import filled, together, write_bytes
 from renderer import leftovers
 from renderer.atomic_files import PARTIAL
 from renderer.leftovers import COMMIT, clear, commit_name, temporary_name
@@ -21,7 +21,7 @@ OLD, NEW = {"a.mp4": "old", "a.mp4.json": "old"}, {"a.mp4": "new", "a.mp4.json":
 KILLED = """
     import os, sys
     from pathlib import Path
-    from app.atomic import together
+    from app.files.atomic import together
     left = int(sys.argv[2])
 
     def counted(call):

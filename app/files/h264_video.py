@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import av
 from av.video.reformatter import Interpolation
 
-from app.pictures import ArrayImage
-from app.sound import Sound, sound_of
-from app.video import Timing
+from app.files.image_files import ArrayImage
+from app.files.sound import Sound, sound_of
+from app.files.video import Timing
 from renderer.readers.video_index import decoded, open_container, video_stream
 from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.files.legible import legible
 from app.gui.actions import actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
 from app.gui.frame.dialogs import Dialogs
-from app.gui.legible import legible
 from app.gui.panels import menus, overlays
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction

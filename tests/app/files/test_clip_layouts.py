@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from app.errors import UserError
-from app.provenance import digest, digests
+from app.files.provenance import digest, digests
 from app.run_folder import RunFolder
 from app.training import run_training
 from assets import phantom_path

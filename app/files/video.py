@@ -11,11 +11,11 @@ from typing import Protocol
 
 import numpy as np
 
-from app.atomic import replaced
 from app.errors import UserError
-from app.in_steps import in_one_go
-from app.pictures import ArrayImage
-from app.utf8 import require_utf8
+from app.files.atomic import replaced
+from app.files.image_files import ArrayImage
+from app.files.stepping import in_one_go
+from app.files.utf8 import require_utf8
 
 
 @dataclass(frozen=True)
@@ -110,10 +110,10 @@ def _stored(frame: ArrayImage, path: Path) -> ArrayImage:
 def _writer(path: Path, place: Path, size: tuple[int, int], timing: Timing) -> Writer:
     """Raises UserError, naming `path`, when nothing on this machine can write a video."""
     if find_spec("av") is not None:
-        from app.h264_video import H264Writer
+        from app.files.h264_video import H264Writer
 
         return H264Writer(place, size, timing)
-    from app.mpeg4_video import Mpeg4Writer
+    from app.files.mpeg4_video import Mpeg4Writer
 
     try:
         return Mpeg4Writer(place, size, timing)

@@ -15,10 +15,10 @@ import cv2
 import numpy as np
 import pytest
 
-from app.color_tag import tag_colors
 from app.errors import UserError
-from app.series import open_series
-from app.video import Timing, write_video
+from app.files.image_series import open_series
+from app.files.mp4_color_tag import tag_colors
+from app.files.video import Timing, write_video
 from renderer.sources import open_clip
 from tests.app.conftest import Call
 from tests.renderer.readers.numbered import INTERLACED, encoded, turned, woven
@@ -30,7 +30,7 @@ Cli = Callable[..., Call]
 @pytest.fixture(params=["PyAV", "OpenCV alone"])
 def encoder(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     if request.param == "OpenCV alone":
-        monkeypatch.setattr("app.video.find_spec", lambda name: None)
+        monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
     return str(request.param)
 
 
@@ -100,7 +100,7 @@ def test_what_no_video_holds_is_refused_and_nothing_written(
 
 
 def test_the_tag_says_what_opencv_wrote(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.video.find_spec", lambda name: None)
+    monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
     path = tmp_path / "out.mp4"
     assert "BT.601" in write_video(path, iter(frames(3)), Timing(25.0)).encoding
     content = path.read_bytes()
@@ -203,7 +203,7 @@ def test_sound_is_kept(tmp_path: Path, name: str) -> None:
 
 def test_sound_that_is_lost_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     series = open_series(encoded(tmp_path / "in.mp4", frames(3), sound="aac"))
-    monkeypatch.setattr("app.video.find_spec", lambda name: None)
+    monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
     written = write_video(tmp_path / "out.mp4", (series.read(index) for index in range(3)), series.timing)
     assert written.notices[0].startswith("sound is not kept")
 
@@ -266,7 +266,7 @@ import sys
 from pathlib import Path
 import cv2
 import numpy as np
-from app.video import Timing, write_video
+from app.files.video import Timing, write_video
 rough = np.random.default_rng(0).integers(0, 255, (37, 82, 3), np.uint8)
 picture = cv2.resize(rough, (648, 290), interpolation=cv2.INTER_CUBIC)
 write_video(Path(sys.argv[1]), (np.roll(picture, 3 * shift, 1) for shift in range(24)), Timing(15.0))

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import cv2
 
-from app.color_tag import tag_colors
-from app.pictures import ArrayImage
-from app.video import Timing
+from app.files.image_files import ArrayImage
+from app.files.mp4_color_tag import tag_colors
+from app.files.video import Timing
 
 BT709, BT601 = 1, 6
 """Codes of ITU-T H.273."""

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 
-from app.in_steps import in_one_go, retold
+from app.files.stepping import in_one_go, retold
 
 
 def counting(ended: list[str]) -> Generator[int, None, str]:
