@@ -8,9 +8,9 @@ from typing import Final
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
+from app.enhancement.image_mask import NO_MASK, PictureMask
+from app.enhancement.settable import FrameNumber
 from app.errors import UserError
-from app.picture_mask import NO_MASK, PictureMask
-from app.settable import FrameNumber
 from renderer.clip import Clip
 
 

@@ -15,11 +15,11 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import problem
+from app.enhancement.settable import at_most
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.provenance import digest, strict_json, version
 from app.run_folder import RunFolder
-from app.settable import at_most
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.json_files import read_text

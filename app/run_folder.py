@@ -17,10 +17,10 @@ from pydantic.dataclasses import dataclass
 from app.clip_part import WHOLE, ClipPart
 from app.console.flags import problem
 from app.device import Device
+from app.enhancement.methods import PAPER, VESSEL, Preset, preset_of
 from app.errors import UserError
 from app.files.atomic import make_folder, replaced, write_bytes
 from app.files.provenance import digests, strict_json
-from app.methods import PAPER, VESSEL, Preset, preset_of
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from renderer.budget import budget

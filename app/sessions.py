@@ -19,14 +19,8 @@ from pydantic.dataclasses import dataclass
 
 from app.clip_part import ClipPart
 from app.console.flags import shortened
-from app.errors import UserError
-from app.files.atomic import write_bytes
-from app.files.mended import mended
-from app.files.process_files import left_behind, own_file
-from app.files.provenance import strict_json, version
-from app.run_edits import MOST, MaskText
-from app.run_folder import RecordedLook
-from app.settable import (
+from app.enhancement.parameter_grid import METRICS
+from app.enhancement.settable import (
     ENHANCED,
     MOST_VALUES,
     ORIGINAL,
@@ -45,7 +39,13 @@ from app.settable import (
     at_most,
     one_of,
 )
-from app.tuning import METRICS
+from app.errors import UserError
+from app.files.atomic import write_bytes
+from app.files.mended import mended
+from app.files.process_files import left_behind, own_file
+from app.files.provenance import strict_json, version
+from app.run_edits import MOST, MaskText
+from app.run_folder import RecordedLook
 from app.views import ViewKind
 from enhance import EnhanceParams
 from enhance.params import DFactor

@@ -14,16 +14,16 @@ from typing import Annotated, Final, Literal
 
 from app.clip_part import WHOLE, ClipPart
 from app.device import Asked, Choice, Device, choose, pictures_on
+from app.enhancement.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
+from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
 from app.files.provenance import digest, version
 from app.files.utf8 import require_utf8
 from app.memory import peak_memory_mb
-from app.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.preparing import ReadAhead, reading, told_meanwhile
 from app.room import planned_in
 from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.run_holder import held
-from app.settable import LONGEST_PATH, at_most
 from app.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

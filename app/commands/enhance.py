@@ -8,17 +8,17 @@ import time
 from pathlib import Path
 from typing import Any, cast
 
-from app.batch import Item, Step, enhance_batch, items_in
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
-from app.enhanced_files import VIDEO, Setting, Stream, Written, enhance_into
+from app.enhancement.batch import Item, Step, enhance_batch, items_in
+from app.enhancement.enhance_files import VIDEO, Setting, Stream, Written, enhance_into
+from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.errors import UserError
 from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
 from app.files.prefetch import ahead
 from app.files.provenance import provenance, strict_json
 from app.files.stepping import in_one_go
-from app.methods import METHODS, PAPER, VESSEL, Params
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions

@@ -15,10 +15,10 @@ from app.clip_part import ClipPart
 from app.console.flags import add_fields, parameters, problem
 from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.device import Asked, Device
+from app.enhancement.image_mask import PictureMask
+from app.enhancement.methods import PAPER, Look
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
-from app.methods import PAPER, Look
-from app.picture_mask import PictureMask
 from app.room import told
 from app.run_folder import RunFolder
 from app.training import PRESETS, TrainRequest, device_of, run_training

@@ -17,15 +17,9 @@ from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.console.terminal import table_terminal
-from app.contact_sheet import columns_of, contact_sheet, tile
-from app.errors import UserError
-from app.files.atomic import filled
-from app.files.image_files import ArrayImage, write_image
-from app.files.image_series import open_series
-from app.files.provenance import provenance, source, strict_json, write_png
-from app.files.sheet import Tile
-from app.methods import PAPER, VESSEL, Look
-from app.tuning import (
+from app.enhancement.contact_sheet import columns_of, contact_sheet, tile
+from app.enhancement.methods import PAPER, VESSEL, Look
+from app.enhancement.parameter_grid import (
     DEFINITIONS,
     METRICS,
     Axis,
@@ -38,6 +32,12 @@ from app.tuning import (
     settings,
     tried,
 )
+from app.errors import UserError
+from app.files.atomic import filled
+from app.files.image_files import ArrayImage, write_image
+from app.files.image_series import open_series
+from app.files.provenance import provenance, source, strict_json, write_png
+from app.files.sheet import Tile
 from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
 from enhance.surround import inside

@@ -11,12 +11,12 @@ from typing import Literal
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
+from app.enhancement.methods import METHODS, LookEnhancer, apply
 from app.errors import UserError
 from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import Series, open_series
 from app.files.provenance import write_sidecar
 from app.files.video import write_video
-from app.methods import METHODS, LookEnhancer, apply
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook

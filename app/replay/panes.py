@@ -9,25 +9,25 @@ from typing import Any, Literal
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
+from app.enhancement.frame_enhancer import PictureRequest
+from app.enhancement.image_mask import NO_MASK, PictureMask
+from app.enhancement.methods import METHODS
+from app.enhancement.settable import Scope
 from app.errors import UserError
 from app.files.image_series import timing_of
 from app.files.provenance import write_png, write_sidecar
 from app.files.video import Timing, write_video
-from app.gui.work.enhancing import PictureRequest
 from app.gui.work.measure_table import MADE_AGAIN, measured_rows, write_measures
 from app.gui.work.others import OtherMaker
 from app.gui.work.page import sheet
 from app.gui.work.shots import Arrangement, Panes, Shot
 from app.gui.work.sizing import Sizing
 from app.gui.work.view_pages import drawn_panel, view_pages
-from app.methods import METHODS
-from app.picture_mask import NO_MASK, PictureMask
 from app.replay.drawn import at, drawer_of, scene_of, view_of
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
 from app.scene import Scene
-from app.settable import Scope
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

@@ -8,14 +8,14 @@ from typing import Literal
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.contact_sheet import contact_sheet, tile
+from app.enhancement.contact_sheet import contact_sheet, tile
+from app.enhancement.parameter_grid import Setting, tried
 from app.errors import UserError
 from app.files.image_series import open_series
 from app.files.provenance import write_png
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.run_folder import RecordedLook
-from app.tuning import Setting, tried
 from enhance.surround import inside
 
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from app.clip_part import WHOLE, ClipPart
+from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
 from app.evaluate import open_evaluation
-from app.picture_mask import PictureMask
 from app.run_folder import RunFolder
 from app.training import run_training
 from renderer.clip import Clip

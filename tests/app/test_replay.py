@@ -11,16 +11,16 @@ import cv2
 import numpy as np
 import pytest
 
+from app.enhancement.frame_enhancer import PictureRequest
+from app.enhancement.image_mask import PictureMask
+from app.enhancement.settable import Scope
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
 from app.gui.views.free_view import FreeView
-from app.gui.work.enhancing import PictureRequest
 from app.gui.work.opening import OpenRequest, open_path
-from app.picture_mask import PictureMask
 from app.replay import replay
 from app.replay.difference import difference
 from app.scene_view import ViewRequest
-from app.settable import Scope
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

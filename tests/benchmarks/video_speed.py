@@ -12,11 +12,11 @@ import time
 from collections.abc import Generator, Iterable
 from pathlib import Path
 
+from app.enhancement.methods import Look, LookEnhancer
 from app.files.image_files import ArrayImage
 from app.files.image_series import Series, open_series
 from app.files.prefetch import ahead
 from app.files.video import write_video
-from app.methods import Look, LookEnhancer
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.enhanced_files import Setting
+from app.enhancement.enhance_files import Setting
+from app.enhancement.frame_enhancer import POOLED_FRAMES
+from app.enhancement.methods import preset_of, worded
 from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
-from app.gui.work.enhancing import POOLED_FRAMES
-from app.methods import preset_of, worded
 
 
 def toggle_batches(state: AppState) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from app.enhancement.settable import Mode, Slot
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Side
-from app.settable import Mode, Slot
 
 WIPE_STEP = 0.02
 

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from app.enhancement.frame_enhancer import PictureRequest
+from app.enhancement.settable import ENHANCED, ORIGINAL
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
-from app.gui.work.enhancing import PictureRequest
 from app.gui.work.exporting import Exporting, ExportRequest, Form, Step
 from app.gui.work.photos import PhotoRequest
 from app.gui.work.shots import Arrangement, Panes, Shot
@@ -19,7 +20,6 @@ from app.gui.work.view_pages import Views
 from app.moments import FRAMES_PER_SECOND
 from app.scene import Scene
 from app.scene_view import ViewRequest
-from app.settable import ENHANCED, ORIGINAL
 
 What = Literal[
     "panes and 3D view",

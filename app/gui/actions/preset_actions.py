@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from app.enhancement.methods import Look
+from app.enhancement.settable import LONGEST_NAME
 from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
@@ -14,8 +16,6 @@ from app.gui.state.presets import (
     presets_file,
     save_presets,
 )
-from app.methods import Look
-from app.settable import LONGEST_NAME
 
 
 def load(state: AppState) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from app.contact_sheet import columns_of
+from app.enhancement.contact_sheet import columns_of
+from app.enhancement.parameter_grid import Axis, Setting, settings
 from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import PictureView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import CellRequest, Choice, Grid, GridCell
-from app.tuning import Axis, Setting, settings
 
 
 def toggle_tuning(state: AppState) -> None:

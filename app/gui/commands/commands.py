@@ -6,6 +6,7 @@ from functools import partial
 
 from imgui_bundle import imgui
 
+from app.enhancement.settable import MODES, SLOTS, Mode, Slot
 from app.gui.actions import (
     actions,
     batch_actions,
@@ -23,7 +24,6 @@ from app.gui.commands.edit_commands import edit_sections
 from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
 from app.gui.state.app_state import AppState
-from app.settable import MODES, SLOTS, Mode, Slot
 
 MODE_KEYS = dict(zip(MODES, ("V", "W", "T", "D"), strict=True))
 MODE_TEXTS: dict[Mode, str] = {

@@ -13,9 +13,9 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from pydantic.fields import FieldInfo
 
 from app.console.flags import marks
+from app.enhancement.methods import Look
 from app.files.legible import legible
 from app.gui.look import theme
-from app.methods import Look
 from enhance import EnhanceParams
 
 ROOM = 1e4

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.batch import Failed
+from app.enhancement.batch import Failed
 from app.files.legible import legible
 from app.gui.actions import batch_actions
 from app.gui.look import theme

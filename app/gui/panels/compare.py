@@ -8,6 +8,8 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.settable import MODES, SLOTS, SOURCES
 from app.gui.actions import actions, comparing
 from app.gui.commands.commands import fit_pictures, one_to_one
 from app.gui.drawing.textures import ShowsPictures
@@ -17,8 +19,6 @@ from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side,
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
-from app.gui.work.enhancing import Pictures
-from app.settable import MODES, SLOTS, SOURCES
 
 MODE_LABELS = [mode.capitalize() for mode in MODES]
 MODE_TEXT = (

@@ -8,6 +8,8 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.enhancement.methods import PAPER, VESSEL, Look
+from app.enhancement.settable import LONGEST_NAME, Scope
 from app.files.legible import legible, named
 from app.gui.actions import actions, history_actions, preset_actions
 from app.gui.look import theme
@@ -17,8 +19,6 @@ from app.gui.panels.enhancement_scales import draw_scales
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.state.presets import BUILT_IN, preset_name
-from app.methods import PAPER, VESSEL, Look
-from app.settable import LONGEST_NAME, Scope
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 

@@ -9,13 +9,13 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
+from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.parameter_grid import DEFINITIONS, Measures
 from app.files.legible import legible
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.state.app_state import AppState
-from app.gui.work.enhancing import Pictures
 from app.gui.work.measuring import BINS, Measured, curves
-from app.tuning import DEFINITIONS, Measures
 from enhance import Statistics
 
 PLOT_FLAGS = (

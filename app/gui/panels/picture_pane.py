@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from imgui_bundle import ImVec2, imgui
 
+from app.enhancement.frame_enhancer import Pictures
 from app.gui.actions import clip_actions
 from app.gui.commands.commands import fit_pictures
 from app.gui.drawing.textures import Marks, ShowsPictures
@@ -16,7 +17,6 @@ from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Side
 from app.gui.state.panes import Pane, Tag, pixel, tinted
 from app.gui.views.picture_view import Placement
-from app.gui.work.enhancing import Pictures
 from app.gui.work.others import heat_colors
 from renderer.clip import ByteImage
 

@@ -7,6 +7,7 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.enhancement.settable import LONGEST_NAME, InputKind
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import job_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
@@ -16,7 +17,6 @@ from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
-from app.settable import LONGEST_NAME, InputKind
 from app.wall_clock import in_all
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig

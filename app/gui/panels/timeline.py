@@ -7,13 +7,13 @@ from collections.abc import Callable
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.enhancement.image_mask import NO_MASK
 from app.gui.actions import actions, clip_actions
 from app.gui.commands.commands import has_something
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
 from app.gui.work.strip import count_for
-from app.picture_mask import NO_MASK
 from renderer.clip import ByteImage
 
 STRIP_HEIGHT = 2.5

@@ -8,7 +8,10 @@ from typing import Protocol
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.contact_sheet import in_words
+from app.enhancement.contact_sheet import in_words
+from app.enhancement.methods import Look
+from app.enhancement.parameter_grid import DEFINITIONS, METRICS, SMALLER_IS_BETTER, Setting
+from app.enhancement.settable import MOST_VALUES
 from app.gui.actions import tuning_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.look import theme
@@ -16,9 +19,6 @@ from app.gui.look.widgets import beside_of, button, centered, declared, em, expl
 from app.gui.panels.enhancement import VESSEL_SLIDERS
 from app.gui.state.app_state import AppState
 from app.gui.work.tuning import Choice, GridCell
-from app.methods import Look
-from app.settable import MOST_VALUES
-from app.tuning import DEFINITIONS, METRICS, SMALLER_IS_BETTER, Setting
 from enhance import EnhanceParams
 from renderer.clip import ByteImage
 

@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import Literal
 
 from app.clip_part import WHOLE, ClipPart
+from app.enhancement.frame_enhancer import PictureRequest, Pictures
+from app.enhancement.methods import Look
+from app.enhancement.settable import Scope, Slot
 from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
 from app.gui.state.chosen import Chosen
@@ -21,7 +24,6 @@ from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
 from app.gui.work.baking import Baked
 from app.gui.work.editing import Editing
-from app.gui.work.enhancing import PictureRequest, Pictures
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import OpenRequest
@@ -32,11 +34,9 @@ from app.gui.work.run_list import FoundRuns, RunsRequest
 from app.gui.work.strip import LeftOut, Strip
 from app.gui.work.tuning import Tuning
 from app.gui.work.viewing import View
-from app.methods import Look
 from app.scene import Scene
 from app.scene_view import ViewRequest
 from app.sessions import Session
-from app.settable import Scope, Slot
 from app.views import ViewKind
 from enhance import EnhanceParams
 from renderer.clip import Clip

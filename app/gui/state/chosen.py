@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Final
 
 from app.clip_part import WHOLE, ClipPart
+from app.enhancement.methods import Look
+from app.enhancement.settable import InputKind, Scope
 from app.gui.state.comparison import Comparison
-from app.methods import Look
-from app.settable import InputKind, Scope
 from app.training import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from renderer.train.config import TrainConfig

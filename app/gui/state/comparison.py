@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
+from app.enhancement.methods import PAPER, VESSEL
+from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from app.files.legible import named
-from app.methods import PAPER, VESSEL
-from app.settable import ENHANCED, ORIGINAL, RENDER, Mode
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = get_args(Side)

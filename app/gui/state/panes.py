@@ -7,15 +7,15 @@ from typing import Literal
 
 import numpy as np
 
+from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.methods import PAPER, VESSEL, Look
+from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side
-from app.gui.work.enhancing import Pictures
 from app.gui.work.others import Difference, DifferenceRequest, Other, OtherRequest
 from app.gui.work.page import describe
-from app.methods import PAPER, VESSEL, Look
 from app.scene import Scene
-from app.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import BoolImage, ByteImage

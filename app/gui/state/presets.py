@@ -11,14 +11,14 @@ from typing import Final
 
 from pydantic import TypeAdapter
 
+from app.enhancement.methods import Look
+from app.enhancement.settable import LONGEST_NAME
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.provenance import strict_json
 from app.gui.state.settings import Places
-from app.methods import Look
 from app.run_folder import RecordedLook
-from app.settable import LONGEST_NAME
 from app.training import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, Protocol
 
+from app.enhancement.settable import InputKind
 from app.gui.work.told import NOTHING_TOLD, Told
-from app.settable import InputKind
 from app.training import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians

@@ -12,9 +12,9 @@ import platformdirs
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
+from app.enhancement.settable import PathText, at_most
 from app.files.atomic import write_bytes
 from app.files.mended import mended
-from app.settable import PathText, at_most
 from renderer.json_files import read_json
 
 RECENT_LIMIT = 8

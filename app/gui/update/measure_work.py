@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from app.enhancement.frame_enhancer import Pictures
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Channel, Failure
-from app.gui.work.enhancing import Pictures
 from app.gui.work.measuring import Measured, Measurer
 
 REST = 0.25

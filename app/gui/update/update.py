@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.gui.actions import (
     actions,
     batch_actions,
@@ -32,7 +33,6 @@ from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
 from app.gui.work.batching import BatchRequest, Progressed, batch
 from app.gui.work.editing import Selected, Selector, SelectRequest
-from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.exporting import ExportRequest, Step, export
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.gui.work.photos import Photo, PhotoRequest, read_photo

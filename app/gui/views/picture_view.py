@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from app.settable import MAX_ZOOM, MIN_ZOOM
+from app.enhancement.settable import MAX_ZOOM, MIN_ZOOM
 
 
 @dataclass(frozen=True)

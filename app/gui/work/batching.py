@@ -6,8 +6,8 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.batch import Failed, Step, enhance_batch, items_in
-from app.enhanced_files import Setting
+from app.enhancement.batch import Failed, Step, enhance_batch, items_in
+from app.enhancement.enhance_files import Setting
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.gui.work.enhancing import Pictures
-from app.methods import Look
-from app.tuning import Measures, measured
+from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.methods import Look
+from app.enhancement.parameter_grid import Measures, measured
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
 from enhance.ridges import field_of_view, vessel_mask

@@ -12,9 +12,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
+from app.enhancement.methods import Look
 from app.gui.work.viewing import draw_view
-from app.methods import Look
 from app.scene import Scene
 from app.scene_view import ViewRequest
 from enhance.baselines import BASELINES

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.methods import worded
 from app.files.legible import legible
 from app.files.provenance import NOTICE
-from app.gui.work.enhancing import Pictures
-from app.methods import worded
 from renderer.clip import ByteImage
 
 INK, GROUND = (235, 235, 235), (28, 28, 28)

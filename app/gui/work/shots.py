@@ -10,11 +10,11 @@ import numpy as np
 
 from app.color_bar import with_bar
 from app.drawing import ON_CPU
-from app.gui.work.enhancing import PictureRequest
+from app.enhancement.frame_enhancer import PictureRequest
+from app.enhancement.methods import Look
 from app.gui.work.others import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.gui.work.page import INK, Panel, describe, sheet
 from app.gui.work.sizing import Sizing
-from app.methods import Look
 from app.scene import Scene
 from app.scene_view import ViewRequest, view_facts
 from app.views import Composed, Scale

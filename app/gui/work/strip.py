@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from app.picture_mask import PictureMask
+from app.enhancement.image_mask import PictureMask
 from renderer.clip import BoolImage, ByteImage, Clip
 
 HEIGHT = 72

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from app.contact_sheet import small
+from app.enhancement.contact_sheet import small
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
+from app.enhancement.parameter_grid import Axis, Measures, Setting, measured, ranked, working_order
 from app.gui.views.picture_view import PictureView
-from app.gui.work.enhancing import PictureMaker, PictureRequest
-from app.tuning import Axis, Measures, Setting, measured, ranked, working_order
 from enhance.image import BoolImage
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.clip import ByteImage

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.files.legible import legible
 from app.gui.actions import actions
 from app.gui.commands import recent_commands
@@ -23,7 +24,6 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Settings
-from app.gui.work.enhancing import PictureMaker, PictureRequest
 from app.gui.work.opening import OpenRequest
 from app.gui.work.page import Panel, sheet
 from renderer.clip import Clip

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import job_actions
 from app.gui.commands.command import Outside
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
-from app.gui.work.enhancing import PictureMaker
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.deformation.motion import Still

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from app.gui.work.enhancing import PictureRequest
+from app.enhancement.frame_enhancer import PictureRequest
 from app.gui.work.exporting import ExportRequest, export
 from app.gui.work.shots import Panes, Shot
 from app.scene_view import ViewRequest

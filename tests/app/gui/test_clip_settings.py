@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from app.clip_part import ClipPart
+from app.enhancement.frame_enhancer import PictureMaker
+from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.clip_settings import FILE, MOST_CLIPS, load_clips, save_clips
@@ -17,10 +19,8 @@ from app.gui.update.update import Channels, update
 from app.gui.views.picture_view import Placement
 from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint
-from app.gui.work.enhancing import PictureMaker
 from app.gui.work.opening import Opened
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
-from app.picture_mask import NO_MASK, PictureMask, enclosing
 from renderer.clip import Clip
 from tests.app.gui.conftest import make_clip, photo
 

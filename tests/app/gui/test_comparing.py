@@ -9,6 +9,7 @@ from weakref import ref
 import numpy as np
 import pytest
 
+from app.enhancement.settable import SOURCES
 from app.files.legible import named
 from app.gui.actions import actions, comparing, history_actions
 from app.gui.state.app_state import AppState
@@ -18,7 +19,6 @@ from app.gui.update.update import Channels, update
 from app.gui.work.background import Channel
 from app.gui.work.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.scene import Scene
-from app.settable import SOURCES
 from enhance import EnhanceParams, enhance
 from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels

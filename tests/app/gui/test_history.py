@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from app.clip_part import ClipPart
+from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.chosen import Chosen
@@ -15,7 +16,6 @@ from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import Opened
-from app.picture_mask import PictureMask
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from tests.app.gui.conftest import make_clip

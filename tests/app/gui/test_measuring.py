@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.gui.actions import actions
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.update.measure_work import REST
 from app.gui.update.update import Channels, update
-from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.gui.work.measuring import BINS, Measurer, curves, spread
 from enhance import EnhanceParams, enhance
 from enhance.metrics import dvbv_otsu, saturated_share

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
-from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
 from app.training import TrainRequest
 from enhance import EnhanceParams, measure
 from enhance.vessel import VesselParams, enhance_vessels

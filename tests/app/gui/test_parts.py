@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from app.clip_part import WHOLE, ClipPart
+from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
@@ -14,7 +15,6 @@ from app.gui.state.panes import why_not
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import RunFinder
-from app.picture_mask import PictureMask
 from app.scene_view import ViewRequest
 from app.training import TrainRequest, run_training
 from renderer.gaussians import DynamicGaussians

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.enhancement.settable import MAX_ZOOM, MIN_ZOOM
 from app.gui.views.picture_view import PictureView
-from app.settable import MAX_ZOOM, MIN_ZOOM
 
 PICTURE, PANE = (640, 512), (470.0, 380.0)
 positions = st.tuples(st.floats(0, PANE[0]), st.floats(0, PANE[1]))

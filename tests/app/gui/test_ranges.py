@@ -13,6 +13,8 @@ import pytest
 from pydantic import ValidationError
 
 from app.clip_part import ClipPart
+from app.enhancement.image_mask import PictureMask
+from app.enhancement.settable import LONGEST_NAME, LONGEST_NOTES, MAX_ZOOM, MIN_ZOOM, MOST_FRAME
 from app.errors import UserError
 from app.gui.actions import actions, path_actions, preset_actions, session_actions
 from app.gui.actions.session_actions import snapshot
@@ -23,9 +25,7 @@ from app.gui.state.settings import RECENT_LIMIT, Places, Settings, load_settings
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import Opened
 from app.kept_queue import MOST_WAITING, keep_queue, queue_file, take_over
-from app.picture_mask import PictureMask
 from app.sessions import MOST_STEPS, SESSION, Session, SessionSource, mended_session
-from app.settable import LONGEST_NAME, LONGEST_NOTES, MAX_ZOOM, MIN_ZOOM, MOST_FRAME
 from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.camera import Camera

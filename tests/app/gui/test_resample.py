@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.enhancement.settable import MAX_ZOOM, MIN_ZOOM
 from app.gui.drawing.textures import Textures
 from app.gui.views.picture_view import PictureView, Placement
 from app.gui.views.resample import OVER, SHARP_ZOOM, UNDER, striped, visible
-from app.settable import MAX_ZOOM, MIN_ZOOM
 
 PANE = (90.0, 70.0)
 

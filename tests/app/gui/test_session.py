@@ -17,6 +17,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.clip_part import WHOLE
+from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
 from app.gui.actions import actions, clip_actions, comparing, edit_actions, history_actions, session_actions
 from app.gui.actions.session_actions import snapshot
@@ -29,7 +30,6 @@ from app.gui.views.free_view import FreeView
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.tuning import Choice
-from app.picture_mask import PictureMask
 from app.sessions import (
     Session,
     UnsavedEdits,

@@ -16,6 +16,8 @@ from imgui_bundle import imgui
 
 from app.clip_part import ClipPart
 from app.color_bar import LEAST_HEIGHT
+from app.enhancement.image_mask import PictureMask
+from app.enhancement.parameter_grid import METRICS
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
 from app.gui.actions import actions, comparing, export_actions
@@ -29,8 +31,6 @@ from app.gui.state.settings import Places, Settings
 from app.gui.work.exporting import Exporting, export
 from app.gui.work.others import DifferenceRequest, heat_map
 from app.gui.work.sizing import Sizing
-from app.picture_mask import PictureMask
-from app.tuning import METRICS
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.enhancement.frame_enhancer import PictureMaker
+from app.enhancement.parameter_grid import METRICS
 from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
-from app.gui.work.enhancing import PictureMaker
 from app.gui.work.opening import Opened
 from app.gui.work.tuning import Choice
-from app.tuning import METRICS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import PATIENCE, PROMPT, SLOW_VIEW, Channels, take_pictures, update, view_request
 from app.gui.work.background import Channel, Worker
-from app.gui.work.enhancing import PictureRequest, Pictures
 from app.gui.work.opening import Opened
 from app.gui.work.told import Told
 from app.gui.work.viewing import View

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
+from app.enhancement.frame_enhancer import Pictures
 from app.gui.drawing.textures import PLAIN, Marks, OnPane
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.compare import draw_compare
@@ -13,7 +14,6 @@ from app.gui.panels.view3d import PhotoTexture, draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import Placement
-from app.gui.work.enhancing import Pictures
 from renderer.clip import ByteImage
 
 Draw = Callable[[], None]

@@ -12,10 +12,10 @@ from PIL import Image
 
 from app.__main__ import main
 from app.clip_part import ClipPart
+from app.enhancement.image_mask import PictureMask
 from app.gui.state.presets import save_presets
 from app.gui.state.settings import Settings, save_settings
 from app.kept_queue import keep_queue
-from app.picture_mask import PictureMask
 from app.run_edits import packed, save_edits
 from app.run_folder import RunFolder
 from app.sessions import ComparedAs, FreeCamera, Session, SessionSource, UnsavedEdits, Varied, write_session

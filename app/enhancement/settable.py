@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 from annotated_types import Interval
 from pydantic import AfterValidator, BeforeValidator
 
-from app.methods import METHODS
+from app.enhancement.methods import METHODS
 
 Mode = Literal["side by side", "wipe", "flip", "difference"]
 Slot = Literal["A", "B"]

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from app.enhancement.parameter_grid import Cell, Measures
 from app.files.image_files import ArrayImage
 from app.files.provenance import NOTICE
 from app.files.sheet import Tile, sheet
-from app.tuning import Cell, Measures
 from renderer.clip import ByteImage
 
 TILE_WIDTH = 320

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from app.enhanced_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
+from app.enhancement.enhance_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
 from app.errors import UserError, sentence
 from app.files.image_files import is_image
 from app.files.image_series import open_series

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.contact_sheet import columns_of
+from app.enhancement.contact_sheet import columns_of
+from app.enhancement.parameter_grid import METRICS, Axis, Measures, axis, ranked, settings, tried
 from app.errors import UserError
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
-from app.tuning import METRICS, Axis, Measures, axis, ranked, settings, tried
 from enhance import EnhanceParams, enhance
 from enhance.metrics import dvbv_otsu, noise_gain
 from enhance.ridges import field_of_view

@@ -10,9 +10,9 @@ from time import perf_counter
 
 import numpy as np
 
-from app.methods import Look, LookEnhancer, load_kernels
-from app.picture_mask import NO_MASK, PictureMask
-from app.settable import Scope
+from app.enhancement.image_mask import NO_MASK, PictureMask
+from app.enhancement.methods import Look, LookEnhancer, load_kernels
+from app.enhancement.settable import Scope
 from enhance import EnhanceParams, Statistics, measure
 from enhance.result import Omission
 from enhance.surround import inside

@@ -14,9 +14,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.console.flags import AUTO, problem
+from app.enhancement.methods import Look, LookEnhancer, load_kernels
 from app.errors import UserError
 from app.files.image_files import ArrayImage
-from app.methods import Look, LookEnhancer, load_kernels
 from enhance import Statistics
 from enhance.image import BoolImage
 from enhance.metrics import dvbv_otsu, noise_gain, saturated_share, vessel_contrast

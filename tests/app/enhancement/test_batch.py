@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
-from app.batch import enhance_batch, items_in
-from app.enhanced_files import Setting
+from app.enhancement.batch import enhance_batch, items_in
+from app.enhancement.enhance_files import Setting
 from app.errors import UserError
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance

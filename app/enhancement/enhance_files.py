@@ -8,6 +8,7 @@ from itertools import tee
 from pathlib import Path
 from typing import Any, Literal
 
+from app.enhancement.methods import Enhanced, LookEnhancer, Params, apply, measure_for
 from app.errors import UserError
 from app.files.atomic import filled, together
 from app.files.image_files import ArrayImage, is_image, write_image
@@ -15,7 +16,6 @@ from app.files.image_series import Series
 from app.files.prefetch import ahead
 from app.files.provenance import provenance, write_sidecar
 from app.files.video import write_frames
-from app.methods import Enhanced, LookEnhancer, Params, apply, measure_for
 from enhance import ImageError, Statistics
 from enhance.image import BoolImage
 from enhance.surround import inside

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.gui.work.enhancing import PictureMaker, PictureRequest, Pictures
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from enhance import EnhanceParams, Statistics, enhance
 from renderer.clip import ByteImage, Clip, Frame
 from tests.enhance.test_surround import round_view
