@@ -15,12 +15,12 @@ from numba import get_num_threads
 from app.drawing import Drawn
 from app.errors import UserError
 from app.mean import mean_of_finite
-from app.memory import peak_memory_mb
-from app.run_edits import edits_facts, read_edits
-from app.run_folder import RunFolder, RunRecord
+from app.runs.memory import peak_memory_mb
+from app.runs.run_edits import edits_facts, read_edits
+from app.runs.run_folder import RunFolder, RunRecord
+from app.runs.train_run import input_clip
+from app.runs.wall_clock import STEPS, WALL
 from app.stopwatch import REPEATS, Stopwatch
-from app.training import input_clip
-from app.wall_clock import STEPS, WALL
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.clip import BoolImage, ByteImage, Clip, Frame

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from app.clip_part import WHOLE, ClipPart
 from app.errors import UserError
 from app.files.provenance import digest, source
-from app.run_edits import edits_facts, read_edits
-from app.run_folder import RunFolder, RunRecord
+from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.run_edits import edits_facts, read_edits
+from app.runs.run_folder import RunFolder, RunRecord
 from app.views import SCENE_UNITS
 from renderer.camera import Camera
 from renderer.clip import Clip

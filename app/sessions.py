@@ -17,7 +17,6 @@ from annotated_types import Interval
 from pydantic import AfterValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.clip_part import ClipPart
 from app.console.flags import shortened
 from app.enhancement.parameter_grid import METRICS
 from app.enhancement.settable import (
@@ -44,8 +43,9 @@ from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.process_files import left_behind, own_file
 from app.files.provenance import strict_json, version
-from app.run_edits import MOST, MaskText
-from app.run_folder import RecordedLook
+from app.runs.clip_selection import ClipPart
+from app.runs.run_edits import MOST, MaskText
+from app.runs.run_folder import RecordedLook
 from app.views import ViewKind
 from enhance import EnhanceParams
 from enhance.params import DFactor

@@ -9,10 +9,10 @@ from app.errors import UserError
 from app.evaluate import run_clip
 from app.gui.work.photos import PhotoRequest
 from app.moments import Moment
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import input_clip
 from app.scene import Scene, is_splat_file
 from app.scene_view import ViewRequest
-from app.training import input_clip
 from app.views import EXPLAINED
 from renderer.clip import Clip
 from renderer.near_plane import near_plane

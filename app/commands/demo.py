@@ -23,8 +23,8 @@ from app.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import NOTICE, provenance, source, strict_json, write_png
 from app.files.sheet import ByteImage, Tile, sheet
-from app.run_folder import Input, RunFolder
-from app.training import RECONSTRUCTION_PARAMS, TrainRequest, device_of, enhanced_clip, pooled
+from app.runs.run_folder import Input, RunFolder
+from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, device_of, enhanced_clip, pooled
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.near_plane import near_plane

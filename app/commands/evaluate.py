@@ -18,8 +18,8 @@ from app.errors import UserError
 from app.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
 from app.files.provenance import provenance, strict_json
 from app.report.paper_rows import PAPER
-from app.run_folder import ClipRecord
-from app.wall_clock import in_all
+from app.runs.run_folder import ClipRecord
+from app.runs.wall_clock import in_all
 from renderer.lpips import WEIGHT_FILES
 
 COLUMNS = {

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from app.console.display import has_display
-from app.device import cuda_devices, missing
 from app.files.provenance import NOTICE, strict_json, version
+from app.runs.device import cuda_devices, missing
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 
 PACKAGES = ("numpy", "numba", "opencv-contrib-python-headless", "torch", "gsplat", "moderngl", "imgui-bundle")

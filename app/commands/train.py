@@ -11,18 +11,18 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from app.clip_part import ClipPart
 from app.console.flags import add_fields, parameters, problem
 from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
-from app.device import Asked, Device
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.methods import PAPER, Look
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
-from app.room import told
-from app.run_folder import RunFolder
-from app.training import PRESETS, TrainRequest, device_of, run_training
-from app.wall_clock import STEPS, WALL, in_all
+from app.runs.clip_selection import ClipPart
+from app.runs.device import Asked, Device
+from app.runs.resource_check import told
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import PRESETS, TrainRequest, device_of, run_training
+from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Planned, Preparing, Progress, Started, Warned

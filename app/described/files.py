@@ -13,10 +13,10 @@ from app.described.fact import Fact, count, next_steps
 from app.errors import UserError
 from app.replay.recorded import recorded
 from app.report.saved import holds_report, read_report
-from app.run_folder import RunFolder
-from app.run_holder import holder
+from app.runs.run_folder import RunFolder
+from app.runs.run_lock import holder
+from app.runs.wall_clock import STEPS, WALL, in_all
 from app.sessions import SESSION, SessionSource
-from app.wall_clock import STEPS, WALL, in_all
 from renderer.json_files import read_json, read_text
 from renderer.splat_files import SplatFileError, read_splats
 from renderer.splat_files.splat_records import RECORD

@@ -56,7 +56,7 @@ from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places, Theme, load_settings
 from app.gui.update.update import Channels, take_pictures, update
 from app.gui.work.background import Apart, Worker
-from app.job import TrainingJob
+from app.runs.job import TrainingJob
 from assets import phantom_path
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

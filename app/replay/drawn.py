@@ -22,11 +22,11 @@ from app.files.video import Timing, write_video
 from app.gui.work.photos import PhotoRequest
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
-from app.run_edits import unpacked
+from app.runs.run_edits import unpacked
+from app.runs.train_run import input_clip
 from app.scene import Scene, open_scene
 from app.scene_splats import of_degree, splat_file
 from app.scene_view import ViewRequest
-from app.training import input_clip
 from app.views import Scale, ViewKind
 from renderer.camera import Camera
 from renderer.clip import Clip

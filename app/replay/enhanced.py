@@ -19,7 +19,7 @@ from app.files.provenance import write_sidecar
 from app.files.video import write_video
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
-from app.run_folder import RecordedLook
+from app.runs.run_folder import RecordedLook
 from enhance import Statistics
 from enhance.surround import inside
 from renderer.readers.clip_options import ClipOptions, Deinterlacing

@@ -26,7 +26,7 @@ from app.gui.work.view_pages import drawn_panel, view_pages
 from app.replay.drawn import at, drawer_of, scene_of, view_of
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
-from app.run_folder import RecordedLook
+from app.runs.run_folder import RecordedLook
 from app.scene import Scene
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE

@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
 from app.files.provenance import digests
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from assets import phantom_path
 
 

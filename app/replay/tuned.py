@@ -15,7 +15,7 @@ from app.files.image_series import open_series
 from app.files.provenance import write_png
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
-from app.run_folder import RecordedLook
+from app.runs.run_folder import RecordedLook
 from enhance.surround import inside
 
 

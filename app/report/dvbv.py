@@ -12,7 +12,7 @@ import numpy as np
 
 from app.mean import mean_of_finite
 from app.report.paper_rows import PAPER, PaperRow
-from app.training import Measured
+from app.runs.train_run import Measured
 from enhance.metrics import dvbv_otsu
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 from renderer.readers.clip_options import ClipOptions

@@ -12,7 +12,7 @@ import numpy as np
 from app.files.provenance import strict_json
 from app.report.section import Column, Table
 from app.report.work_precision import Diagram, Point
-from app.run_folder import Input
+from app.runs.run_folder import Input
 from renderer.accuracy import Outcome
 from renderer.json_files import parsed
 from renderer.train.config import TrainConfig

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from app.run_folder import Input
+from app.runs.run_folder import Input
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from app.report.dvbv import STATISTICS, PixelSets, Ratios, Rise, published, rise
 from app.report.measures.training import SEEDS, schedule
 from app.report.runs import Trained
 from app.report.section import Cell, Column, Table
-from app.run_folder import Input
-from app.training import RECONSTRUCTION_PARAMS, Measured, enhanced_clip, pooled
+from app.runs.run_folder import Input
+from app.runs.train_run import RECONSTRUCTION_PARAMS, Measured, enhanced_clip, pooled
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import render

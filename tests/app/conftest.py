@@ -12,9 +12,9 @@ import cv2
 import numpy as np
 import pytest
 
-from app import preparing
 from app.__main__ import main
-from app.training import TrainRequest, run_training
+from app.runs import preparing
+from app.runs.train_run import TrainRequest, run_training
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 

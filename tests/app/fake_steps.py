@@ -10,8 +10,8 @@ from collections.abc import Generator
 import numpy as np
 
 from app.errors import UserError
-from app.run_folder import RunFolder
-from app.training import TrainRequest
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians

@@ -256,7 +256,7 @@ def test_a_circle_without_inside_is_refused(tmp_path: Path, vesselsplat: Cli) ->
     [
         ("app.__main__", ("torch", "numba", "cv2", "numpy", "imgui_bundle")),
         ("app.commands.info", ("torch", "numba", "imgui_bundle")),
-        ("app.job", ("torch", "imgui_bundle", "moderngl")),
+        ("app.runs.job", ("torch", "imgui_bundle", "moderngl")),
     ],
 )
 def test_light_modules_stay_light(module: str, absent: tuple[str, ...]) -> None:

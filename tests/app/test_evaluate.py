@@ -18,7 +18,7 @@ import pytest
 from app.commands.evaluate import PAPER, compared
 from app.drawing import Drawn, draw_on_cpu
 from app.evaluate import measure_frame, open_evaluation
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from app.stopwatch import Stopwatch
 from enhance.metrics import vessel_contrast
 from enhance.ridges import vessel_mask
@@ -158,7 +158,7 @@ def test_the_stopwatch_draws_what_is_drawn_elsewhere_and_its_parts_add_up(runs: 
 
 MEMORY = """
 import numpy as np
-from app.memory import peak_memory_mb
+from app.runs.memory import peak_memory_mb
 
 before = peak_memory_mb()
 held = np.ones(20_000_000)

@@ -23,9 +23,9 @@ from PIL.PngImagePlugin import PngInfo
 from app.files.provenance import KEYWORD
 from app.gui.state.presets import load_presets
 from app.gui.state.settings import load_settings
-from app.kept_queue import take_over
 from app.report.saved import read_report
-from app.run_folder import RunFolder
+from app.runs.queue_file import take_over
+from app.runs.run_folder import RunFolder
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.view_files import FORMAT, VERSION
 from tests.app.conftest import ROOT, Call

@@ -17,8 +17,8 @@ from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.evaluate import open_evaluation
 from app.files.provenance import read_provenance
-from app.run_folder import RunFolder
-from app.training import run_training
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import run_training
 from renderer.camera import Camera
 from renderer.draw.offscreen import render_offscreen
 from renderer.draw.splat_view import Precision

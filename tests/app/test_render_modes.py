@@ -19,9 +19,9 @@ from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, GraphicsViewport
 from app.gui.state.settings import Places
 from app.gui.work.viewing import draw_view
-from app.run_edits import save_edits
-from app.run_folder import RunFolder
-from app.training import run_training
+from app.runs.run_edits import save_edits
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import run_training
 from renderer.clip import ByteImage
 from renderer.draw.offscreen import read_image as read_target
 from renderer.editing.edits import Edits

@@ -16,7 +16,7 @@ from app.drawers import Renderer, drawer
 from app.drawing import Drawn, draw_on_cpu
 from app.evaluate import open_evaluation
 from app.files.provenance import read_provenance
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from app.views import EXPLAINED, SHAPES, Composed, Scale, composed, difference, has_scale, nice_step
 from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe

@@ -42,8 +42,8 @@ for line in sys.argv[1:]:
 OF_A_SPAWNED_PROCESS = """
 import sys, time
 from pathlib import Path
-from app.job import TrainingJob
-from app.training import TrainRequest
+from app.runs.job import TrainingJob
+from app.runs.train_run import TrainRequest
 from renderer.train.config import TrainConfig
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import math
 import sys
 from pathlib import Path
 
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from renderer.draw.accuracy import Row, keyframes, opengl
 from renderer.draw.context import renderer_name, standalone_context
 from renderer.near_plane import middle_distance, near_plane

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from renderer.draw.context import renderer_name, standalone_context
 from renderer.draw.offscreen import render_offscreen
 from renderer.gaussians import DynamicGaussians

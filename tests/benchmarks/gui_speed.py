@@ -21,7 +21,7 @@ from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
-from app.job import TrainingJob
+from app.runs.job import TrainingJob
 from enhance import EnhanceParams
 
 MOVES = 60

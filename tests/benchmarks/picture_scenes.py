@@ -13,8 +13,8 @@ from app.gui.actions import actions, clip_actions, edit_actions, queue_actions, 
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.work.tuning import Choice
-from app.job import Failed
-from app.run_folder import RunFolder
+from app.runs.job import Failed
+from app.runs.run_folder import RunFolder
 from app.supersampling import FACTORS
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians

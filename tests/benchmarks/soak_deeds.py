@@ -18,7 +18,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places
 from app.gui.window import Window
 from app.gui.work.tuning import Choice
-from app.job import TrainingJob
+from app.runs.job import TrainingJob
 from assets import phantom_path
 from enhance import EnhanceParams
 

@@ -26,8 +26,8 @@ from app.report.bench import PHANTOM as PARAMS
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import write_diagrams
 from app.report.work_precision import pareto_front
-from app.run_folder import RunFolder
-from app.training import TrainRequest, input_clip, run_training
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest, input_clip, run_training
 from renderer.accuracy import KNOBS, outcome, settings
 from renderer.phantom import Phantom, write_phantom
 from renderer.sources import open_clip

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.training import TrainRequest, run_training
+from app.runs.train_run import TrainRequest, run_training
 from renderer.accuracy import outcome
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig

@@ -8,7 +8,6 @@ from itertools import groupby
 from pathlib import Path
 from typing import TypeVar
 
-from app.clip_part import WHOLE
 from app.enhancement.methods import Look
 from app.errors import UserError
 from app.files.legible import legible
@@ -20,6 +19,7 @@ from app.gui.state.settings import Theme, save_settings
 from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
+from app.runs.clip_selection import WHOLE
 
 TOAST_SECONDS = 6.0
 MOST_STEPS = 200

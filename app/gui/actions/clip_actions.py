@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.clip_part import ClipPart
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.clip_settings import save_clips
+from app.runs.clip_selection import ClipPart
 from enhance.surround import inside
 
 

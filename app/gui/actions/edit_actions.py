@@ -20,8 +20,8 @@ from app.gui.work.editing import (
     Tool,
     tinted_model,
 )
-from app.run_edits import edits_facts, save_edits, saved_since
-from app.run_folder import RunFolder
+from app.runs.run_edits import edits_facts, save_edits, saved_since
+from app.runs.run_folder import RunFolder
 from app.scene_splats import splat_file
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History

@@ -12,9 +12,9 @@ from app.files.legible import capital, legible
 from app.gui.actions.actions import latest, leave, say
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Job, Reconstruction, Waiting
-from app.run_folder import Input, RunFolder
+from app.runs.run_folder import Input, RunFolder
+from app.runs.train_run import TrainRequest
 from app.scene import Scene, Training, run_scene
-from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import Part

@@ -10,9 +10,9 @@ from app.gui.actions import actions, job_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.gui.work.told import Told
-from app.kept_queue import keep_queue, queue_file, take_over
-from app.training import TrainRequest
+from app.runs.progress_log import Told
+from app.runs.queue_file import keep_queue, queue_file, take_over
+from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
 
 

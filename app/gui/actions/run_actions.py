@@ -12,7 +12,7 @@ from app.gui.state.reconstruction import Reconstruction, Waiting
 from app.gui.state.second import Second
 from app.gui.work.background import Failure
 from app.gui.work.run_list import FoundRuns, ListedRun
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 
 
 def take_found(state: AppState, answer: FoundRuns | Failure) -> None:

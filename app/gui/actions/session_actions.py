@@ -18,7 +18,7 @@ from app.gui.state.comparison import Comparison
 from app.gui.views.free_view import FreeView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import Choice
-from app.run_edits import packed, unpacked
+from app.runs.run_edits import packed, unpacked
 from app.sessions import (
     MOST_STEPS,
     SUFFIX,

@@ -17,7 +17,7 @@ from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
-from app.wall_clock import in_all
+from app.runs.wall_clock import in_all
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Omission, Preparing

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
-from app.clip_part import WHOLE, ClipPart
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.enhancement.methods import Look
 from app.enhancement.settable import Scope, Slot
@@ -34,6 +33,7 @@ from app.gui.work.run_list import FoundRuns, RunsRequest
 from app.gui.work.strip import LeftOut, Strip
 from app.gui.work.tuning import Tuning
 from app.gui.work.viewing import View
+from app.runs.clip_selection import WHOLE, ClipPart
 from app.scene import Scene
 from app.scene_view import ViewRequest
 from app.sessions import Session

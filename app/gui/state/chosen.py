@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import Final
 
-from app.clip_part import WHOLE, ClipPart
 from app.enhancement.methods import Look
 from app.enhancement.settable import InputKind, Scope
 from app.gui.state.comparison import Comparison
-from app.training import RECONSTRUCTION_PARAMS
+from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from renderer.train.config import TrainConfig
 

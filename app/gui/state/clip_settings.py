@@ -7,10 +7,10 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from app.clip_part import WHOLE, ClipPart
 from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.provenance import strict_json
+from app.runs.clip_selection import WHOLE, ClipPart
 from renderer.json_files import read_json
 
 MOST_CLIPS = 200

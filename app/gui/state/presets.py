@@ -18,8 +18,8 @@ from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.provenance import strict_json
 from app.gui.state.settings import Places
-from app.run_folder import RecordedLook
-from app.training import RECONSTRUCTION_PARAMS
+from app.runs.run_folder import RecordedLook
+from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.json_files import read_json

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from app.enhancement.settable import InputKind
-from app.gui.work.told import NOTHING_TOLD, Told
-from app.training import RECONSTRUCTION_PARAMS, TrainRequest
+from app.runs.progress_log import NOTHING_TOLD, Told
+from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig

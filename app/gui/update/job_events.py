@@ -6,10 +6,10 @@ from dataclasses import replace
 
 from app.gui.actions import actions, job_actions, run_actions
 from app.gui.state.app_state import AppState
-from app.job import Cancelled, Failed, Paused, Resumed
-from app.room import told
-from app.run_folder import RunFolder
-from app.wall_clock import in_all
+from app.runs.job import Cancelled, Failed, Paused, Resumed
+from app.runs.resource_check import told
+from app.runs.run_folder import RunFolder
+from app.runs.wall_clock import in_all
 from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 
 

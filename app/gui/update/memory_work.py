@@ -10,7 +10,7 @@ from typing import Any
 from app.gui.state.app_state import AppState
 from app.gui.update.measure_work import at_rest
 from app.gui.work.background import Channel
-from app.memory import give_back
+from app.runs.memory import give_back
 from renderer.clip import Clip
 
 

@@ -12,8 +12,8 @@ from app.gui.state.app_state import AppState
 from app.gui.update.opening_work import Patience
 from app.gui.work.background import Channel, Failure, NewestChannel
 from app.gui.work.taking_up import TakenUp, TakeUpRequest, take_up
-from app.kept_queue import keep_queue, queue_file
-from app.training import TrainRequest
+from app.runs.queue_file import keep_queue, queue_file
+from app.runs.train_run import TrainRequest
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import get_args
 
-from app.clip_part import WHOLE, ClipPart
+from app.runs.clip_selection import WHOLE, ClipPart
 from renderer.clip import Clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission

@@ -10,10 +10,10 @@ from typing import Any, Literal
 from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.work.opening import request_of
-from app.gui.work.told import NOTHING_TOLD, Told, told
-from app.run_folder import RunFolder, RunRecord
-from app.run_holder import holder
-from app.training import TrainRequest
+from app.runs.progress_log import NOTHING_TOLD, Told, told
+from app.runs.run_folder import RunFolder, RunRecord
+from app.runs.run_lock import holder
+from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
 
 Made = Literal["finished", "unfinished", "being made"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.gui.work.told import Told, told
-from app.run_folder import RunFolder
-from app.training import TrainRequest
+from app.runs.progress_log import Told, told
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
 from renderer.sources import open_clip
 

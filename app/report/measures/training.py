@@ -9,8 +9,8 @@ from typing import Final
 from app.report.bench import Bench, Clock
 from app.report.outcomes import Run, diagrams, grouped, setting_of, table
 from app.report.section import Plate, Section
-from app.run_folder import Input
-from app.wall_clock import WALL
+from app.runs.run_folder import Input
+from app.runs.wall_clock import WALL
 from renderer.accuracy import outcome
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from app.__main__ import main
-from app.job import TrainingJob
-from app.training import TrainRequest
-from app.worker import Steps
+from app.runs.job import TrainingJob
+from app.runs.train_run import TrainRequest
+from app.runs.worker import Steps
 from renderer.train.config import TrainConfig
 from renderer.train.events import Warned
 from tests.app.test_job import PATIENCE

@@ -17,8 +17,8 @@ from PIL import Image
 
 from app.errors import UserError
 from app.files.provenance import digest, digests
-from app.run_folder import RunFolder
-from app.training import run_training
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import run_training
 from assets import phantom_path
 from renderer.clip import ClipError
 from renderer.layouts import layout_of

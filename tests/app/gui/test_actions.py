@@ -10,8 +10,8 @@ from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import load_settings
 from app.gui.work.opening import Opened
-from app.gui.work.told import Told
-from app.training import TrainRequest
+from app.runs.progress_log import Told
+from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Progress

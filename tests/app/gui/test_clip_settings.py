@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.clip_part import ClipPart
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions, clip_actions
@@ -21,6 +20,7 @@ from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint
 from app.gui.work.opening import Opened
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
+from app.runs.clip_selection import ClipPart
 from renderer.clip import Clip
 from tests.app.gui.conftest import make_clip, photo
 

@@ -16,8 +16,8 @@ from app.gui.state.settings import Places
 from app.gui.update.update import Channels, update
 from app.gui.work.editing import Selector
 from app.gui.work.opening import OpenRequest, open_path
-from app.run_edits import read_edits
-from app.run_folder import RunFolder
+from app.runs.run_edits import read_edits
+from app.runs.run_folder import RunFolder
 from renderer.editing.edits import Edits
 from renderer.editing.highlight import COLOR, OWN
 from renderer.gaussians import DynamicGaussians

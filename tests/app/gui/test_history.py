@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import pytest
 
-from app.clip_part import ClipPart
 from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
 from app.gui.state.app_state import AppState
@@ -16,6 +15,7 @@ from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import Opened
+from app.runs.clip_selection import ClipPart
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from tests.app.gui.conftest import make_clip

@@ -9,7 +9,7 @@ from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
-from app.training import TrainRequest
+from app.runs.train_run import TrainRequest
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Started

@@ -15,7 +15,7 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.work.told import Told
+from app.runs.progress_log import Told
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Preparing, Progress, Started

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from app.clip_part import WHOLE, ClipPart
 from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
@@ -15,8 +14,9 @@ from app.gui.state.panes import why_not
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import RunFinder
+from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.train_run import TrainRequest, run_training
 from app.scene_view import ViewRequest
-from app.training import TrainRequest, run_training
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip

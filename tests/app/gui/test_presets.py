@@ -16,7 +16,7 @@ from app.gui.state.presets import (
     presets_file,
     save_presets,
 )
-from app.training import RECONSTRUCTION_PARAMS
+from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 

@@ -9,7 +9,7 @@ import pytest
 
 from app.gui.state.quality import OWN, QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
-from app.training import TrainRequest
+from app.runs.train_run import TrainRequest
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress
 

@@ -17,9 +17,9 @@ from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
-from app.job import Cancelled, Failed
-from app.kept_queue import queue_file
-from app.training import TrainRequest
+from app.runs.job import Cancelled, Failed
+from app.runs.queue_file import queue_file
+from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom

@@ -14,10 +14,10 @@ from imgui_bundle import glfw_utils, imgui
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.state.settings import Places, Settings
-from app.job import Failed, Paused
-from app.kept_queue import keep_queue, queue_file
-from app.run_folder import RunFolder
-from app.training import TrainRequest, run_training
+from app.runs.job import Failed, Paused
+from app.runs.queue_file import keep_queue, queue_file
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest, run_training
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from app.clip_part import ClipPart
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.settable import LONGEST_NAME, LONGEST_NOTES, MAX_ZOOM, MIN_ZOOM, MOST_FRAME
 from app.errors import UserError
@@ -24,9 +23,10 @@ from app.gui.state.presets import MOST_PRESETS, load_presets
 from app.gui.state.settings import RECENT_LIMIT, Places, Settings, load_settings
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import Opened
-from app.kept_queue import MOST_WAITING, keep_queue, queue_file, take_over
+from app.runs.clip_selection import ClipPart
+from app.runs.queue_file import MOST_WAITING, keep_queue, queue_file, take_over
+from app.runs.train_run import TrainRequest
 from app.sessions import MOST_STEPS, SESSION, Session, SessionSource, mended_session
-from app.training import TrainRequest
 from enhance import EnhanceParams
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera

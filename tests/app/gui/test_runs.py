@@ -18,11 +18,11 @@ from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
-from app.job import Failed
-from app.run_folder import RunFolder
-from app.run_holder import held
+from app.runs.job import Failed
+from app.runs.run_folder import RunFolder
+from app.runs.run_lock import held
+from app.runs.train_run import TrainRequest, run_training
 from app.scene import Scene
-from app.training import TrainRequest, run_training
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom

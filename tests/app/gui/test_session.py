@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.clip_part import WHOLE
 from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
 from app.gui.actions import actions, clip_actions, comparing, edit_actions, history_actions, session_actions
@@ -30,6 +29,7 @@ from app.gui.views.free_view import FreeView
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.tuning import Choice
+from app.runs.clip_selection import WHOLE
 from app.sessions import (
     Session,
     UnsavedEdits,

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.clip_part import ClipPart
 from app.color_bar import LEAST_HEIGHT
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.parameter_grid import METRICS
@@ -31,6 +30,7 @@ from app.gui.state.settings import Places, Settings
 from app.gui.work.exporting import Exporting, export
 from app.gui.work.others import DifferenceRequest, heat_map
 from app.gui.work.sizing import Sizing
+from app.runs.clip_selection import ClipPart
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu

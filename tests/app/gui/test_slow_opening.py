@@ -25,8 +25,8 @@ from app.gui.update.opening_work import LONG
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.runs.train_run import TrainRequest
 from app.sessions import Session, SessionSource, write_session
-from app.training import TrainRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig

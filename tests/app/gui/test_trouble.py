@@ -17,8 +17,8 @@ from app.gui.actions import actions, export_actions, job_actions, session_action
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
-from app.job import TrainingJob
-from app.run_folder import RunFolder
+from app.runs.job import TrainingJob
+from app.runs.run_folder import RunFolder
 from app.sessions import autosave_path, read_session
 from assets import phantom_path
 from enhance import EnhanceParams

@@ -15,7 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
 from app.replay import replay
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from tests.benchmarks.soak_deeds import Context, K, Person, compare, reconstruct
 

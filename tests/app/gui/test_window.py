@@ -26,7 +26,7 @@ from app.gui.state.clip_settings import load_clips
 from app.gui.state.presets import load_presets, presets_file
 from app.gui.state.settings import Places, Settings, load_settings
 from app.gui.window import Window
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

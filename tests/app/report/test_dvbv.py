@@ -14,7 +14,7 @@ from app.report.bench import Bench, Clock
 from app.report.dvbv import PIXELS, STATISTICS, PixelSets, Rise, published, rises, verdict
 from app.report.measures import paper
 from app.report.rises import PHOTOS, measured_rises
-from app.training import pooled
+from app.runs.train_run import pooled
 from enhance import EnhanceParams, measure
 from enhance.metrics import dvbv_otsu
 from renderer.sources import open_clip

@@ -11,15 +11,15 @@ import numpy as np
 from PIL import Image
 
 from app.__main__ import main
-from app.clip_part import ClipPart
 from app.enhancement.image_mask import PictureMask
 from app.gui.state.presets import save_presets
 from app.gui.state.settings import Settings, save_settings
-from app.kept_queue import keep_queue
-from app.run_edits import packed, save_edits
-from app.run_folder import RunFolder
+from app.runs.clip_selection import ClipPart
+from app.runs.queue_file import keep_queue
+from app.runs.run_edits import packed, save_edits
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest, run_training
 from app.sessions import ComparedAs, FreeCamera, Session, SessionSource, UnsavedEdits, Varied, write_session
-from app.training import TrainRequest, run_training
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera import Camera

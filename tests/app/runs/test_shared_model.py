@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app import shared_model
-from app.shared_model import PREFIX, SEQUENCE, Slot, SlotReader, SlotWriter
+from app.runs import shared_model
+from app.runs.shared_model import PREFIX, SEQUENCE, Slot, SlotReader, SlotWriter
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.train.initialize import round_gaussians
@@ -102,7 +102,7 @@ def test_no_semaphore_or_block_outlives_processes_that_are_killed_together(tmp_p
     before = set(shared_model.SHARED.iterdir())
     script = (
         "import multiprocessing, time\n"
-        "from app.shared_model import Slot, SlotWriter\n"
+        "from app.runs.shared_model import Slot, SlotWriter\n"
         "from tests.app.fake_steps import model_of\n"
         "slot = Slot.make(multiprocessing.get_context('spawn'))\n"
         "SlotWriter(slot).write(model_of(3))\n"

@@ -20,9 +20,9 @@ import pytest
 from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.files.provenance import read_provenance
-from app.job import TrainingJob
-from app.run_folder import RunFolder
-from app.training import TrainRequest, input_clip, run_training
+from app.runs.job import TrainingJob
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest, input_clip, run_training
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu
 from renderer.metrics import psnr
@@ -97,7 +97,7 @@ def test_the_enhanced_run_remembers_photos_pooled_over_its_training_frames(
 KILLED = """
 import sys
 from pathlib import Path
-from app.training import TrainRequest, run_training
+from app.runs.train_run import TrainRequest, run_training
 from renderer.train.config import TrainConfig
 
 clip, run = map(Path, sys.argv[1:])

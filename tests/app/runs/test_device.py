@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from app import device
-from app.device import choose, missing
 from app.errors import UserError
-from app.run_folder import RunFolder
-from app.training import device_of
+from app.runs import device
+from app.runs.device import choose, missing
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import device_of
 from tests.app.conftest import Call, request_of
 
 Cli = Callable[..., Call]

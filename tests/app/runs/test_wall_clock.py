@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from app.run_folder import RunFolder
-from app.training import run_training
-from app.wall_clock import STEPS, WALL, WallClock, in_all
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import run_training
+from app.runs.wall_clock import STEPS, WALL, WallClock, in_all
 from renderer.train.events import Finished, Progress
 from tests.app.conftest import Call, request_of
 
@@ -27,7 +27,7 @@ def without_wall(run: RunFolder) -> None:
 
 def test_the_clock_stands_while_an_event_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
-    monkeypatch.setattr("app.wall_clock.perf_counter", lambda: now[0])
+    monkeypatch.setattr("app.runs.wall_clock.perf_counter", lambda: now[0])
     clock, closed = WallClock(5.0), []
 
     def work() -> Generator[float | None, None, None]:
@@ -59,7 +59,7 @@ def test_a_run_takes_longer_in_all_than_its_steps(
     clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Work before the first step counts, and a run that goes on adds to what it took before."""
-    monkeypatch.setattr("app.training.camera_notice", lambda _: time.sleep(0.4))
+    monkeypatch.setattr("app.runs.train_run.camera_notice", lambda _: time.sleep(0.4))
     run = RunFolder(tmp_path / "run")
     for event in run_training(request_of(clip_path, run.path)):
         if isinstance(event, Progress):

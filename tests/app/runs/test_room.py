@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from app import room
 from app.__main__ import main
-from app.memory import free_memory
+from app.runs import resource_check
+from app.runs.memory import free_memory
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.demand import demand
@@ -17,7 +17,7 @@ from renderer.train.demand import demand
 
 @pytest.fixture
 def poor(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(room, "free_memory", lambda: 100_000_000)
+    monkeypatch.setattr(resource_check, "free_memory", lambda: 100_000_000)
 
 
 def train(clip: Path, run: Path, *flags: str) -> int:
@@ -31,7 +31,7 @@ def test_too_little_memory_is_one_line_before_anything_is_read(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("app.training.ReadAhead", None)
+    monkeypatch.setattr("app.runs.train_run.ReadAhead", None)
     assert train(clip_path, tmp_path / "run") == 2
     said = capsys.readouterr().err
     assert "MB of free memory" in said
@@ -43,8 +43,8 @@ def test_too_little_memory_is_one_line_before_anything_is_read(
 def test_a_full_disk_is_told_before_training(
     clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    usage = room.shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(room.shutil, "disk_usage", lambda path: usage._replace(free=1_000_000))
+    usage = resource_check.shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(resource_check.shutil, "disk_usage", lambda path: usage._replace(free=1_000_000))
     assert train(clip_path, tmp_path / "run") == 2
     assert "of free disk" in capsys.readouterr().err
 
@@ -70,7 +70,7 @@ def test_free_memory_is_what_a_container_leaves(tmp_path: Path, monkeypatch: pyt
     for name, value in (("max", 300_000_000), ("current", 250_000_000)):
         (tmp_path / f"memory.{name}").write_text(f"{value}\n")
     (tmp_path / "memory.stat").write_text("anon 5\ninactive_file 20000000\n")
-    monkeypatch.setattr("app.memory.CONTAINER", tmp_path)
+    monkeypatch.setattr("app.runs.memory.CONTAINER", tmp_path)
     assert free_memory() == 70_000_000 < whole
     (tmp_path / "memory.max").write_text("max\n")
     assert free_memory() > 70_000_000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import MISSING, Field, dataclass, fields
 from typing import Any, Final, TypeVar
 
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from renderer.train.events import Evaluated, Progress
 
 Event = TypeVar("Event", Progress, Evaluated)

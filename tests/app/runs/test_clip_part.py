@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.clip_part import WHOLE, ClipPart
 from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
 from app.evaluate import open_evaluation
-from app.run_folder import RunFolder
-from app.training import run_training
+from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import run_training
 from renderer.clip import Clip
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig

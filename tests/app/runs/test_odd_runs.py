@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from app.errors import UserError
-from app.run_folder import RunFolder
-from app.training import run_training
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import run_training
 from renderer.train.events import Finished
 from tests.app.conftest import CONFIG, request_of
 

@@ -7,7 +7,7 @@ import sys
 import psutil
 import pytest
 
-from app.memory import give_back
+from app.runs.memory import give_back
 
 MEGABYTE = 1 << 20
 PIECE = 8192

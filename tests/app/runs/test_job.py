@@ -15,9 +15,9 @@ import numpy as np
 import psutil
 import pytest
 
-from app.job import Cancelled, Failed, JobEvent, Paused, Resumed, TrainingJob
-from app.training import TrainRequest
-from app.worker import Steps
+from app.runs.job import Cancelled, Failed, JobEvent, Paused, Resumed, TrainingJob
+from app.runs.train_run import TrainRequest
+from app.runs.worker import Steps
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Preparing, Progress, Started
 from tests.app import fake_steps
@@ -175,8 +175,8 @@ def test_a_job_that_never_started_can_be_closed(tmp_path: Path) -> None:
 OWNER = """
 import os, sys, time
 from pathlib import Path
-from app.job import TrainingJob
-from app.training import TrainRequest
+from app.runs.job import TrainingJob
+from app.runs.train_run import TrainRequest
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress
 from tests.app import fake_steps

@@ -12,19 +12,19 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
-from app.clip_part import WHOLE, ClipPart
-from app.device import Asked, Choice, Device, choose, pictures_on
 from app.enhancement.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
 from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
 from app.files.provenance import digest, version
 from app.files.utf8 import require_utf8
-from app.memory import peak_memory_mb
-from app.preparing import ReadAhead, reading, told_meanwhile
-from app.room import planned_in
-from app.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
-from app.run_holder import held
-from app.wall_clock import WallClock
+from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.device import Asked, Choice, Device, choose, pictures_on
+from app.runs.memory import peak_memory_mb
+from app.runs.preparing import ReadAhead, reading, told_meanwhile
+from app.runs.resource_check import planned_in
+from app.runs.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
+from app.runs.run_lock import held
+from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera_motion import camera_notice

@@ -16,8 +16,8 @@ import pytest
 from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.files.provenance import digest, read_provenance
-from app.run_edits import read_edits, save_edits
-from app.run_folder import RunFolder
+from app.runs.run_edits import read_edits, save_edits
+from app.runs.run_folder import RunFolder
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.near_plane import near_plane

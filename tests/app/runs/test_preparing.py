@@ -12,10 +12,10 @@ import cv2
 import numpy as np
 import pytest
 
-from app import preparing
 from app.errors import UserError
-from app.preparing import ReadAhead, Told, told_meanwhile
-from app.training import TrainRequest, run_training
+from app.runs import preparing
+from app.runs.preparing import ReadAhead, Told, told_meanwhile
+from app.runs.train_run import TrainRequest, run_training
 from renderer.clip import Clip, ClipError, Frame
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
@@ -111,7 +111,7 @@ def test_training_reads_each_frame_once_before_it_starts(
 ) -> None:
     read: list[int] = []
     monkeypatch.setattr(
-        "app.training.open_clip", lambda path, options: counting(open_clip(path, options), read)
+        "app.runs.train_run.open_clip", lambda path, options: counting(open_clip(path, options), read)
     )
     request = request_of(clip_path, tmp_path / "run", input="enhanced")
     for event in run_training(request):
@@ -163,7 +163,7 @@ def test_a_video_without_depth_is_refused_by_its_header(
     for _ in range(3):
         writer.write(np.zeros((24, 32, 3), np.uint8))
     writer.release()
-    monkeypatch.setattr("app.training.open_clip", no_clip)
+    monkeypatch.setattr("app.runs.train_run.open_clip", no_clip)
     request = TrainRequest(clip_path=path, run_path=tmp_path / "run", config=CONFIG)
     with pytest.raises(ClipError, match=r"a video has none \(--depth brightness"):
         next(run_training(request))
@@ -177,7 +177,7 @@ def test_a_video_without_depth_is_refused_by_its_header(
 def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
     clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.training.open_clip", no_clip)
+    monkeypatch.setattr("app.runs.train_run.open_clip", no_clip)
     # The superuser may write everywhere.
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path)
     with pytest.raises(UserError, match=r"can be written for the run.*test_a_run"):

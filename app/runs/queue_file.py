@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from app.files.atomic import write_bytes
 from app.files.process_files import left_behind, own_file
 from app.files.provenance import strict_json
-from app.training import TrainRequest
+from app.runs.train_run import TrainRequest
 from renderer.json_files import read_json
 
 KIND: Final = "queue"

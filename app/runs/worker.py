@@ -15,14 +15,14 @@ import psutil
 
 from app.console.open_mp import rest_while_waiting
 from app.errors import UserError, sentence
-from app.shared_model import Slot, SlotWriter
-from app.training import TrainRequest
+from app.runs.shared_model import Slot, SlotWriter
+from app.runs.train_run import TrainRequest
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.train.events import Finished, Snapshot, TrainEvent
 
 Steps = Callable[[TrainRequest], Generator[TrainEvent, None, None]]
-"""`app.training.run_training`, or what takes its place in tests: a function that the process can import."""
+"""`app.runs.train_run.run_training`, or what takes its place in tests: a function that the process can import."""
 Word = Literal["pause", "resume", "cancel"]
 
 

@@ -14,13 +14,13 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Discriminator, Tag, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from app.clip_part import WHOLE, ClipPart
 from app.console.flags import problem
-from app.device import Device
 from app.enhancement.methods import PAPER, VESSEL, Preset, preset_of
 from app.errors import UserError
 from app.files.atomic import make_folder, replaced, write_bytes
 from app.files.provenance import digests, strict_json
+from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.device import Device
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from renderer.budget import budget

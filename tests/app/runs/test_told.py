@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from app.gui.work.told import told
-from app.run_folder import RunFolder
+from app.runs.progress_log import told
+from app.runs.run_folder import RunFolder
 from renderer.train.events import Evaluated, Progress
 
 STEP = Progress(10, 20, 0.5, 20.0, 1.0, 9.0, 30)

@@ -11,12 +11,12 @@ import psutil
 import pytest
 
 from app.errors import UserError
-from app.run_holder import NAME, held, holder
+from app.runs.run_lock import NAME, held, holder
 
 HOLDS = """
 import sys, time
 from pathlib import Path
-from app.run_holder import held
+from app.runs.run_lock import held
 with held(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)
@@ -66,7 +66,7 @@ RACES = """
 import sys, time
 from pathlib import Path
 from app.errors import UserError
-from app.run_holder import held
+from app.runs.run_lock import held
 start = float(sys.argv[2])
 while time.time() < start:
     pass

@@ -14,10 +14,10 @@ from contextlib import suppress
 from queue import SimpleQueue
 from typing import Literal
 
-from app.run_folder import RunFolder
-from app.shared_model import Slot, SlotReader
-from app.training import TrainRequest, run_training
-from app.worker import Cancelled, Ended, Failed, Paused, Resumed, Steps, Word, work
+from app.runs.run_folder import RunFolder
+from app.runs.shared_model import Slot, SlotReader
+from app.runs.train_run import TrainRequest, run_training
+from app.runs.worker import Cancelled, Ended, Failed, Paused, Resumed, Steps, Word, work
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 

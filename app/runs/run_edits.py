@@ -19,7 +19,7 @@ from app.enhancement.settable import at_most
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.provenance import digest, strict_json, version
-from app.run_folder import RunFolder
+from app.runs.run_folder import RunFolder
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.json_files import read_text

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from app.errors import UserError
-from app.memory import free_memory
+from app.runs.memory import free_memory
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 from renderer.train.demand import demand
