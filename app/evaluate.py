@@ -12,7 +12,6 @@ import platformdirs
 import psutil
 from numba import get_num_threads
 
-from app.drawing import Drawn
 from app.errors import UserError
 from app.mean import mean_of_finite
 from app.runs.memory import peak_memory_mb
@@ -20,6 +19,7 @@ from app.runs.run_edits import edits_facts, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import input_clip
 from app.runs.wall_clock import STEPS, WALL
+from app.scenes.cpu_rendering import Drawn
 from app.stopwatch import REPEATS, Stopwatch
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from app.files.provenance import comments
-from app.scene import Scene
+from app.scenes.scene import Scene
 from renderer.splat_files.inria_ply import ply_bytes
 
 

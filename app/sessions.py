@@ -46,7 +46,7 @@ from app.files.provenance import strict_json, version
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import MOST, MaskText
 from app.runs.run_folder import RecordedLook
-from app.views import ViewKind
+from app.scenes.view_kinds import ViewKind
 from enhance import EnhanceParams
 from enhance.params import DFactor
 from enhance.vessel import VesselParams

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from app.drawing import Drawn
+from app.scenes.cpu_rendering import Drawn
 from renderer.camera import Camera
 from renderer.clip import Frame
 from renderer.gaussians import DynamicGaussians

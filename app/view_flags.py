@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 from app.errors import UserError
 from app.evaluate import run_clip
-from app.gui.work.photos import PhotoRequest
-from app.moments import Moment
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import input_clip
-from app.scene import Scene, is_splat_file
-from app.scene_view import ViewRequest
-from app.views import EXPLAINED
+from app.scenes.photos import PhotoRequest
+from app.scenes.scene import Scene, is_splat_file
+from app.scenes.view_kinds import EXPLAINED
+from app.scenes.view_request import ViewRequest
+from app.scenes.view_selection import Moment
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
 

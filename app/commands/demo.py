@@ -17,7 +17,6 @@ from app.commands.evaluate import measured
 from app.commands.train import follow
 from app.console.display import has_display
 from app.console.progress import progress
-from app.drawing import Drawn, colored_depth, draw_on_cpu
 from app.errors import UserError
 from app.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.files.atomic import make_folder, write_bytes
@@ -25,6 +24,7 @@ from app.files.provenance import NOTICE, provenance, source, strict_json, write_
 from app.files.sheet import ByteImage, Tile, sheet
 from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, device_of, enhanced_clip, pooled
+from app.scenes.cpu_rendering import Drawn, colored_depth, draw_on_cpu
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.near_plane import near_plane

@@ -7,20 +7,21 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from app import moments, view_flags
-from app.color_bar import with_bar
+from app import view_flags
 from app.console.progress import progress
-from app.drawers import drawer
 from app.errors import UserError
 from app.files.atomic import filled, together, write_bytes
 from app.files.image_files import ArrayImage
 from app.files.provenance import repeatable, write_sidecar
 from app.files.stepping import in_one_go
 from app.files.video import Timing, write_video
-from app.moments import Moment
-from app.scene import Scene
 from app.scene_splats import of_degree, splat_file
-from app.scene_view import lasting_facts, steady
+from app.scenes import view_selection
+from app.scenes.color_bar import with_bar
+from app.scenes.renderers import drawer
+from app.scenes.scene import Scene
+from app.scenes.view_request import lasting_facts, steady
+from app.scenes.view_selection import Moment
 from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.harmonics import BANDS
 
@@ -41,7 +42,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON beside"
     )
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
-    moments.add_flags(parser)
+    view_selection.add_flags(parser)
     view_flags.add_flag(parser)
 
 
@@ -50,7 +51,7 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError("expected what to export: --ply DIR, --video FILE or --cameras FILE")
     if flags.sh_degree is not None and not flags.ply:
         raise UserError("--sh-degree: expected --ply DIR, whose files it is of")
-    scene, wanted = moments.chosen(flags)
+    scene, wanted = view_selection.chosen(flags)
     if flags.ply:
         _write_plys(flags.ply, scene, wanted, flags.sh_degree)
     if flags.video:

@@ -7,23 +7,24 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app import moments, view_flags
-from app.color_bar import with_bar
+from app import view_flags
 from app.console.progress import progress
-from app.drawers import drawer
-from app.drawing import Drawn, colored_depth
 from app.errors import UserError
 from app.files.atomic import filled
 from app.files.image_files import write_image
 from app.files.provenance import repeatable, write_png
-from app.moments import Moment
-from app.scene_view import view_facts
-from app.views import SHAPES, has_scale
+from app.scenes import view_selection
+from app.scenes.color_bar import with_bar
+from app.scenes.cpu_rendering import Drawn, colored_depth
+from app.scenes.renderers import drawer
+from app.scenes.view_kinds import SHAPES, has_scale
+from app.scenes.view_request import view_facts
+from app.scenes.view_selection import Moment
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
-    moments.add_flags(parser)
+    view_selection.add_flags(parser)
     parser.add_argument(
         "--transparent", action="store_true", help="without a background: alpha in the PNG, not premultiplied"
     )
@@ -36,7 +37,7 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError(f"--transparent: expected a --view without a scale, got {flags.view}")
     if flags.depth and SHAPES[flags.view] != "soft":
         raise UserError(f"--depth: expected a --view of Gaussians as they are, got {flags.view}")
-    scene, wanted = moments.chosen(flags)
+    scene, wanted = view_selection.chosen(flags)
     draw, name = drawer(flags.renderer)
     views = view_flags.asked_for(flags, scene, wanted)
     behind = {"background": None} if flags.transparent else {}

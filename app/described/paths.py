@@ -9,7 +9,7 @@ from app.described.fact import Fact, count, next_steps
 from app.described.files import is_export, of_export, of_json, of_run, of_session, of_splats
 from app.errors import UserError
 from app.runs.run_folder import RunFolder
-from app.scene import is_splat_file
+from app.scenes.scene import is_splat_file
 from app.sessions import SUFFIX
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed

@@ -10,24 +10,24 @@ from annotated_types import Interval
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.color_bar import with_bar
-from app.drawers import Renderer, drawer
-from app.drawing import Draw, colored_depth
 from app.errors import UserError
 from app.evaluate import run_clip
 from app.files.atomic import write_bytes
 from app.files.image_files import write_image
 from app.files.provenance import write_sidecar
 from app.files.video import Timing, write_video
-from app.gui.work.photos import PhotoRequest
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, NamedRun, Sources
 from app.runs.run_edits import unpacked
 from app.runs.train_run import input_clip
-from app.scene import Scene, open_scene
 from app.scene_splats import of_degree, splat_file
-from app.scene_view import ViewRequest
-from app.views import Scale, ViewKind
+from app.scenes.color_bar import with_bar
+from app.scenes.cpu_rendering import Draw, colored_depth
+from app.scenes.photos import PhotoRequest
+from app.scenes.renderers import Renderer, drawer
+from app.scenes.scene import Scene, open_scene
+from app.scenes.view_kinds import Scale, ViewKind
+from app.scenes.view_request import ViewRequest
 from renderer.camera import Camera
 from renderer.clip import Clip
 

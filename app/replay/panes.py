@@ -27,7 +27,7 @@ from app.replay.drawn import at, drawer_of, scene_of, view_of
 from app.replay.recorded import Facts, again
 from app.replay.sources import Named, Sources
 from app.runs.run_folder import RecordedLook
-from app.scene import Scene
+from app.scenes.scene import Scene
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 
-from app.drawing import Drawn
 from app.report.bench import Bench, Clock
 from app.report.dvbv import STATISTICS, PixelSets, Ratios, Rise, published, rises, spread, verdict
 from app.report.measures.training import SEEDS, schedule
@@ -17,6 +16,7 @@ from app.report.runs import Trained
 from app.report.section import Cell, Column, Table
 from app.runs.run_folder import Input
 from app.runs.train_run import RECONSTRUCTION_PARAMS, Measured, enhanced_clip, pooled
+from app.scenes.cpu_rendering import Drawn
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import render

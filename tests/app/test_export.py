@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 import pytest
 
-from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.files.provenance import read_provenance
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.run_folder import RunFolder
-from app.scene import open_scene
+from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.framing import framing

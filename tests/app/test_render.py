@@ -12,13 +12,13 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.drawers import Renderer, drawer
-from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.renderers import Renderer, drawer
 from renderer.camera import Camera
 from renderer.draw.offscreen import render_offscreen
 from renderer.draw.splat_view import Precision

@@ -12,16 +12,16 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.drawing import draw_on_cpu
 from app.files.image_files import read_image
 from app.gui.actions import actions, comparing, edit_actions, job_actions, second_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, GraphicsViewport
 from app.gui.state.settings import Places
-from app.gui.work.viewing import draw_view
 from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.viewing import draw_view
 from renderer.clip import ByteImage
 from renderer.draw.offscreen import read_image as read_target
 from renderer.editing.edits import Edits

@@ -16,11 +16,11 @@ from app.enhancement.image_mask import PictureMask
 from app.enhancement.settable import Scope
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
-from app.gui.views.free_view import FreeView
 from app.gui.work.opening import OpenRequest, open_path
 from app.replay import replay
 from app.replay.difference import difference
-from app.scene_view import ViewRequest
+from app.scenes.free_camera import FreeView
+from app.scenes.view_request import ViewRequest
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -15,7 +15,7 @@ from app.gui.frame import dockings
 from app.gui.work.tuning import Choice
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
-from app.supersampling import FACTORS
+from app.scenes.supersampling import FACTORS
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from renderer.splat_files.inria_ply import ply_bytes

@@ -8,11 +8,11 @@ import numpy as np
 
 from app.gui.state.app_state import AppState, Toast
 from app.gui.state.viewer import MAX_SPEED, MIN_SPEED
-from app.gui.views.free_view import FreeView, Vector, vector
 from app.gui.views.measurement import Measurement
 from app.gui.work.picking import Picked, PickRequest, Purpose
-from app.scene import Scene
-from app.scene_view import ViewRequest
+from app.scenes.free_camera import FreeView, Vector, vector
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
 
 TOAST_SECONDS = 4.0
 LONGEST_STEP = 0.1

@@ -14,12 +14,12 @@ from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
 from app.gui.work.exporting import Exporting, ExportRequest, Form, Step
-from app.gui.work.photos import PhotoRequest
 from app.gui.work.shots import Arrangement, Panes, Shot
 from app.gui.work.view_pages import Views
-from app.moments import FRAMES_PER_SECOND
-from app.scene import Scene
-from app.scene_view import ViewRequest
+from app.scenes.photos import PhotoRequest
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
+from app.scenes.view_selection import FRAMES_PER_SECOND
 
 What = Literal[
     "panes and 3D view",

@@ -14,7 +14,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Job, Reconstruction, Waiting
 from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import TrainRequest
-from app.scene import Scene, Training, run_scene
+from app.scenes.scene import Scene, Training, run_scene
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import Part

@@ -10,7 +10,7 @@ from app.files.atomic import write_bytes
 from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.views.free_view import FreeView
+from app.scenes.free_camera import FreeView
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.camera_path import CameraPath, Keyframe

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.gui.actions import camera_actions
 from app.gui.state.app_state import AppState
-from app.views import EXPLAINED, ViewKind
+from app.scenes.view_kinds import EXPLAINED, ViewKind
 
 
 def choices(state: AppState) -> tuple[ViewKind, ...]:

@@ -10,14 +10,14 @@ from typing import Protocol
 import moderngl
 from imgui_bundle import imgui
 
-from app.drawing import Drawn
 from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
 from app.gui.work.baking import Baked
-from app.gui.work.viewing import View
-from app.scene import Scene
-from app.scene_view import BACKGROUND, ViewRequest
-from app.views import SHAPES, Composed, Scale, ViewKind, splats_for
+from app.scenes.cpu_rendering import Drawn
+from app.scenes.scene import Scene
+from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
+from app.scenes.view_request import BACKGROUND, ViewRequest
+from app.scenes.viewing import View
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers

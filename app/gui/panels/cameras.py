@@ -12,7 +12,7 @@ from app.gui.actions import path_actions
 from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
-from app.scene import Scene
+from app.scenes.scene import Scene
 from renderer.camera_path import Keyframe
 
 Act = Callable[[], None]

@@ -6,7 +6,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui
 
 from app.gui.look import theme
 from app.gui.look.widgets import em
-from app.views import Scale
+from app.scenes.view_kinds import Scale
 
 SEGMENTS = 32
 

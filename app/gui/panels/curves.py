@@ -12,7 +12,7 @@ from app.files.legible import grouped
 from app.gui.look import theme
 from app.gui.look.widgets import em, explain
 from app.gui.state.reconstruction import Reconstruction
-from app.views import SCENE_UNITS
+from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Progress
 
 FLAGS = (

@@ -13,7 +13,7 @@ from app.gui.look import theme
 from app.gui.look.widgets import em, tag
 from app.gui.panels.scene_marks import on_screen, placement
 from app.gui.state.app_state import AppState
-from app.gui.views.free_view import Vector
+from app.scenes.free_camera import Vector
 from renderer.camera import Camera
 from renderer.editing.edits import Combination
 

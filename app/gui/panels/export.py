@@ -14,7 +14,7 @@ from app.gui.look import theme
 from app.gui.look.widgets import button, em, explain, floating, row
 from app.gui.state.app_state import AppState
 from app.gui.work.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
-from app.supersampling import FACTORS
+from app.scenes.supersampling import FACTORS
 
 SCALES = (1, 2, 3, 4)
 SCALE_TEXT = (

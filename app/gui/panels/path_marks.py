@@ -11,7 +11,7 @@ from app.gui.look.widgets import em
 from app.gui.panels.scene_marks import placement
 from app.gui.state.app_state import AppState
 from app.gui.views.lines import frustum, seen
-from app.scene_view import ViewRequest
+from app.scenes.view_request import ViewRequest
 from renderer.camera import FloatArray
 
 SHARE = 0.12

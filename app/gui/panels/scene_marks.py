@@ -10,9 +10,9 @@ from imgui_bundle import ImVec2, imgui
 from app.gui.look import theme
 from app.gui.look.widgets import em, tag
 from app.gui.state.viewer import Viewer
-from app.gui.views.free_view import Vector
 from app.gui.views.picture_view import PictureView, Placement
-from app.scene_view import ViewRequest
+from app.scenes.free_camera import Vector
+from app.scenes.view_request import ViewRequest
 from renderer.camera import Camera
 
 

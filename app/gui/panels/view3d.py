@@ -19,10 +19,10 @@ from app.gui.panels.menus import draw_commands
 from app.gui.panels.path_marks import draw_path_marks
 from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.state.app_state import AppState
-from app.gui.work.photos import Photo
-from app.scene import Scene
-from app.scene_view import ViewRequest
-from app.views import EXPLAINED
+from app.scenes.photos import Photo
+from app.scenes.scene import Scene
+from app.scenes.view_kinds import EXPLAINED
+from app.scenes.view_request import ViewRequest
 from renderer.clip import ByteImage
 
 TURN = 2.2

@@ -27,17 +27,17 @@ from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import OpenRequest
 from app.gui.work.others import Difference, Other
-from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.reported import Reported
 from app.gui.work.run_list import FoundRuns, RunsRequest
 from app.gui.work.strip import LeftOut, Strip
 from app.gui.work.tuning import Tuning
-from app.gui.work.viewing import View
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.scene import Scene
-from app.scene_view import ViewRequest
+from app.scenes.photos import Photo, PhotoRequest
+from app.scenes.scene import Scene
+from app.scenes.view_kinds import ViewKind
+from app.scenes.view_request import ViewRequest
+from app.scenes.viewing import View
 from app.sessions import Session
-from app.views import ViewKind
 from enhance import EnhanceParams
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

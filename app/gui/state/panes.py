@@ -15,7 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side
 from app.gui.work.others import Difference, DifferenceRequest, Other, OtherRequest
 from app.gui.work.page import describe
-from app.scene import Scene
+from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import BoolImage, ByteImage

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from app.gui.work.baking import Baked
 from app.gui.work.opening import OpenRequest
-from app.gui.work.viewing import View
-from app.scene import Scene
+from app.scenes.scene import Scene
+from app.scenes.viewing import View
 
 
 @dataclass

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from app.gui.views.free_view import FreeView, Vector
 from app.gui.views.measurement import Measurement
-from app.gui.work.photos import Photo
 from app.gui.work.picking import PickRequest
+from app.scenes.free_camera import FreeView, Vector
+from app.scenes.photos import Photo
 
 MIN_SPEED, MAX_SPEED = 0.02, 4.0
 

@@ -10,7 +10,7 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Channel, Failure
 from app.gui.work.baking import Baked, BakeRequest, bake, can_bake
-from app.scene import Scene
+from app.scenes.scene import Scene
 
 Bakes = Channel[BakeRequest, Baked]
 

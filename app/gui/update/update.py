@@ -35,14 +35,14 @@ from app.gui.work.batching import BatchRequest, Progressed, batch
 from app.gui.work.editing import Selected, Selector, SelectRequest
 from app.gui.work.exporting import ExportRequest, Step, export
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
-from app.gui.work.photos import Photo, PhotoRequest, read_photo
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
-from app.gui.work.viewing import View, draw_view
 from app.gui.work.window_shot import WindowRequest, save_window
-from app.moments import FRAMES_PER_SECOND
-from app.scene_view import ViewRequest
+from app.scenes.photos import Photo, PhotoRequest, read_photo
+from app.scenes.view_request import ViewRequest
+from app.scenes.view_selection import FRAMES_PER_SECOND
+from app.scenes.viewing import View, draw_view
 
 PROMPT = 0.012
 """Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from app.gui.views.free_view import Vector
-from app.views import SCENE_UNITS
+from app.scenes.free_camera import Vector
+from app.scenes.view_kinds import SCENE_UNITS
 
 
 @dataclass(frozen=True)

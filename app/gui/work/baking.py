@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.scene import Scene
+from app.scenes.scene import Scene
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Baker, Keyframes, Tolerance
 

@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.gui.views.free_view import Vector
 from app.gui.work.picking import surface
-from app.scene import Scene
-from app.scene_view import ViewRequest
+from app.scenes.free_camera import Vector
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.highlight import highlighted
 from renderer.editing.history import History

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from app.drawing import ON_CPU
 from app.files.atomic import filled, together
 from app.files.image_series import timing_of
 from app.files.provenance import provenance, source, write_png, write_sidecar
@@ -19,8 +18,9 @@ from app.gui.work.others import OtherMaker
 from app.gui.work.page import Panel, sheet
 from app.gui.work.shots import Panes
 from app.gui.work.view_pages import Views, drawn_panel, steady, video_facts, view_pages
-from app.moments import FRAMES_PER_SECOND
-from app.scene_view import view_facts
+from app.scenes.cpu_rendering import ON_CPU
+from app.scenes.view_request import view_facts
+from app.scenes.view_selection import FRAMES_PER_SECOND
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 Form = Literal["picture", "panes video", "view video", "measures"]

@@ -15,7 +15,7 @@ from app.runs.progress_log import Told, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
-from app.scene import Scene, Training, finished_scene, is_splat_file, run_scene, splat_scene
+from app.scenes.scene import Scene, Training, finished_scene, is_splat_file, run_scene, splat_scene
 from app.sessions import SUFFIX, Session, mended_session
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import Look
-from app.gui.work.viewing import draw_view
-from app.scene import Scene
-from app.scene_view import ViewRequest
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
+from app.scenes.viewing import draw_view
 from enhance.baselines import BASELINES
 from renderer.clip import ByteImage
 

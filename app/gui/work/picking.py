@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from app.gui.views.free_view import Vector, vector
-from app.scene_view import ViewRequest
+from app.scenes.free_camera import Vector, vector
+from app.scenes.view_request import ViewRequest
 
 Purpose = Literal["orbit", "measure"]
 

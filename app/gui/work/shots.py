@@ -8,16 +8,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.color_bar import with_bar
-from app.drawing import ON_CPU
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import Look
 from app.gui.work.others import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.gui.work.page import INK, Panel, describe, sheet
 from app.gui.work.sizing import Sizing
-from app.scene import Scene
-from app.scene_view import ViewRequest, view_facts
-from app.views import Composed, Scale
+from app.scenes.color_bar import with_bar
+from app.scenes.cpu_rendering import ON_CPU
+from app.scenes.scene import Scene
+from app.scenes.view_kinds import Composed, Scale
+from app.scenes.view_request import ViewRequest, view_facts
 from enhance import Statistics
 from renderer.clip import ByteImage
 

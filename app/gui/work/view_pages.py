@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from typing import Any
 
-from app import scene_view
-from app.color_bar import with_bar
-from app.drawing import ON_CPU, Draw, draw_on_cpu
 from app.files.stepping import retold
 from app.gui.work.page import Panel, sheet
-from app.scene_view import ViewRequest, lasting_facts, moment_facts
+from app.scenes import view_request
+from app.scenes.color_bar import with_bar
+from app.scenes.cpu_rendering import ON_CPU, Draw, draw_on_cpu
+from app.scenes.view_request import ViewRequest, lasting_facts, moment_facts
 from renderer.clip import ByteImage
 
 Views = tuple[ViewRequest, ...]
@@ -40,7 +40,7 @@ def steady(moments: Sequence[Views]) -> Generator[int, None, tuple[Views, ...]]:
     """
     columns = []
     for column in zip(*moments, strict=True):
-        held = yield from retold(scene_view.steady(column, draw_on_cpu), lambda view: 0)
+        held = yield from retold(view_request.steady(column, draw_on_cpu), lambda view: 0)
         columns.append(held)
     return tuple(zip(*columns, strict=True))
 

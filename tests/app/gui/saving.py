@@ -8,7 +8,7 @@ from pathlib import Path
 from app.enhancement.frame_enhancer import PictureRequest
 from app.gui.work.exporting import ExportRequest, export
 from app.gui.work.shots import Panes, Shot
-from app.scene_view import ViewRequest
+from app.scenes.view_request import ViewRequest
 
 
 def asked(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None = None) -> ExportRequest:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.scene import Scene
+from app.scenes.scene import Scene
 from renderer.camera import Camera
 from renderer.gaussians import DynamicGaussians
 

@@ -13,8 +13,8 @@ from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, keyframes_of
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
-from app.gui.work.viewing import draw_view
-from app.views import EXPLAINED, ViewKind
+from app.scenes.view_kinds import EXPLAINED, ViewKind
+from app.scenes.viewing import draw_view
 from renderer.draw import splat_view
 from renderer.draw.offscreen import read_image
 from renderer.draw.storage import Storage

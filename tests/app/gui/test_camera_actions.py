@@ -9,7 +9,7 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.picking import Picked, PickRequest, pick
-from app.scene_view import ViewRequest
+from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, make_model
 

@@ -18,7 +18,7 @@ from app.gui.state.panes import difference_pane, other_request, pane, pixel, sho
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Channel
 from app.gui.work.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
-from app.scene import Scene
+from app.scenes.scene import Scene
 from enhance import EnhanceParams, enhance
 from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels

@@ -16,7 +16,7 @@ from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
 from app.gui.work.exporting import export
 from app.gui.work.page import Panel, describe, sheet
-from app.scene_view import ViewRequest
+from app.scenes.view_request import ViewRequest
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -16,7 +16,7 @@ from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import RunFinder
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.train_run import TrainRequest, run_training
-from app.scene_view import ViewRequest
+from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip

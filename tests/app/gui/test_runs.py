@@ -22,7 +22,7 @@ from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import held
 from app.runs.train_run import TrainRequest, run_training
-from app.scene import Scene
+from app.scenes.scene import Scene
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom

@@ -11,8 +11,8 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import SLOW_VIEW, Channels, _ask_second, update, view_request
-from app.gui.work.photos import Photo, PhotoRequest
-from app.gui.work.viewing import View
+from app.scenes.photos import Photo, PhotoRequest
+from app.scenes.viewing import View
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.color_bar import LEAST_HEIGHT
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.parameter_grid import METRICS
 from app.files.image_files import read_image
@@ -31,6 +30,7 @@ from app.gui.work.exporting import Exporting, export
 from app.gui.work.others import DifferenceRequest, heat_map
 from app.gui.work.sizing import Sizing
 from app.runs.clip_selection import ClipPart
+from app.scenes.color_bar import LEAST_HEIGHT
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu

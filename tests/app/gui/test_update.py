@@ -13,9 +13,9 @@ from app.gui.state.app_state import AppState
 from app.gui.update.update import PATIENCE, PROMPT, SLOW_VIEW, Channels, take_pictures, update, view_request
 from app.gui.work.background import Channel, Worker
 from app.gui.work.opening import Opened
-from app.gui.work.viewing import View
 from app.runs.job import Cancelled, Failed, Paused, Resumed
 from app.runs.progress_log import Told
+from app.scenes.viewing import View
 from enhance import EnhanceParams
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians

@@ -13,9 +13,9 @@ from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import bounds
 from app.gui.panels.view3d import photo_over, view_tags
 from app.gui.state.app_state import AppState
-from app.gui.work.photos import read_photo
 from app.gui.work.picking import pick
-from app.gui.work.viewing import draw_view
+from app.scenes.photos import read_photo
+from app.scenes.viewing import draw_view
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live

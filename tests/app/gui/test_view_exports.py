@@ -13,11 +13,11 @@ from app.files.provenance import read_provenance, write_sidecar
 from app.files.stepping import in_one_go
 from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
-from app.gui.views.free_view import FreeView
-from app.gui.work.photos import Photo, PhotoRequest
 from app.gui.work.view_pages import steady, view_pages
-from app.gui.work.viewing import draw_view
-from app.scene_view import ViewRequest
+from app.scenes.free_camera import FreeView
+from app.scenes.photos import Photo, PhotoRequest
+from app.scenes.view_request import ViewRequest
+from app.scenes.viewing import draw_view
 from renderer.camera_path import CameraPath, Keyframe
 from tests.app.gui.exporting import Exporter, same, shape_of, sidecar
 

@@ -10,10 +10,10 @@ from app.gui.actions import actions, camera_actions, job_actions, view_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
 from app.gui.state.app_state import AppState
-from app.gui.work.photos import read_photo
-from app.gui.work.viewing import draw_view
-from app.scene_view import ViewRequest
-from app.views import EXPLAINED, ViewKind, has_scale
+from app.scenes.photos import read_photo
+from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
+from app.scenes.view_request import ViewRequest
+from app.scenes.viewing import draw_view
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
 

@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 import pytest
 
-from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.files.provenance import digest, read_provenance
 from app.runs.run_edits import read_edits, save_edits
 from app.runs.run_folder import RunFolder
+from app.scenes.cpu_rendering import draw_on_cpu
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.near_plane import near_plane

@@ -17,12 +17,12 @@ import cv2
 import numpy as np
 import pytest
 
-from app.drawing import draw_on_cpu
 from app.errors import UserError
 from app.files.provenance import read_provenance
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, input_clip, run_training
+from app.scenes.cpu_rendering import draw_on_cpu
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu
 from renderer.metrics import psnr

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.gui.views.free_view import MAX_DISTANCE, MAX_PITCH, MIN_DISTANCE, FreeView, Vector, vector
+from app.scenes.free_camera import MAX_DISTANCE, MAX_PITCH, MIN_DISTANCE, FreeView, Vector, vector
 from renderer.camera import Camera
 
 POSE = np.array([[0.0, -1, 0, 3], [1, 0, 0, -2], [0, 0, 1, 5], [0, 0, 0, 1]])

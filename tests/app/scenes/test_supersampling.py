@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
-from app.drawing import Drawn, draw_on_cpu
 from app.files.provenance import read_provenance
-from app.supersampling import FACTORS, averaged, supersampled
+from app.scenes.cpu_rendering import Drawn, draw_on_cpu
+from app.scenes.supersampling import FACTORS, averaged, supersampled
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats
 from tests.app.conftest import Call

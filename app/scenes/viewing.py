@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from time import perf_counter
 
-from app.drawing import draw_on_cpu
-from app.scene_view import ViewRequest
-from app.views import Scale
+from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.view_kinds import Scale
+from app.scenes.view_request import ViewRequest
 from renderer.clip import ByteImage
 
 

@@ -6,12 +6,12 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from app.drawing import Draw, Drawn
-from app.gui.views.free_view import FreeView
-from app.gui.work.photos import Photo, PhotoRequest
-from app.scene import Scene
-from app.supersampling import supersampled
-from app.views import (
+from app.scenes.cpu_rendering import Draw, Drawn
+from app.scenes.free_camera import FreeView
+from app.scenes.photos import Photo, PhotoRequest
+from app.scenes.scene import Scene
+from app.scenes.supersampling import supersampled
+from app.scenes.view_kinds import (
     SHAPES,
     Composed,
     Scale,

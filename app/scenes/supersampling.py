@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.drawing import Draw, Drawn
+from app.scenes.cpu_rendering import Draw, Drawn
 from renderer.camera import Camera
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 

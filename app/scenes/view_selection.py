@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
-from app.scene import Scene, open_scene
-from app.supersampling import FACTORS
+from app.scenes.scene import Scene, open_scene
+from app.scenes.supersampling import FACTORS
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.view_files import read_views

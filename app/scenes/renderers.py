@@ -1,4 +1,4 @@
-"""The renderer of choice. Apart from `app.drawing`, since the window never loads torch, and this may."""
+"""The renderer of choice. Apart from `app.scenes.cpu_rendering`, since the window never loads torch, and this may."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from app.drawing import ON_CPU, Draw, Drawn, draw_on_cpu
 from app.errors import UserError
+from app.scenes.cpu_rendering import ON_CPU, Draw, Drawn, draw_on_cpu
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.torch_presence import NO_TORCH, has_torch

@@ -11,13 +11,22 @@ import cv2
 import numpy as np
 import pytest
 
-from app.color_bar import LEAST_HEIGHT, color_bar, with_bar
-from app.drawers import Renderer, drawer
-from app.drawing import Drawn, draw_on_cpu
 from app.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
-from app.views import EXPLAINED, SHAPES, Composed, Scale, composed, difference, has_scale, nice_step
+from app.scenes.color_bar import LEAST_HEIGHT, color_bar, with_bar
+from app.scenes.cpu_rendering import Drawn, draw_on_cpu
+from app.scenes.renderers import Renderer, drawer
+from app.scenes.view_kinds import (
+    EXPLAINED,
+    SHAPES,
+    Composed,
+    Scale,
+    composed,
+    difference,
+    has_scale,
+    nice_step,
+)
 from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.near_plane import near_plane

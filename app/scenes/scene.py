@@ -11,7 +11,7 @@ from app.files.provenance import digest, source
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.run_edits import edits_facts, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
-from app.views import SCENE_UNITS
+from app.scenes.view_kinds import SCENE_UNITS
 from renderer.camera import Camera
 from renderer.clip import Clip
 from renderer.deformation.motion import Still

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from app.views import Composed, Scale
+from app.scenes.view_kinds import Composed, Scale
 from renderer.clip import ByteImage
 
 INK, GROUND = (235, 235, 235), (28, 28, 28)

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.drawing import Drawn
+from app.scenes.cpu_rendering import Drawn
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.paint import by_motion, by_normal
