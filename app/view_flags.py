@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 
 from app.errors import UserError
-from app.evaluate import run_clip
+from app.evaluation.evaluate import run_clip
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import input_clip
 from app.scenes.photos import PhotoRequest

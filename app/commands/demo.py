@@ -18,7 +18,7 @@ from app.commands.train import follow
 from app.console.display import has_display
 from app.console.progress import progress
 from app.errors import UserError
-from app.evaluate import Evaluation, FrameMeasures, open_evaluation
+from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import NOTICE, provenance, source, strict_json, write_png
 from app.files.sheet import ByteImage, Tile, sheet

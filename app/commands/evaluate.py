@@ -15,7 +15,7 @@ from rich.table import Table
 from app.console.progress import progress
 from app.console.terminal import Terminal
 from app.errors import UserError
-from app.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
+from app.evaluation.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
 from app.files.provenance import provenance, strict_json
 from app.report.paper_rows import PAPER
 from app.runs.run_folder import ClipRecord

@@ -18,10 +18,10 @@ from rich.table import Table
 from app.console.progress import progress
 from app.console.terminal import table_terminal
 from app.errors import UserError
+from app.evaluation.mean import mean_of_finite
 from app.files.image_files import ArrayImage
 from app.files.image_series import open_series
 from app.files.provenance import provenance, strict_json
-from app.mean import mean_of_finite
 from enhance import ImageError
 from enhance.image import BoolImage
 from enhance.metrics import (

@@ -11,7 +11,7 @@ from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
-from app.evaluate import run_clip
+from app.evaluation.evaluate import run_clip
 from app.files.atomic import write_bytes
 from app.files.image_files import write_image
 from app.files.provenance import write_sidecar

@@ -10,7 +10,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from app.mean import mean_of_finite
+from app.evaluation.mean import mean_of_finite
 from app.report.paper_rows import PAPER, PaperRow
 from app.runs.train_run import Measured
 from enhance.metrics import dvbv_otsu

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.mean import mean_of_finite
+from app.evaluation.mean import mean_of_finite
 from enhance import enhance
 from enhance.baselines import BASELINES, TAO_STAND_INS
 from enhance.metrics import (

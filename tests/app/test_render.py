@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.evaluate import open_evaluation
+from app.evaluation.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training

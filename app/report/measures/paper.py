@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from app.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
-from app.mean import mean_of_finite
+from app.evaluation.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
+from app.evaluation.mean import mean_of_finite
 from app.report.bench import Bench, Clock, scene_name
 from app.report.dvbv import Rise, verdict
 from app.report.measures.training import INPUTS, schedule

@@ -12,7 +12,7 @@ import pytest
 
 from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
-from app.evaluate import open_evaluation
+from app.evaluation.evaluate import open_evaluation
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.evaluate import open_evaluation
+from app.evaluation.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.scenes.color_bar import LEAST_HEIGHT, color_bar, with_bar

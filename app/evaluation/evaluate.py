@@ -13,14 +13,14 @@ import psutil
 from numba import get_num_threads
 
 from app.errors import UserError
-from app.mean import mean_of_finite
+from app.evaluation.mean import mean_of_finite
+from app.evaluation.render_timing import REPEATS, Stopwatch
 from app.runs.memory import peak_memory_mb
 from app.runs.run_edits import edits_facts, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import input_clip
 from app.runs.wall_clock import STEPS, WALL
 from app.scenes.cpu_rendering import Drawn
-from app.stopwatch import REPEATS, Stopwatch
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.clip import BoolImage, ByteImage, Clip, Frame

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from app.commands.evaluate import PAPER, compared
-from app.evaluate import measure_frame, open_evaluation
+from app.evaluation.evaluate import measure_frame, open_evaluation
+from app.evaluation.render_timing import Stopwatch
 from app.runs.run_folder import RunFolder
 from app.scenes.cpu_rendering import Drawn, draw_on_cpu
-from app.stopwatch import Stopwatch
 from enhance.metrics import vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.clip import Clip
