@@ -10,12 +10,12 @@ from pathlib import Path
 from app import view_flags
 from app.console.progress import progress
 from app.errors import UserError
+from app.exports.scene_splats import of_degree, splat_file
 from app.files.atomic import filled, together, write_bytes
 from app.files.image_files import ArrayImage
 from app.files.provenance import repeatable, write_sidecar
 from app.files.stepping import in_one_go
 from app.files.video import Timing, write_video
-from app.scene_splats import of_degree, splat_file
 from app.scenes import view_selection
 from app.scenes.color_bar import with_bar
 from app.scenes.renderers import drawer

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from app.errors import UserError
+from app.exports.replay import replay
 from app.files.atomic import filled
 from app.files.provenance import provenance, strict_json
-from app.replay import replay
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from app.console.flags import problem
 from app.described.fact import Fact, count, next_steps
 from app.errors import UserError
-from app.replay.recorded import recorded
+from app.exports.replay.recorded import recorded
 from app.report.saved import holds_report, read_report
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder

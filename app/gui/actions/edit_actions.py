@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.errors import UserError
+from app.exports.scene_splats import splat_file
 from app.files.atomic import write_bytes
 from app.files.provenance import repeatable
 from app.gui.actions import actions, history_actions
@@ -22,7 +23,6 @@ from app.gui.work.editing import (
 )
 from app.runs.run_edits import edits_facts, save_edits, saved_since
 from app.runs.run_folder import RunFolder
-from app.scene_splats import splat_file
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Range, Rectangle, Region

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from app.exports.window_shot import WindowRequest
 from app.gui.actions import export_actions
 from app.gui.state.app_state import AppState
-from app.gui.work.window_shot import WindowRequest
 from renderer.clip import ByteImage
 
 SETTLING = 3

@@ -7,11 +7,11 @@ import moderngl
 import numpy as np
 from imgui_bundle import glfw_utils
 
+from app.exports.exporting import Step
+from app.exports.window_shot import WindowRequest
 from app.gui.actions import window_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Channel
-from app.gui.work.exporting import Step
-from app.gui.work.window_shot import WindowRequest
 from renderer.clip import ByteImage
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.frame_enhancer import Pictures
+from app.exports.comparison_images import heat_colors
 from app.gui.actions import clip_actions
 from app.gui.commands.commands import fit_pictures
 from app.gui.drawing.textures import Marks, ShowsPictures
@@ -17,7 +18,6 @@ from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Side
 from app.gui.state.panes import Pane, Tag, pixel, tinted
 from app.gui.views.picture_view import Placement
-from app.gui.work.others import heat_colors
 from renderer.clip import ByteImage
 
 WHEEL_STEP = 1.15

@@ -10,6 +10,7 @@ from typing import Literal
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.enhancement.methods import Look
 from app.enhancement.settable import Scope, Slot
+from app.exports.comparison_images import Difference, Other
 from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
 from app.gui.state.chosen import Chosen
@@ -26,7 +27,6 @@ from app.gui.work.editing import Editing
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import OpenRequest
-from app.gui.work.others import Difference, Other
 from app.gui.work.reported import Reported
 from app.gui.work.run_list import FoundRuns, RunsRequest
 from app.gui.work.strip import LeftOut, Strip

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from app.gui.work.exporting import Exporting
-from app.gui.work.sizing import Sizing
+from app.exports.exporting import Exporting
+from app.exports.sizing import Sizing
 
 
 @dataclass

@@ -10,11 +10,11 @@ import numpy as np
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.methods import PAPER, VESSEL, Look
 from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
+from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
+from app.exports.page import describe
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side
-from app.gui.work.others import Difference, DifferenceRequest, Other, OtherRequest
-from app.gui.work.page import describe
 from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

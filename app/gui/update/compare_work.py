@@ -6,13 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from app.exports.comparison_images import (
+    Difference,
+    DifferenceRequest,
+    Other,
+    OtherMaker,
+    OtherRequest,
+    heat_map,
+)
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side
 from app.gui.state.panes import difference_request, other_request
 from app.gui.update.answered import answered
 from app.gui.work.background import Channel, Failure
-from app.gui.work.others import Difference, DifferenceRequest, Other, OtherMaker, OtherRequest, heat_map
 
 
 def _channels() -> dict[Side, Channel[OtherRequest, Other]]:

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
+from app.exports.exporting import ExportRequest, Step, export
+from app.exports.window_shot import WindowRequest, save_window
 from app.gui.actions import (
     actions,
     batch_actions,
@@ -33,12 +35,10 @@ from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
 from app.gui.work.batching import BatchRequest, Progressed, batch
 from app.gui.work.editing import Selected, Selector, SelectRequest
-from app.gui.work.exporting import ExportRequest, Step, export
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
-from app.gui.work.window_shot import WindowRequest, save_window
 from app.scenes.photos import Photo, PhotoRequest, read_photo
 from app.scenes.view_request import ViewRequest
 from app.scenes.view_selection import FRAMES_PER_SECOND

@@ -13,9 +13,9 @@ import pytest
 from app.enhancement.batch import enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
 from app.errors import UserError
+from app.exports.replay import replay
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
-from app.replay import replay
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
 from renderer.phantom import PhantomParams, write_phantom

@@ -13,6 +13,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
+from app.exports.page import Panel, sheet
 from app.files.legible import legible
 from app.gui.actions import actions
 from app.gui.commands import recent_commands
@@ -25,7 +26,6 @@ from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Settings
 from app.gui.work.opening import OpenRequest
-from app.gui.work.page import Panel, sheet
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, outside
 from tests.app.gui.ui import NOTHING, Shown, Ui, compare

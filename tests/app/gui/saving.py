@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from app.enhancement.frame_enhancer import PictureRequest
-from app.gui.work.exporting import ExportRequest, export
-from app.gui.work.shots import Panes, Shot
+from app.exports.exporting import ExportRequest, export
+from app.exports.shots import Panes, Shot
 from app.scenes.view_request import ViewRequest
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.exports.replay import replay
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, batch_actions, queue_actions
@@ -20,7 +21,6 @@ from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Worker
-from app.replay import replay
 from assets import phantom_path
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams

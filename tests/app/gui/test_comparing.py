@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from app.enhancement.settable import SOURCES
+from app.exports.comparison_images import DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.files.legible import named
 from app.gui.actions import actions, comparing, history_actions
 from app.gui.state.app_state import AppState
@@ -17,7 +18,6 @@ from app.gui.state.comparison import Comparison
 from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Channel
-from app.gui.work.others import DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.scenes.scene import Scene
 from enhance import EnhanceParams, enhance
 from enhance.baselines import clahe
@@ -165,7 +165,7 @@ def test_pictures_are_remembered_and_let_go(state: AppState, monkeypatch: pytest
     (first,) = maker.make(request)
     (again,) = maker.make(request)
     assert again is first
-    monkeypatch.setattr("app.gui.work.others.KEPT_BYTES", 2 * photo(0).nbytes)
+    monkeypatch.setattr("app.exports.comparison_images.KEPT_BYTES", 2 * photo(0).nbytes)
     for index in range(1, 4):
         list(maker.make(replace(request, photo=replace(request.photo, frame_index=index))))
     (renewed,) = maker.make(request)
@@ -192,7 +192,7 @@ def test_models_count_among_what_is_kept(
     comparing.choose_source(state, "right", "clahe")
     request = other_request(state, "right")
     assert request is not None
-    monkeypatch.setattr("app.gui.work.others.KEPT_BYTES", 2 * photo(0).nbytes)
+    monkeypatch.setattr("app.exports.comparison_images.KEPT_BYTES", 2 * photo(0).nbytes)
     maker = OtherMaker()
     first = ref(next(maker.make(replace(request, by=state.model))))
     list(maker.make(replace(request, by=replace(state.model, iteration=9))))

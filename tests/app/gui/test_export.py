@@ -10,12 +10,12 @@ import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import Params, worded
+from app.exports.exporting import export
+from app.exports.page import Panel, describe, sheet
 from app.files.provenance import digest, read_provenance
 from app.gui.actions import actions, job_actions
 from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
-from app.gui.work.exporting import export
-from app.gui.work.page import Panel, describe, sheet
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
 from enhance import EnhanceParams

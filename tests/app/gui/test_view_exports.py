@@ -8,12 +8,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from app.exports.view_pages import steady, view_pages
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_sidecar
 from app.files.stepping import in_one_go
 from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
-from app.gui.work.view_pages import steady, view_pages
 from app.scenes.free_camera import FreeView
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.view_request import ViewRequest

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from imgui_bundle.immapp import testing
 
+from app.exports.replay import replay
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
-from app.replay import replay
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from tests.benchmarks.soak_deeds import Context, K, Person, compare, reconstruct

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from imgui_bundle import hello_imgui, imgui
 
+from app.exports.window_shot import save_window
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, window_actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
-from app.gui.work.window_shot import save_window
 from assets import phantom_path
 from tests.app.conftest import Call
 from tests.app.gui.test_window import Driver, is_settled, wait

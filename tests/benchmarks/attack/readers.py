@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.described.paths import described
+from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
 from app.gui.state.presets import load_presets
 from app.gui.state.settings import load_settings
-from app.replay.recorded import recorded
 from app.report.saved import read_report
 from app.runs.progress_log import told
 from app.runs.queue_file import take_over

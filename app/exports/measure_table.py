@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from app.enhancement.parameter_grid import DEFINITIONS, METRICS, measured
+from app.exports.comparison_images import OtherMaker
+from app.exports.shots import Panes, made
+from app.exports.sizing import Sizing
 from app.files.atomic import together, write_bytes
 from app.files.provenance import provenance, write_sidecar
-from app.gui.work.others import OtherMaker
-from app.gui.work.shots import Panes, made
-from app.gui.work.sizing import Sizing
 from enhance.ridges import field_of_view, vessel_mask
 
 Row = dict[str, Any]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from typing import Any
 
+from app.exports.page import Panel, sheet
 from app.files.stepping import retold
-from app.gui.work.page import Panel, sheet
 from app.scenes import view_request
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import ON_CPU, Draw, draw_on_cpu

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.exports.exporting import ExportRequest, Step, picture_facts
 from app.files.provenance import provenance, write_png
 from app.files.timestamp import stamp
-from app.gui.work.exporting import ExportRequest, Step, picture_facts
 from renderer.clip import ByteImage
 
 

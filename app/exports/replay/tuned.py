@@ -11,10 +11,10 @@ from pydantic.dataclasses import dataclass
 from app.enhancement.contact_sheet import contact_sheet, tile
 from app.enhancement.parameter_grid import Setting, tried
 from app.errors import UserError
+from app.exports.replay.recorded import Facts, again
+from app.exports.replay.sources import Named, Sources
 from app.files.image_series import open_series
 from app.files.provenance import write_png
-from app.replay.recorded import Facts, again
-from app.replay.sources import Named, Sources
 from app.runs.run_folder import RecordedLook
 from enhance.surround import inside
 

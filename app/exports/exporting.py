@@ -7,17 +7,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from app.exports.comparison_images import OtherMaker
+from app.exports.measure_table import measured_rows, write_measures
+from app.exports.page import Panel, sheet
+from app.exports.shots import Panes
+from app.exports.view_pages import Views, drawn_panel, steady, video_facts, view_pages
 from app.files.atomic import filled, together
 from app.files.image_series import timing_of
 from app.files.provenance import provenance, source, write_png, write_sidecar
 from app.files.stepping import retold
 from app.files.timestamp import stamp
 from app.files.video import Timing, write_frames
-from app.gui.work.measure_table import measured_rows, write_measures
-from app.gui.work.others import OtherMaker
-from app.gui.work.page import Panel, sheet
-from app.gui.work.shots import Panes
-from app.gui.work.view_pages import Views, drawn_panel, steady, video_facts, view_pages
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.view_request import view_facts
 from app.scenes.view_selection import FRAMES_PER_SECOND

@@ -14,11 +14,11 @@ import pytest
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.settable import Scope
+from app.exports.replay import replay
+from app.exports.replay.difference import difference
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
 from app.gui.work.opening import OpenRequest, open_path
-from app.replay import replay
-from app.replay.difference import difference
 from app.scenes.free_camera import FreeView
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
@@ -257,7 +257,7 @@ def test_sources_are_looked_up_by_bare_names_alone(
     shutil.copyfile(folder / "1.png", tmp_path / "1.png")
     changed(out, source=read_provenance(out)["source"] | {"name": name})
     looked_at: list[Path] = []
-    monkeypatch.setattr("app.replay.sources.digests", lambda path: [looked_at.append(path)])
+    monkeypatch.setattr("app.exports.replay.sources.digests", lambda path: [looked_at.append(path)])
     call = vesselsplat("replay", out)
     assert call.code == 2
     assert call.error.count("\n") == 1

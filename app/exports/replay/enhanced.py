@@ -13,12 +13,12 @@ from pydantic.dataclasses import dataclass
 
 from app.enhancement.methods import METHODS, LookEnhancer, apply
 from app.errors import UserError
+from app.exports.replay.recorded import Facts, again
+from app.exports.replay.sources import Named, Sources
 from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import Series, open_series
 from app.files.provenance import write_sidecar
 from app.files.video import write_video
-from app.replay.recorded import Facts, again
-from app.replay.sources import Named, Sources
 from app.runs.run_folder import RecordedLook
 from enhance import Statistics
 from enhance.surround import inside

@@ -14,18 +14,18 @@ from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import METHODS
 from app.enhancement.settable import Scope
 from app.errors import UserError
+from app.exports.comparison_images import OtherMaker
+from app.exports.measure_table import MADE_AGAIN, measured_rows, write_measures
+from app.exports.page import sheet
+from app.exports.replay.drawn import at, drawer_of, scene_of, view_of
+from app.exports.replay.recorded import Facts, again
+from app.exports.replay.sources import Named, Sources
+from app.exports.shots import Arrangement, Panes, Shot
+from app.exports.sizing import Sizing
+from app.exports.view_pages import drawn_panel, view_pages
 from app.files.image_series import timing_of
 from app.files.provenance import write_png, write_sidecar
 from app.files.video import Timing, write_video
-from app.gui.work.measure_table import MADE_AGAIN, measured_rows, write_measures
-from app.gui.work.others import OtherMaker
-from app.gui.work.page import sheet
-from app.gui.work.shots import Arrangement, Panes, Shot
-from app.gui.work.sizing import Sizing
-from app.gui.work.view_pages import drawn_panel, view_pages
-from app.replay.drawn import at, drawer_of, scene_of, view_of
-from app.replay.recorded import Facts, again
-from app.replay.sources import Named, Sources
 from app.runs.run_folder import RecordedLook
 from app.scenes.scene import Scene
 from renderer.clip import Clip

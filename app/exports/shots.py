@@ -10,9 +10,9 @@ import numpy as np
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import Look
-from app.gui.work.others import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
-from app.gui.work.page import INK, Panel, describe, sheet
-from app.gui.work.sizing import Sizing
+from app.exports.comparison_images import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
+from app.exports.page import INK, Panel, describe, sheet
+from app.exports.sizing import Sizing
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.scene import Scene

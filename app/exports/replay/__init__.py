@@ -12,14 +12,14 @@ from pydantic import ValidationError
 
 from app.console.flags import problem
 from app.errors import UserError
+from app.exports.replay.difference import Difference, difference
+from app.exports.replay.drawn import remake_depth, remake_render, remake_splats, remake_video
+from app.exports.replay.enhanced import remake_enhanced, remake_enhanced_video
+from app.exports.replay.panes import remake_measures, remake_panes, remake_panes_video, remake_view_video
+from app.exports.replay.recorded import Facts, recorded
+from app.exports.replay.sources import Sources
+from app.exports.replay.tuned import remake_tuning_sheet
 from app.files.provenance import libraries, version
-from app.replay.difference import Difference, difference
-from app.replay.drawn import remake_depth, remake_render, remake_splats, remake_video
-from app.replay.enhanced import remake_enhanced, remake_enhanced_video
-from app.replay.panes import remake_measures, remake_panes, remake_panes_video, remake_view_video
-from app.replay.recorded import Facts, recorded
-from app.replay.sources import Sources
-from app.replay.tuned import remake_tuning_sheet
 
 Remake = Callable[[Facts, Sources, Path], str | None]
 """What a file says of itself and where its sources lie, to the file made again at a path; it tells the

@@ -16,6 +16,9 @@ from imgui_bundle import imgui
 
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.parameter_grid import METRICS
+from app.exports.comparison_images import DifferenceRequest, heat_map
+from app.exports.exporting import Exporting, export
+from app.exports.sizing import Sizing
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
 from app.gui.actions import actions, comparing, export_actions
@@ -26,9 +29,6 @@ from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES
 from app.gui.state.panes import pane
 from app.gui.state.settings import Places, Settings
-from app.gui.work.exporting import Exporting, export
-from app.gui.work.others import DifferenceRequest, heat_map
-from app.gui.work.sizing import Sizing
 from app.runs.clip_selection import ClipPart
 from app.scenes.color_bar import LEAST_HEIGHT
 from assets import phantom_path
