@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from app import view_flags
+from app.commands import view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.scene_splats import of_degree, splat_file

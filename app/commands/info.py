@@ -50,8 +50,8 @@ def run(flags: argparse.Namespace) -> None:
 
 def _describe(path: Path, *, as_json: bool) -> None:
     # Readers load OpenCV and more, which the versions alone do not need.
-    from app.described.fact import as_text, as_values
-    from app.described.paths import described
+    from app.commands.described.fact import as_text, as_values
+    from app.commands.described.paths import described
 
     facts = described(path)
     sys.stdout.write(strict_json(as_values(facts)) + "\n" if as_json else as_text(facts))

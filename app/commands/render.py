@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app import view_flags
+from app.commands import view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.files.atomic import filled

@@ -14,9 +14,9 @@ import cv2
 import numpy as np
 import pytest
 
+from app.gui.session_file import Session, SessionSource, write_session
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
-from app.sessions import Session, SessionSource, write_session
 from renderer.phantom import PhantomParams, write_phantom
 from tests.app.conftest import CONFIG, Call, request_of, tissue
 from tests.renderer.eyes import write_eyes

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from app.sessions import SUFFIX
+from app.gui.session_file import SUFFIX
 from install.bundle import left_out
 from install.bundle.contents import BundleError, check, libraries
 from install.bundle.licences import collect

@@ -13,13 +13,7 @@ from pathlib import Path
 from app.errors import UserError
 from app.files.provenance import digest
 from app.gui.actions import actions, edit_actions
-from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Comparison
-from app.gui.work.background import Failure
-from app.gui.work.tuning import Choice
-from app.runs.run_edits import packed, unpacked
-from app.scenes.free_camera import FreeView
-from app.sessions import (
+from app.gui.session_file import (
     MOST_STEPS,
     SUFFIX,
     ComparedAs,
@@ -32,6 +26,12 @@ from app.sessions import (
     recoverable,
     write_session,
 )
+from app.gui.state.app_state import AppState
+from app.gui.state.comparison import Comparison
+from app.gui.work.background import Failure
+from app.gui.work.tuning import Choice
+from app.runs.run_edits import packed, unpacked
+from app.scenes.free_camera import FreeView
 from renderer.camera import Camera
 from renderer.json_files import parsed
 from renderer.view_files import views_json, views_of

@@ -11,6 +11,7 @@ from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.enhancement.methods import Look
 from app.enhancement.settable import Scope, Slot
 from app.exports.comparison_images import Difference, Other
+from app.gui.session_file import Session
 from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
 from app.gui.state.chosen import Chosen
@@ -37,7 +38,6 @@ from app.scenes.scene import Scene
 from app.scenes.view_kinds import ViewKind
 from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import View
-from app.sessions import Session
 from enhance import EnhanceParams
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

@@ -11,7 +11,7 @@ from app.gui.actions import actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.opening_work import Patience
 from app.gui.work.background import Channel, Failure, NewestChannel
-from app.gui.work.taking_up import TakenUp, TakeUpRequest, take_up
+from app.gui.work.restore_queue import TakenUp, TakeUpRequest, take_up
 from app.runs.queue_file import keep_queue, queue_file
 from app.runs.train_run import TrainRequest
 

@@ -9,6 +9,7 @@ from typing import Final
 
 from app.errors import UserError
 from app.files.provenance import digests
+from app.gui.session_file import SUFFIX, Session, mended_session
 from app.gui.work.reported import Reported, read
 from app.report.saved import holds_report, is_report
 from app.runs.progress_log import Told, told
@@ -16,7 +17,6 @@ from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
 from app.scenes.scene import Scene, Training, finished_scene, is_splat_file, run_scene, splat_scene
-from app.sessions import SUFFIX, Session, mended_session
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians

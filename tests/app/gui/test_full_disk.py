@@ -16,11 +16,11 @@ from pathlib import Path
 import pytest
 
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
+from app.gui.session_file import autosave_path, read_session
 from app.gui.state.presets import load_presets, presets_file
 from app.gui.state.settings import Places, load_settings
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
-from app.sessions import autosave_path, read_session
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from tests.app.gui.test_trouble import App

@@ -17,6 +17,7 @@ from app.enhancement.settable import LONGEST_NAME, LONGEST_NOTES, MAX_ZOOM, MIN_
 from app.errors import UserError
 from app.gui.actions import actions, path_actions, preset_actions, session_actions
 from app.gui.actions.session_actions import snapshot
+from app.gui.session_file import MOST_STEPS, SESSION, Session, SessionSource, mended_session
 from app.gui.state.app_state import AppState
 from app.gui.state.clip_settings import FILE, load_clips
 from app.gui.state.presets import MOST_PRESETS, load_presets
@@ -26,7 +27,6 @@ from app.gui.work.opening import Opened
 from app.runs.clip_selection import ClipPart
 from app.runs.queue_file import MOST_WAITING, keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
-from app.sessions import MOST_STEPS, SESSION, Session, SessionSource, mended_session
 from enhance import EnhanceParams
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera

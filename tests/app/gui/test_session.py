@@ -21,6 +21,14 @@ from app.errors import UserError
 from app.gui.actions import actions, clip_actions, comparing, edit_actions, history_actions, session_actions
 from app.gui.actions.session_actions import snapshot
 from app.gui.panels.session import draw_notes, draw_recovery
+from app.gui.session_file import (
+    Session,
+    UnsavedEdits,
+    autosave_path,
+    read_session,
+    recoverable,
+    write_session,
+)
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
 from app.gui.state.settings import Places, Settings
@@ -30,14 +38,6 @@ from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.tuning import Choice
 from app.runs.clip_selection import WHOLE
 from app.scenes.free_camera import FreeView
-from app.sessions import (
-    Session,
-    UnsavedEdits,
-    autosave_path,
-    read_session,
-    recoverable,
-    write_session,
-)
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -18,6 +18,7 @@ from app.files.provenance import digest
 from app.gui.actions import actions, queue_actions, session_actions
 from app.gui.actions.session_actions import WriteRequest
 from app.gui.panels.overlays import draw_banner
+from app.gui.session_file import Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.state.settings import Places, Settings
@@ -26,7 +27,6 @@ from app.gui.update.update import Channels, update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.runs.train_run import TrainRequest
-from app.sessions import Session, SessionSource, write_session
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig

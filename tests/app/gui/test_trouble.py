@@ -14,12 +14,12 @@ import pytest
 from app.files.provenance import read_provenance
 from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
+from app.gui.session_file import autosave_path, read_session
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
-from app.sessions import autosave_path, read_session
 from assets import phantom_path
 from enhance import EnhanceParams
 from renderer.phantom import PhantomParams, write_phantom

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.described.paths import described
+from app.commands.described.paths import described
 from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
+from app.gui.session_file import mended_session
 from app.gui.state.presets import load_presets
 from app.gui.state.settings import load_settings
 from app.report.saved import read_report
@@ -17,7 +18,6 @@ from app.runs.queue_file import take_over
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder
-from app.sessions import mended_session
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from renderer.readers.clip_options import ClipOptions

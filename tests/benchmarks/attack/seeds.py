@@ -12,6 +12,15 @@ from PIL import Image
 
 from app.__main__ import main
 from app.enhancement.image_mask import PictureMask
+from app.gui.session_file import (
+    ComparedAs,
+    FreeCamera,
+    Session,
+    SessionSource,
+    UnsavedEdits,
+    Varied,
+    write_session,
+)
 from app.gui.state.presets import save_presets
 from app.gui.state.settings import Settings, save_settings
 from app.runs.clip_selection import ClipPart
@@ -19,7 +28,6 @@ from app.runs.queue_file import keep_queue
 from app.runs.run_edits import packed, save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
-from app.sessions import ComparedAs, FreeCamera, Session, SessionSource, UnsavedEdits, Varied, write_session
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera import Camera

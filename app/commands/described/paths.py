@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.described.clips import of_clip, of_video
-from app.described.fact import Fact, count, next_steps
-from app.described.files import is_export, of_export, of_json, of_run, of_session, of_splats
+from app.commands.described.clips import of_clip, of_video
+from app.commands.described.fact import Fact, count, next_steps
+from app.commands.described.files import is_export, of_export, of_json, of_run, of_session, of_splats
 from app.errors import UserError
+from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
 from app.scenes.scene import is_splat_file
-from app.sessions import SUFFIX
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import photo_folder

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.described.fact import Fact, count, next_steps
+from app.commands.described.fact import Fact, count, next_steps
 from app.files.image_files import photos_in
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame

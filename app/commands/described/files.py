@@ -8,15 +8,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from app.commands.described.fact import Fact, count, next_steps
 from app.console.flags import problem
-from app.described.fact import Fact, count, next_steps
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
+from app.gui.session_file import SESSION, SessionSource
 from app.report.saved import holds_report, read_report
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
-from app.sessions import SESSION, SessionSource
 from renderer.json_files import read_json, read_text
 from renderer.splat_files import SplatFileError, read_splats
 from renderer.splat_files.splat_records import RECORD
