@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from renderer.laps import lap_times
+from renderer.measuring.interleaved_timing import lap_times
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from app.files.provenance import strict_json
 from app.report.section import Column, Table
 from app.report.work_precision import Diagram, Point
 from app.runs.run_folder import Input
-from renderer.accuracy import Outcome
 from renderer.json_files import parsed
+from renderer.measuring.training_accuracy import Outcome
 from renderer.train.config import TrainConfig
 
 MEASURES: Final = {

@@ -24,7 +24,7 @@ from enhance.metrics import (
 )
 from enhance.ridges import vessel_mask
 from enhance.vessel import enhance_vessels
-from renderer.laps import lap_times
+from renderer.measuring.interleaved_timing import lap_times
 
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]

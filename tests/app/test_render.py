@@ -22,9 +22,9 @@ from app.scenes.renderers import Renderer, drawer
 from renderer.camera import Camera
 from renderer.draw.offscreen import render_offscreen
 from renderer.draw.splat_view import Precision
+from renderer.measuring.raster_accuracy import exact
 from renderer.metrics import psnr
 from renderer.near_plane import near_plane
-from renderer.rasterize.accuracy import exact
 from renderer.rasterize.cpu import render
 from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes

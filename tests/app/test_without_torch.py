@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import enhance.stability
-import renderer.stability
+import renderer.measuring.stability
 from app.report.bench import Bench, Clock
 from app.report.measures import drawing, stability
-from renderer.stability import BY_TORCH
+from renderer.measuring.stability import BY_TORCH
 from renderer.torch_presence import NO_TORCH
 from tests.app.conftest import CONFIG, ROOT
 
@@ -184,8 +184,12 @@ def hidden(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_report_keeps_the_stability_rows_that_need_no_oracle(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    slow = {name: lambda *_: () for name in renderer.stability.PARTS if name not in ("overlap", *BY_TORCH)}
-    monkeypatch.setattr(renderer.stability, "PARTS", renderer.stability.PARTS | slow)
+    slow = {
+        name: lambda *_: ()
+        for name in renderer.measuring.stability.PARTS
+        if name not in ("overlap", *BY_TORCH)
+    }
+    monkeypatch.setattr(renderer.measuring.stability, "PARTS", renderer.measuring.stability.PARTS | slow)
     monkeypatch.setattr(enhance.stability, "PARTS", {})
     section = stability.measure(bench, Clock.of(600))
     assert any(NO_TORCH in line for line in section.not_measured)

@@ -10,10 +10,10 @@ import sys
 from pathlib import Path
 
 from app.runs.run_folder import RunFolder
-from renderer.draw.accuracy import Row, keyframes, opengl
 from renderer.draw.context import renderer_name, standalone_context
+from renderer.measuring.drawing_accuracy import Row, keyframes, opengl
+from renderer.measuring.raster_accuracy import exact
 from renderer.near_plane import middle_distance, near_plane
-from renderer.rasterize.accuracy import exact
 
 
 def main(run_path: Path, frame: int) -> None:

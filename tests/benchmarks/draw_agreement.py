@@ -18,8 +18,8 @@ from app.runs.run_folder import RunFolder
 from renderer.draw.context import renderer_name, standalone_context
 from renderer.draw.offscreen import render_offscreen
 from renderer.gaussians import DynamicGaussians
+from renderer.measuring.raster_accuracy import exact
 from renderer.near_plane import near_plane
-from renderer.rasterize.accuracy import exact
 from renderer.rasterize.cpu import render
 
 BARS = {"gl float": 75.0, "gl half": 60.0, "numba": 75.0}

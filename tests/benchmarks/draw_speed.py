@@ -2,7 +2,7 @@
 
 python -m tests.benchmarks.draw_speed [SPLATS ...]
 
-The scene is that of renderer.scattered. sort: depths and order; upload: the order to the driver; draw: all
+The scene is that of renderer.measuring.scattered. sort: depths and order; upload: the order to the driver; draw: all
 splats into a target of half floats on a card, of floats on a software driver; resolve: that over the
 background. "whole": a frame after the camera moved. numba: from the splats to the picture, all threads.
 Medians; quarter: half of the distance between the quartiles of the whole.
@@ -23,8 +23,8 @@ from renderer.draw.context import is_software, renderer_name, standalone_context
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import depth_order
 from renderer.draw.splat_view import SplatView
+from renderer.measuring.scattered import scattered
 from renderer.rasterize.cpu import BLACK, Rasterizer
-from renderer.scattered import scattered
 from renderer.splats import Splats
 
 COUNTS = (10_000, 30_000, 100_000, 500_000)

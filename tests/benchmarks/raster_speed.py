@@ -1,6 +1,6 @@
 """How fast the CPU rasteriser is: forward and backward, in units of one numpy.exp over 10 million float32.
 
-The scene is that of renderer.scattered. The unit is measured in the same process, single thread, into a given
+The scene is that of renderer.measuring.scattered. The unit is measured in the same process, single thread, into a given
 array; rounds alternate, so that a busy machine slows both alike. Memory is what a first picture of 50k adds
 to the peak of the process after its imports, kernels and scene included.
 """
@@ -14,8 +14,8 @@ from time import perf_counter
 
 import numpy as np
 
+from renderer.measuring.scattered import scattered
 from renderer.rasterize.cpu import Rasterizer
-from renderer.scattered import scattered
 
 SCENES = ((640, 512, 10_000), (640, 512, 50_000), (640, 512, 100_000), (1280, 1024, 50_000))
 ROUNDS = 15

@@ -28,7 +28,7 @@ from app.report.plots import write_diagrams
 from app.report.work_precision import pareto_front
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, input_clip, run_training
-from renderer.accuracy import KNOBS, outcome, settings
+from renderer.measuring.training_accuracy import KNOBS, outcome, settings
 from renderer.phantom import Phantom, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig

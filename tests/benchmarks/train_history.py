@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from app.runs.train_run import TrainRequest, run_training
-from renderer.accuracy import outcome
+from renderer.measuring.training_accuracy import outcome
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Finished

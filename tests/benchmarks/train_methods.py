@@ -19,7 +19,7 @@ import numpy as np
 from app.report.bench import PHANTOM
 from app.report.measures.training import schedule
 from app.runs.train_run import TrainRequest, run_training
-from renderer.accuracy import Outcome, outcome
+from renderer.measuring.training_accuracy import Outcome, outcome
 from renderer.phantom import write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig

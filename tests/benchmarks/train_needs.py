@@ -2,7 +2,7 @@
 
 python -m tests.benchmarks.train_needs [PAIR ...] [--seeds N] [--iterations N]
 
-See renderer.left_out for what the columns are. `vesselsplat report --parts left_out` does the same, shorter.
+See renderer.measuring.ablation for what the columns are. `vesselsplat report --parts left_out` does the same, shorter.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Literal
 
 import numpy as np
 
-from renderer.left_out import Side, compared
+from renderer.measuring.ablation import Side, compared
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig

@@ -8,8 +8,8 @@ from itertools import count
 import numpy as np
 import pytest
 
-from renderer.accuracy import measured
 from renderer.clip import Clip
+from renderer.measuring.training_accuracy import measured
 from renderer.train import held_out
 from renderer.train.events import Evaluated, Finished
 from renderer.train.held_out import MOST, SHARE, HeldOut

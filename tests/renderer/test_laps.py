@@ -3,7 +3,7 @@ from __future__ import annotations
 from functools import partial
 from time import perf_counter
 
-from renderer.laps import lap_times
+from renderer.measuring.interleaved_timing import lap_times
 
 
 def test_works_take_turns_and_the_first_lap_does_not_count() -> None:

@@ -11,9 +11,9 @@ import pytest
 
 from renderer.clip import ClipError
 from renderer.draw.offscreen import render_offscreen
-from renderer.stability import PARTS, blending, learning, runs, stability
-from renderer.stability.blending import pictures
-from renderer.stability.row import Row, worst
+from renderer.measuring.stability import PARTS, blending, learning, runs, stability
+from renderer.measuring.stability.blending import pictures
+from renderer.measuring.stability.row import Row, worst
 from renderer.train import guards, model
 from renderer.train.config import Method
 from renderer.train.trainer import TrainingError

@@ -17,9 +17,9 @@ from renderer.camera import Camera
 from renderer.draw import accuracy as opengl_accuracy
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 from renderer.gaussians import DynamicGaussians
+from renderer.measuring.raster_accuracy import exact
 from renderer.near_plane import middle_distance, near_plane
 from renderer.rasterize import accuracy as cpu_accuracy
-from renderer.rasterize.accuracy import exact
 from renderer.splats import Splats
 from renderer.torch_presence import NO_TORCH, has_torch
 

@@ -18,10 +18,10 @@ from enhance import Enhancer, enhance
 from renderer.clip import Clip
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 from renderer.draw.splat_view import SplatView
-from renderer.left_out import step_times
+from renderer.measuring.ablation import step_times
+from renderer.measuring.scattered import scattered
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.rasterize.cpu import Rasterizer
-from renderer.scattered import scattered
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished

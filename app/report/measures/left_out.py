@@ -18,7 +18,7 @@ from app.report.section import Cell, Column, Section, Table
 from enhance import EnhanceParams, Enhancer, EnhanceResult
 from enhance.accuracy import omissions
 from renderer.clip import Clip, ClipError
-from renderer.left_out import Side, compared
+from renderer.measuring.ablation import Side, compared
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip

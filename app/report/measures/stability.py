@@ -8,15 +8,15 @@ from functools import partial
 from moderngl import Context
 
 import enhance.stability
-import renderer.stability
+import renderer.measuring.stability
 from app.report.bench import Bench, Clock
 from app.report.measures.enhancement import photo
 from app.report.section import Cell, Column, Section, Table
 from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, standalone_context
 from renderer.draw.offscreen import render_offscreen
+from renderer.measuring.stability.row import Row
 from renderer.splats import Float32Array, Splats
-from renderer.stability.row import Row
 from renderer.torch_presence import NO_TORCH, has_torch
 
 COLUMNS = (
@@ -44,9 +44,9 @@ def measure(bench: Bench, clock: Clock) -> Section:
         context = standalone_context()
     except OpenGLUnavailable as error:
         missing.append(f"drawing with OpenGL: {error}")
-        rows = _cells(renderer.stability.stability())
+        rows = _cells(renderer.measuring.stability.stability())
     else:
-        rows = _cells(renderer.stability.stability(partial(_drawn, context)))
+        rows = _cells(renderer.measuring.stability.stability(partial(_drawn, context)))
         context.release()
     tables["Reconstruction and drawing"] = rows
     failed = [row for rows in tables.values() for row in rows if row[5] is False]

@@ -11,8 +11,8 @@ from app.report.outcomes import Run, diagrams, grouped, setting_of, table
 from app.report.section import Plate, Section
 from app.runs.run_folder import Input
 from app.runs.wall_clock import WALL
-from renderer.accuracy import outcome
 from renderer.clip import Clip
+from renderer.measuring.training_accuracy import outcome
 from renderer.train.config import Method, TrainConfig
 from renderer.train.trainer import TrainingError
 

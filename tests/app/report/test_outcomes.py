@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from app.report.outcomes import Run, diagrams, setting_of, table
-from renderer.accuracy import Outcome
+from renderer.measuring.training_accuracy import Outcome
 from renderer.train.config import TrainConfig
 
 OUTCOME = Outcome(

@@ -10,7 +10,7 @@ from tests.benchmarks.stability_faults.faults import Change, Fault, edited, repl
 
 PROJECTION, TILES = "renderer.projection", "renderer.rasterize.tiles"
 BINNING, CPU, HARMONICS = "renderer.rasterize.binning", "renderer.rasterize.cpu", "renderer.harmonics"
-BLENDING = "renderer.stability.blending"
+BLENDING = "renderer.measuring.stability.blending"
 DRAWN, SLOPES = ("projection", "pictures"), ("gradients",)
 BROKEN = ("broken splat",)
 

@@ -11,14 +11,14 @@ from functools import cache, partial
 from moderngl import Context
 
 import enhance.stability
-import renderer.stability
+import renderer.measuring.stability
 from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, standalone_context
 from renderer.draw.offscreen import render_offscreen
+from renderer.measuring.stability import blending, exact, runs
+from renderer.measuring.stability.row import Row
+from renderer.measuring.stability.scenes import SCENES
 from renderer.splats import Float32Array, Splats
-from renderer.stability import blending, exact, runs
-from renderer.stability.row import Row
-from renderer.stability.scenes import SCENES
 from tests.benchmarks.stability_faults import drawing, enhancement, equations, learning, motion
 from tests.benchmarks.stability_faults import runs as whole_runs
 from tests.benchmarks.stability_faults.faults import Fault
@@ -61,7 +61,7 @@ class Outcome:
 def parts() -> dict[str, Callable[[], Iterable[AnyRow]]]:
     """The table's rows, by what they are of."""
     picture = vessels(96, 130)
-    found: dict[str, Callable[[], Iterable[AnyRow]]] = dict(renderer.stability.PARTS)
+    found: dict[str, Callable[[], Iterable[AnyRow]]] = dict(renderer.measuring.stability.PARTS)
     found["OpenGL"] = _opengl
     for name, part in enhance.stability.PARTS.items():
         found[f"enhancement, {name}"] = partial(part, picture)

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from renderer.deformation.spline_motion import SplineMotion
-from renderer.draw.accuracy import EXPORT, keyframes, opengl
 from renderer.gaussians import DynamicGaussians
-from renderer.rasterize.accuracy import exact
+from renderer.measuring.drawing_accuracy import EXPORT, keyframes, opengl
+from renderer.measuring.raster_accuracy import exact
 from renderer.raw_gaussians import RawGaussians
 from tests.renderer.scenes import random_splats, turned_camera
 

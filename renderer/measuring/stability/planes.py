@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from renderer.deformation.heads import Heads
 from renderer.deformation.hexplane import LANES, Layout, lines_at, sample, time_taps, within_box
 from renderer.deformation.hexplane_motion import HexplaneMotion
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import noisy_gradients, ordinary, raw_of
 from renderer.raw_gaussians import RawGaussians
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import noisy_gradients, ordinary, raw_of
 from renderer.stored_arrays import Arrays
 from renderer.train.hexplane_trainer import FIXED, HexplaneRates, HexplaneTrainer
 from renderer.train.rates import Rate

@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import Frame
+from renderer.measuring.stability.exact_loss import ExactLoss
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import CAMERA, NEAR, ordinary
 from renderer.rasterize.cpu import Rasterizer
 from renderer.rasterize.tiles import (
     BY_BLUE,
@@ -23,9 +26,6 @@ from renderer.rasterize.tiles import (
     PLANE_RED,
     TOTAL,
 )
-from renderer.stability.exact_loss import ExactLoss
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import CAMERA, NEAR, ordinary
 from renderer.train.frames import train_frame
 from renderer.train.losses import LossWeights, picture_loss
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
+from renderer.measuring.stability.scenes import CAMERA, NEAR, SCENES, camera_of
 from renderer.splats import Splats
-from renderer.stability.scenes import CAMERA, NEAR, SCENES, camera_of
 
 if TYPE_CHECKING:
     from torch import Tensor

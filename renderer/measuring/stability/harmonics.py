@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.harmonics import harmonics_backward, seen_colors
-from renderer.stability.row import Row, worst
+from renderer.measuring.stability.row import Row, worst
 
 FloatArray = NDArray[np.float64]
 HAZARD = "spherical harmonics"

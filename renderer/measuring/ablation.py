@@ -11,7 +11,7 @@ import numpy as np
 
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
-from renderer.laps import lap_times
+from renderer.measuring.interleaved_timing import lap_times
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Started, TrainEvent
 from renderer.train.frame_store import FrameStore

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from renderer.clip import Frame
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
+from renderer.measuring.stability.exact_loss import ExactLoss
+from renderer.measuring.stability.harmonics import definition
+from renderer.measuring.stability.losses import SHAPE, frame
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import TURNED, elsewhere, joined, ordinary, raw_of, splat
 from renderer.near_plane import NEAR_SHARE
 from renderer.raw_gaussians import RawGaussians
-from renderer.stability.exact_loss import ExactLoss
-from renderer.stability.harmonics import definition
-from renderer.stability.losses import SHAPE, frame
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import TURNED, elsewhere, joined, ordinary, raw_of, splat
 from renderer.train.config import Method, TrainConfig
 from renderer.train.frames import train_frame
 from renderer.train.losses import LossWeights

@@ -19,7 +19,7 @@ from renderer.draw.offscreen import read_image
 from renderer.draw.sorting import DepthKeys
 from renderer.draw.splat_view import EXACT_CUT, Cut, Precision, SplatView
 from renderer.gaussians import DynamicGaussians
-from renderer.laps import lap_times
+from renderer.measuring.interleaved_timing import lap_times
 from renderer.splats import Splats
 
 EXPORT: Final = "float target, float32 keys"

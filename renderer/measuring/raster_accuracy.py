@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.laps import lap_times
+from renderer.measuring.interleaved_timing import lap_times
 from renderer.projection import ALPHA_CUT, HALF_HEIGHT, HALF_WIDTH, LOG2_OPACITY
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.splats import Float32Array, Splats

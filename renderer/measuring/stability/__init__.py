@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final, get_args
 
-from renderer.stability import (
+from renderer.measuring.stability import (
     blending,
     bumps,
     harmonics,
@@ -18,8 +18,8 @@ from renderer.stability import (
     runs,
     steps,
 )
-from renderer.stability.blending import Draw
-from renderer.stability.row import Row
+from renderer.measuring.stability.blending import Draw
+from renderer.measuring.stability.row import Row
 from renderer.torch_presence import has_torch
 from renderer.train.config import Method
 

@@ -18,10 +18,10 @@ import numpy as np
 
 from renderer.clip import Clip, ClipError, Frame
 from renderer.gaussians import DynamicGaussians
+from renderer.measuring.stability.row import Row
 from renderer.near_plane import NEAR_SHARE
 from renderer.phantom import Phantom, PhantomParams
 from renderer.rasterize.cpu import render
-from renderer.stability.row import Row
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
 from renderer.train.initialize import scene_size

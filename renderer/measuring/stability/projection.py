@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import NEAR, SCENES, camera_of
 from renderer.projection import (
     CENTER_X,
     CENTER_Y,
@@ -22,8 +24,6 @@ from renderer.projection import (
     project,
 )
 from renderer.splats import Splats
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import NEAR, SCENES, camera_of
 
 DIGITS: Final = 50
 GUARD: Final = 0.15

@@ -18,9 +18,9 @@ from renderer.deformation.fdm import (
     FlexibleMotion,
     add_bumps,
 )
-from renderer.stability import exact_adam
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import noisy_gradients, ordinary, raw_of
+from renderer.measuring.stability import exact_adam
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import noisy_gradients, ordinary, raw_of
 from renderer.train.flexible_trainer import FlexibleRates, FlexibleTrainer
 from renderer.train.rates import Rate
 

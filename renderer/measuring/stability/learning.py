@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ClipError, Frame
+from renderer.measuring.stability import exact_adam
+from renderer.measuring.stability.losses import SHAPE, frame
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import CAMERA, ordinary, raw_of
 from renderer.raw_gaussians import RawGaussians
-from renderer.stability import exact_adam
-from renderer.stability.losses import SHAPE, frame
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import CAMERA, ordinary, raw_of
 from renderer.train.adam import corrected_rate, update_rows
 from renderer.train.config import TrainConfig
 from renderer.train.densify import Densifier, DensityControl, Plan

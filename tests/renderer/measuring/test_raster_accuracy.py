@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from renderer.rasterize.accuracy import Row, accuracy, exact
+from renderer.measuring.raster_accuracy import Row, accuracy, exact
 from tests.renderer.scenes import random_splats, turned_camera
 
 CAMERA = turned_camera(96, 80)

@@ -11,12 +11,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
+from renderer.measuring.stability.exact import BACKDROP, NAMES, Exact, exact, loss, of_scene, slopes
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import CAMERA, NEAR, SCENES, camera_of, joined, ordinary, stacked
 from renderer.rasterize.cpu import Gradients, Rasterizer, Rendered, render
 from renderer.rasterize.exp2 import exp2
 from renderer.splats import Float32Array, Splats
-from renderer.stability.exact import BACKDROP, NAMES, Exact, exact, loss, of_scene, slopes
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import CAMERA, NEAR, SCENES, camera_of, joined, ordinary, stacked
 
 Draw = Callable[[Splats, Camera, float], Float32Array]
 """Splats, camera and near plane to a picture (H, W, 3) over black."""

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from renderer.accuracy import motion_rmse, outcome, settings
 from renderer.gaussians import DynamicGaussians
+from renderer.measuring.training_accuracy import motion_rmse, outcome, settings
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.raw_gaussians import RawGaussians
 from renderer.sources import open_clip

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from renderer.deformation.nodes import attach, node_grid
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
+from renderer.measuring.stability import exact_adam
+from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import CAMERA, noisy_gradients, ordinary, raw_of
 from renderer.raw_gaussians import RawGaussians
-from renderer.stability import exact_adam
-from renderer.stability.row import Row, worst
-from renderer.stability.scenes import CAMERA, noisy_gradients, ordinary, raw_of
 from renderer.train.rates import Rate
 from renderer.train.spline_trainer import CURVES, SplineRates, SplineTrainer
 
