@@ -6,9 +6,8 @@ import argparse
 from collections.abc import Sequence
 
 from app.errors import UserError
-from app.evaluation.evaluate import run_clip
+from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_folder import RunFolder
-from app.runs.train_run import input_clip
 from app.scenes.photos import PhotoRequest
 from app.scenes.scene import Scene, is_splat_file
 from app.scenes.view_kinds import EXPLAINED

@@ -16,9 +16,9 @@ from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.evaluation.render_timing import REPEATS, Stopwatch
 from app.runs.memory import peak_memory_mb
+from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import edits_facts, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
-from app.runs.train_run import input_clip
 from app.runs.wall_clock import STEPS, WALL
 from app.scenes.cpu_rendering import Drawn
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
@@ -28,7 +28,6 @@ from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
 from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
 from renderer.readers.endonerf import OUTLIER
-from renderer.sources import open_clip
 from renderer.torch_presence import NO_TORCH, has_torch
 from renderer.train.config import CHOSEN
 from renderer.train.methods import departures
@@ -187,15 +186,6 @@ def open_evaluation(run_path: Path, weights: Path | None = None, *, edited: bool
         model, facts = edits.applied(model), {"measured": True} | edits_facts(edits).get("edits", {})
     clip = run_clip(record)
     return Evaluation(run, record, clip, input_clip(clip, record), model, find_lpips(weights), facts)
-
-
-def run_clip(record: RunRecord) -> Clip:
-    """The part of the clip that the run was trained on. Raises UserError when it is not the same any more."""
-    path = Path(record.clip.path)
-    clip = open_clip(path, record.clip.options)
-    if not record.clip.is_of(path):
-        raise UserError(f"expected the clip that the run was trained on, its files have changed: {path}")
-    return record.clip.part.of(clip)
 
 
 def lpips_folder() -> Path:

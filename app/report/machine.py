@@ -11,7 +11,7 @@ from typing import Any
 import psutil
 from numba import get_num_threads
 
-from app.commands.info import collect
+from app.runs.system_info import collect
 
 
 def machine() -> dict[str, Any]:

@@ -14,8 +14,9 @@ from app.report.dvbv import STATISTICS, PixelSets, Ratios, Rise, published, rise
 from app.report.measures.training import SEEDS, schedule
 from app.report.runs import Trained
 from app.report.section import Cell, Column, Table
+from app.runs.run_clip import enhanced_clip
 from app.runs.run_folder import Input
-from app.runs.train_run import RECONSTRUCTION_PARAMS, Measured, enhanced_clip, pooled
+from app.runs.train_run import RECONSTRUCTION_PARAMS, Measured, pooled
 from app.scenes.cpu_rendering import Drawn
 from renderer.clip import Clip
 from renderer.near_plane import near_plane

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
-from app.enhancement.methods import PAPER, VESSEL, Look, LookEnhancer, Preset, measure_for, preset_of
+from app.enhancement.methods import PAPER, VESSEL, Look, Preset, measure_for, preset_of
 from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
 from app.files.provenance import digest, version
@@ -22,13 +22,14 @@ from app.runs.device import Asked, Choice, Device, choose, pictures_on
 from app.runs.memory import peak_memory_mb
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
 from app.runs.resource_check import planned_in
+from app.runs.run_clip import input_clip
 from app.runs.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
 from app.runs.run_lock import held
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera_motion import camera_notice
-from renderer.clip import ByteImage, Clip, Frame
+from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip, require_depth_source
 from renderer.train.checkpoint import read_newest_checkpoint
@@ -163,22 +164,6 @@ def _told(
             facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
             run.log(told, **facts)
         yield told
-
-
-def input_clip(clip: Clip, record: RunRecord) -> Clip:
-    """The clip with the photos that the run was trained on: its own, or the same enhanced again."""
-    return enhanced_clip(clip, record.enhancement) if record.enhancement else clip
-
-
-def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
-    """The clip with every photo enhanced, all with the same statistics."""
-
-    def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
-        enhancer = LookEnhancer()
-        enhancer.show(image)
-        return enhancer.enhance(enhancement.params, statistics=enhancement.statistics).image
-
-    return clip.with_images(enhanced, f"{clip.name} enhanced")
 
 
 def pooled(clip: Clip, params: Look, measured: Measured = "tissue") -> Enhancement:

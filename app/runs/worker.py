@@ -22,7 +22,7 @@ from renderer.clip import ClipError
 from renderer.train.events import Finished, Snapshot, TrainEvent
 
 Steps = Callable[[TrainRequest], Generator[TrainEvent, None, None]]
-"""`app.runs.train_run.run_training`, or what takes its place in tests: a function that the process can import."""
+"""`app.runs.train_run.run_training`, or what takes its place in tests: a function that can be imported."""
 Word = Literal["pause", "resume", "cancel"]
 
 

@@ -1,4 +1,4 @@
-"""The renderer of choice. Apart from `app.scenes.cpu_rendering`, since the window never loads torch, and this may."""
+"""The renderer of choice. Apart from `cpu_rendering`, since the window never loads torch, and this may."""
 
 from __future__ import annotations
 

@@ -2,9 +2,9 @@
 
 python -m tests.benchmarks.draw_speed [SPLATS ...]
 
-The scene is that of renderer.measuring.scattered. sort: depths and order; upload: the order to the driver; draw: all
-splats into a target of half floats on a card, of floats on a software driver; resolve: that over the
-background. "whole": a frame after the camera moved. numba: from the splats to the picture, all threads.
+The scene is that of renderer.measuring.scattered. sort: depths and order; upload: the order to the driver;
+draw: all splats into a target of half floats on a card, of floats on a software driver; resolve: that over
+the background. "whole": a frame after the camera moved. numba: from the splats to the picture, all threads.
 Medians; quarter: half of the distance between the quartiles of the whole.
 """
 

@@ -1,8 +1,8 @@
 """How fast the CPU rasteriser is: forward and backward, in units of one numpy.exp over 10 million float32.
 
-The scene is that of renderer.measuring.scattered. The unit is measured in the same process, single thread, into a given
-array; rounds alternate, so that a busy machine slows both alike. Memory is what a first picture of 50k adds
-to the peak of the process after its imports, kernels and scene included.
+The scene is that of renderer.measuring.scattered. The unit is measured in the same process, single thread,
+into a given array; rounds alternate, so that a busy machine slows both alike. Memory is what a first picture
+of 50k adds to the peak of the process after its imports, kernels and scene included.
 """
 
 from __future__ import annotations

@@ -26,8 +26,9 @@ from app.report.bench import PHANTOM as PARAMS
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import write_diagrams
 from app.report.work_precision import pareto_front
+from app.runs.run_clip import input_clip
 from app.runs.run_folder import RunFolder
-from app.runs.train_run import TrainRequest, input_clip, run_training
+from app.runs.train_run import TrainRequest, run_training
 from renderer.measuring.training_accuracy import KNOBS, outcome, settings
 from renderer.phantom import Phantom, write_phantom
 from renderer.sources import open_clip

@@ -2,7 +2,8 @@
 
 python -m tests.benchmarks.train_needs [PAIR ...] [--seeds N] [--iterations N]
 
-See renderer.measuring.ablation for what the columns are. `vesselsplat report --parts left_out` does the same, shorter.
+See renderer.measuring.ablation for what the columns are. `vesselsplat report --parts left_out` does the
+same, shorter.
 """
 
 from __future__ import annotations

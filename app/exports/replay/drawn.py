@@ -11,7 +11,6 @@ from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.errors import UserError
-from app.evaluation.evaluate import run_clip
 from app.exports.replay.recorded import Facts, again
 from app.exports.replay.sources import Named, NamedRun, Sources
 from app.exports.scene_splats import of_degree, splat_file
@@ -19,8 +18,8 @@ from app.files.atomic import write_bytes
 from app.files.image_files import write_image
 from app.files.provenance import write_sidecar
 from app.files.video import Timing, write_video
+from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import unpacked
-from app.runs.train_run import input_clip
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import Draw, colored_depth
 from app.scenes.photos import PhotoRequest

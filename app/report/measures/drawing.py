@@ -14,16 +14,15 @@ from app.report.measures.training import schedule
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.report.work_precision import Diagram, Point
 from renderer.camera import Camera
-from renderer.draw import accuracy as opengl_accuracy
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 from renderer.gaussians import DynamicGaussians
+from renderer.measuring import drawing_accuracy, raster_accuracy
 from renderer.measuring.raster_accuracy import exact
 from renderer.near_plane import middle_distance, near_plane
-from renderer.rasterize import accuracy as cpu_accuracy
 from renderer.splats import Splats
 from renderer.torch_presence import NO_TORCH, has_torch
 
-Row = cpu_accuracy.Row | opengl_accuracy.Row
+Row = raster_accuracy.Row | drawing_accuracy.Row
 Group = tuple[str, Sequence[Row], tuple[Column, ...]]
 """Title, rows and columns of a table."""
 COLUMNS: Final = (
@@ -35,7 +34,7 @@ COLUMNS: Final = (
 ENTRIES: Final = Column(name="entries")
 PSNR: Final = Column(name="PSNR, dB", form=".1f", best="high")
 KEPT: Final = (Column(name="MB", form=".2f"), Column(name="baking, s", form=".2f"))
-DEFAULTS: Final = ("as it is", opengl_accuracy.EXPORT, "every frame, 0.02 px")
+DEFAULTS: Final = ("as it is", drawing_accuracy.EXPORT, "every frame, 0.02 px")
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
@@ -51,7 +50,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     if truth is None:
         missing.append(f"drawing against float64: {NO_TORCH}")
     else:
-        rows = list(cpu_accuracy.accuracy(view.splats, camera, view.near, truth))
+        rows = list(raster_accuracy.accuracy(view.splats, camera, view.near, truth))
         groups.append(("CPU rasteriser", rows, (*COLUMNS, ENTRIES)))
     try:
         groups += _opengl(bench, view, truth)
@@ -95,10 +94,10 @@ def _opengl(bench: Bench, view: _View, truth: NDArray[np.float64] | None) -> lis
     bench.say(f"drawing with {renderer_name(context)}")
     made: list[Group] = []
     if truth is not None:
-        drawn = list(opengl_accuracy.opengl(context, view.splats, camera, view.near, truth))
+        drawn = list(drawing_accuracy.opengl(context, view.splats, camera, view.near, truth))
         made.append((f"OpenGL, {renderer_name(context)}", drawn, (*COLUMNS, PSNR)))
     pixel = middle_distance(model, camera) / camera.fx
-    kept = list(opengl_accuracy.keyframes(context, model, camera, bench.clip.times, view.near, pixel))
+    kept = list(drawing_accuracy.keyframes(context, model, camera, bench.clip.times, view.near, pixel))
     made.append(("Keyframes over time", kept, (*COLUMNS, *KEPT)))
     context.release()
     return made
@@ -117,6 +116,6 @@ def _point(row: Row) -> Point:
 
 def _cells(row: Row) -> tuple[Cell, ...]:
     common = (row.group, row.setting, row.mean, row.p999, row.most, row.milliseconds, row.spread)
-    if isinstance(row, cpu_accuracy.Row):
+    if isinstance(row, raster_accuracy.Row):
         return (*common, row.entries)
     return (*common, row.psnr) if row.group == "OpenGL" else (*common, row.megabytes, row.baking)

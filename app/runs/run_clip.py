@@ -1,0 +1,36 @@
+"""The clip of a run as it was trained on: its part of the files, with the photos that it was given."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.enhancement.methods import LookEnhancer
+from app.errors import UserError
+from app.runs.run_folder import Enhancement, RunRecord
+from renderer.clip import ByteImage, Clip, Frame
+from renderer.sources import open_clip
+
+
+def run_clip(record: RunRecord) -> Clip:
+    """The part of the clip that the run was trained on. Raises UserError when it is not the same any more."""
+    path = Path(record.clip.path)
+    clip = open_clip(path, record.clip.options)
+    if not record.clip.is_of(path):
+        raise UserError(f"expected the clip that the run was trained on, its files have changed: {path}")
+    return record.clip.part.of(clip)
+
+
+def input_clip(clip: Clip, record: RunRecord) -> Clip:
+    """The clip with the photos that the run was trained on: its own, or the same enhanced again."""
+    return enhanced_clip(clip, record.enhancement) if record.enhancement else clip
+
+
+def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
+    """The clip with every photo enhanced, all with the same statistics."""
+
+    def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
+        enhancer = LookEnhancer()
+        enhancer.show(image)
+        return enhancer.enhance(enhancement.params, statistics=enhancement.statistics).image
+
+    return clip.with_images(enhanced, f"{clip.name} enhanced")
