@@ -13,10 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, needs, saturation
-from enhance.chunk import BINS, BLOCK
+from enhance.first_pass import first_pass
 from enhance.guided_filter import Grids, Window, WindowModels, Windows, window
 from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
-from enhance.kernels import (
+from enhance.params import DEFAULTS, EnhanceParams
+from enhance.pixel_block import BINS, BLOCK
+from enhance.powers import LOG2_ZERO
+from enhance.result import EnhanceResult
+from enhance.second_pass import (
     FROM_LOGARITHM,
     FROM_POWER,
     KEEP_LOGARITHM,
@@ -24,11 +28,7 @@ from enhance.kernels import (
     NOTHING,
     render,
 )
-from enhance.params import DEFAULTS, EnhanceParams
-from enhance.powers import LOG2_ZERO
-from enhance.result import EnhanceResult
 from enhance.statistics import LiveStatistics, Statistics, Tally, from_sums
-from enhance.survey import survey
 
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
@@ -212,7 +212,7 @@ class Enhancer:
             low = Grids(np.empty((2, rows, columns), np.float32), np.empty((2, *half), np.float32))
             blocks = -(-rows // BLOCK)
             histograms, chroma = np.empty((blocks, BINS), np.int64), np.empty(blocks)
-            survey(now.pixels, now.keep, np.float32(now.full), subsample, *low, histograms, chroma)
+            first_pass(now.pixels, now.keep, np.float32(now.full), subsample, *low, histograms, chroma)
             self._survey = _Survey(subsample, low, histograms.sum(axis=0), float(chroma.sum()))
         return self._survey
 

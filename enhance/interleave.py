@@ -69,7 +69,7 @@ def _put_16(typing_context: Any, planes: Any, at: Any, stride: Any, pixels: Any,
 
 
 @njit(inline="always")
-def take_apart(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
+def deinterleave(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
     """(n, 3) pixels to the first n of the first three rows of `planes`; both C-contiguous, of one type."""
     width = planes.shape[1]
     whole = len(pixels) // STEP * STEP
@@ -81,7 +81,7 @@ def take_apart(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
 
 
 @njit(inline="always")
-def put_together(planes: NDArray[Any], pixels: NDArray[Any]) -> None:
+def interleave(planes: NDArray[Any], pixels: NDArray[Any]) -> None:
     """The other way round."""
     width = planes.shape[1]
     whole = len(pixels) // STEP * STEP

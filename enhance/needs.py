@@ -18,10 +18,10 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.chunk import BLOCK, ONE, ZERO
 from enhance.detail import FLOOR
 from enhance.guided_filter import Window
 from enhance.params import EnhanceParams
+from enhance.pixel_block import BLOCK, ONE, ZERO
 from enhance.result import Omission
 from enhance.statistics import Statistics
 

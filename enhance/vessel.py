@@ -20,7 +20,7 @@ from enhance import vessel_kernels
 from enhance.brightness import level, z_from_level
 from enhance.enhancer import Enhancer
 from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
-from enhance.opening import opened
+from enhance.morphology import opening
 from enhance.params import DFactor, EnhanceParams
 from enhance.result import EnhanceResult
 from enhance.saturation import pull
@@ -264,7 +264,7 @@ class VesselEnhancer:
             red, green = self._planes.smooth[:2]
             absorbed = self._planes.absorbed
             vessel_kernels.absorb(red, green, np.float32(asked[1]), absorbed)
-            background = opened(absorbed, params.radius)
+            background = opening(absorbed, params.radius)
             sparse = np.maximum(absorbed[::3, ::3] - background[::3, ::3], 0)
             self._found = _Found(asked, background, float(np.median(sparse)))
         return self._found

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.interleave import put_together, take_apart
+from enhance.interleave import deinterleave, interleave
 from enhance.powers import exp2, log2, rounded
 
 CHUNK = 128
@@ -50,7 +50,7 @@ def split(
         for y in range(block * BLOCK, min((block + 1) * BLOCK, rows)):
             for x0 in range(0, columns, CHUNK):
                 count = min(CHUNK, columns - x0)
-                take_apart(image[y, x0 : x0 + count], apart)
+                deinterleave(image[y, x0 : x0 + count], apart)
                 for color in range(PLANES):
                     for i in range(count):
                         planes[color, y, x0 + i] = np.float32(apart[color, i]) / full
@@ -75,7 +75,7 @@ def calm(
             for x0 in range(0, columns, CHUNK):
                 count = min(CHUNK, columns - x0)
                 _settle(planes, smooth, y, x0, count, chunk)
-                put_together(chunk, out[y, x0 : x0 + count])
+                interleave(chunk, out[y, x0 : x0 + count])
                 for i in range(CHUNK):
                     chunk[LEAST, i] = _faded(chunk[BRIGHT, i])
                     levels[i] = np.uint8(np.int32(rounded(chunk[BRIGHT, i] * LEVELS)))  # type: ignore[call-arg]
@@ -157,7 +157,7 @@ def finish(
         for y in range(block * BLOCK, min((block + 1) * BLOCK, rows)):
             for x0 in range(0, columns, CHUNK):
                 count = min(CHUNK, columns - x0)
-                take_apart(toned[y, x0 : x0 + count], chunk)
+                deinterleave(toned[y, x0 : x0 + count], chunk)
                 for i in range(count):
                     line[0, i] = fade[y, x0 + i]
                     line[1, i] = absorbed[y, x0 + i]
@@ -170,7 +170,7 @@ def finish(
                         tinted = chunk[color, i] * exp2(-share * chunk[DENSITY, i]) * full
                         tinted = min(max(tinted, ZERO), full)
                         apart[color, i] = rounded(tinted) if full > ONE else tinted  # type: ignore[call-arg]
-                put_together(apart, out[y, x0 : x0 + count])
+                interleave(apart, out[y, x0 : x0 + count])
 
 
 @njit(inline="always")

@@ -18,7 +18,7 @@ from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
 from app.files.prefetch import ahead
 from app.files.provenance import provenance, strict_json
-from app.files.stepping import in_one_go
+from app.files.stepping import run_to_end
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
@@ -124,7 +124,7 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
 
 def _whole(output: Path, series: Series, setting: Setting) -> Written:
     """Written in one go, with progress; reading, enhancing and writing overlap."""
-    return in_one_go(enhance_into(output, series, setting, _watched))
+    return run_to_end(enhance_into(output, series, setting, _watched))
 
 
 def _watched(stage: str, series: Series, items: Stream) -> Stream:

@@ -14,7 +14,7 @@ from app.exports.scene_splats import of_degree, splat_file
 from app.files.atomic import filled, together, write_bytes
 from app.files.image_files import ArrayImage
 from app.files.provenance import repeatable, write_sidecar
-from app.files.stepping import in_one_go
+from app.files.stepping import run_to_end
 from app.files.video import Timing, write_video
 from app.scenes import view_selection
 from app.scenes.color_bar import with_bar
@@ -88,7 +88,7 @@ def _of_degree(scene: Scene, degree: int | None) -> Scene:
 
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
     draw, name = drawer(flags.renderer)
-    views = in_one_go(steady(view_flags.asked_for(flags, scene, wanted), draw))
+    views = run_to_end(steady(view_flags.asked_for(flags, scene, wanted), draw))
 
     def pictures() -> Iterator[ArrayImage]:
         with progress("draw", len(wanted)) as report:

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from app.console.flags import add_fields, parameters, problem
 from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.enhancement.image_mask import PictureMask
-from app.enhancement.methods import PAPER, Look
+from app.enhancement.methods import PAPER, EnhancementSettings
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
 from app.runs.clip_selection import ClipPart
@@ -122,7 +122,7 @@ def _table(omissions: Sequence[Omission]) -> str:
     return "".join(f"{what:{first}}  {why:{second}}  {saves}\n" for what, why, saves in rows)
 
 
-def _look(flags: argparse.Namespace) -> Look:
+def _look(flags: argparse.Namespace) -> EnhancementSettings:
     """What the photos are enhanced by. Raises UserError when they are not to be."""
     if "preset" in flags and flags.input != "enhanced":
         raise UserError("--preset does nothing with --input original: add --input enhanced")

@@ -18,7 +18,7 @@ from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.console.terminal import table_terminal
 from app.enhancement.contact_sheet import columns_of, contact_sheet, tile
-from app.enhancement.methods import PAPER, VESSEL, Look
+from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.parameter_grid import (
     DEFINITIONS,
     METRICS,
@@ -43,7 +43,7 @@ from enhance.image import BoolImage
 from enhance.surround import inside
 from enhance.vessel import VesselParams
 
-LOOKS: dict[str, type[Look]] = {PAPER: EnhanceParams, VESSEL: VesselParams}
+LOOKS: dict[str, type[EnhancementSettings]] = {PAPER: EnhanceParams, VESSEL: VesselParams}
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -116,7 +116,7 @@ def run(flags: argparse.Namespace) -> None:
         sys.stdout.write(f"{flags.out}: sheet.png, tuning.csv, tuning.json and {len(rows)} pictures\n")
 
 
-def _base(flags: argparse.Namespace) -> Look:
+def _base(flags: argparse.Namespace) -> EnhancementSettings:
     """What the varied parameters start from. Raises UserError for flags of the other method."""
     for name in (*FIELDS, *VESSEL_FIELDS):
         if name in flags and name not in OWN_FIELDS[flags.method]:

@@ -20,7 +20,7 @@ def require_one_place() -> None:
     """
     if getattr(sys, "frozen", False):
         return  # A bundle holds nothing but itself.
-    home = Path(__file__).resolve().parents[1]
+    home = Path(__file__).resolve().parents[2]
     for name in PACKAGES:
         spec = find_spec(name)
         if spec is None:

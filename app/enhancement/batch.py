@@ -12,7 +12,7 @@ from app.enhancement.enhance_files import VIDEO, Setting, Watch, Written, enhanc
 from app.errors import UserError, sentence
 from app.files.image_files import is_image
 from app.files.image_series import open_series
-from app.files.stepping import retold
+from app.files.stepping import map_steps
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
@@ -150,7 +150,7 @@ def enhance_batch(
             series = open_series(item.source, setting.clip_options)
             series = replace(series, notices=(*item.notices, *series.notices))
             step = partial(Step, place, len(items), item.name, total=len(series))
-            written = yield from retold(enhance_into(item.output, series, setting, watch), step)
+            written = yield from map_steps(enhance_into(item.output, series, setting, watch), step)
         except (OSError, UserError, ClipError, ImageError) as error:
             failed = Failed(item, sentence(error))
             yield Step(place + 1, len(items), item.name, failed=failed)

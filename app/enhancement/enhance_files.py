@@ -8,7 +8,7 @@ from itertools import tee
 from pathlib import Path
 from typing import Any, Literal
 
-from app.enhancement.methods import Enhanced, LookEnhancer, Params, apply, measure_for
+from app.enhancement.methods import Enhanced, MethodEnhancer, Params, apply, measure_for
 from app.errors import UserError
 from app.files.atomic import filled, together
 from app.files.image_files import ArrayImage, is_image, write_image
@@ -164,7 +164,7 @@ def _pooled(series: Series, job: _Job, notices: list[str], watch: Watch) -> Stat
 
 
 def _enhanced(series: Series, images: Stream, job: _Job) -> Stream:
-    origins, enhancer, setting = series.origins(), LookEnhancer(), job.setting
+    origins, enhancer, setting = series.origins(), MethodEnhancer(), job.setting
     try:
         for index, image in enumerate(images):
             try:

@@ -11,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
-from app.enhancement.methods import Look, LookEnhancer, load_kernels
+from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_kernels
 from app.enhancement.settable import Scope
 from enhance import EnhanceParams, Statistics, measure
 from enhance.result import Omission
@@ -30,7 +30,7 @@ class PictureRequest:
 
     clip: Clip
     frame_index: int
-    params: Look | None
+    params: EnhancementSettings | None
     """None: white light only."""
     scope: Scope = "image"
     """Statistics of this frame, or pooled over the clip so that playing does not flicker."""
@@ -41,7 +41,7 @@ class PictureRequest:
     span: tuple[int, int] | None = None
     """First and last frame that are pooled; None: the whole clip."""
 
-    def with_params(self, params: Look) -> PictureRequest:
+    def with_params(self, params: EnhancementSettings) -> PictureRequest:
         """The same frame, enhanced by these."""
         return replace(self, params=params)
 
@@ -66,8 +66,8 @@ class PictureMaker:
     only what it changes, and the clip's pooled statistics."""
 
     def __init__(self) -> None:
-        self._enhancer = LookEnhancer()
-        self._loaded: set[type[Look]] = set()
+        self._enhancer = MethodEnhancer()
+        self._loaded: set[type[EnhancementSettings]] = set()
         self._shown: tuple[PictureRequest, ByteImage] | None = None
         self._pooled: dict[PictureRequest, Statistics] = {}
 
@@ -85,7 +85,7 @@ class PictureMaker:
         enhanced = np.asarray(result.image, dtype=np.uint8)
         yield Pictures(request, photo, enhanced, result.statistics, milliseconds, result.omitted)
 
-    def _load(self, params: Look, photo: ByteImage) -> None:
+    def _load(self, params: EnhancementSettings, photo: ByteImage) -> None:
         """The kernels of a method, once: their way from disk is no time of a picture."""
         if type(params) not in self._loaded:
             self._loaded.add(type(params))
@@ -103,7 +103,7 @@ class PictureMaker:
             self._shown = key, photo
         return self._shown[1]
 
-    def _of_clip(self, request: PictureRequest, params: Look) -> Statistics:
+    def _of_clip(self, request: PictureRequest, params: EnhancementSettings) -> Statistics:
         """What is measured depends on the windows alone; z and P are resolved again by `enhance`."""
         paper = params if isinstance(params, EnhanceParams) else EnhanceParams()
         windows = EnhanceParams(radii=paper.radii, eps=paper.eps, subsample=paper.subsample)

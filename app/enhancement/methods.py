@@ -20,20 +20,20 @@ PAPER: Final = "paper"
 VESSEL: Final = "vessel"
 METHODS: Final = (PAPER, VESSEL, *BASELINES)
 
-Look = EnhanceParams | VesselParams
+EnhancementSettings = EnhanceParams | VesselParams
 """Of the paper's method, or of the own preset; the type says which."""
 Preset = Literal["paper", "vessel"]
 """What says so in words."""
-Params = Look | None
+Params = EnhancementSettings | None
 """None: of a method without parameters."""
 
 
-def preset_of(look: Look) -> Preset:
+def preset_of(look: EnhancementSettings) -> Preset:
     """The name of the method that these parameters are of."""
     return PAPER if isinstance(look, EnhanceParams) else VESSEL
 
 
-def worded(look: Look, used: Statistics | None = None) -> str:
+def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
     """A setting in a line; what is left to the picture as "auto", with what was `used` where known."""
     if isinstance(look, VesselParams):
         return f"{VESSEL} · strength {look.strength:.2f} · lift {look.lift:.2f} · d {look.d_factor:.2f}"
@@ -48,7 +48,7 @@ def _value(chosen: float | tuple[float, ...] | None, used: tuple[float, ...]) ->
     return f"auto {values}".rstrip() if chosen is None else values
 
 
-class LookEnhancer:
+class MethodEnhancer:
     """Show it a picture, then enhance that as often as the parameters change, by either method.
 
     The memory of both methods stays from picture to picture. Not to be used from two threads at once.
@@ -63,7 +63,7 @@ class LookEnhancer:
         """Take the next picture; it must not change while it is in use."""
         self._shown, self._seen = (image, tissue_mask), frozenset()
 
-    def enhance(self, look: Look, *, statistics: Statistics | None = None) -> EnhanceResult:
+    def enhance(self, look: EnhancementSettings, *, statistics: Statistics | None = None) -> EnhanceResult:
         """The picture that is shown, enhanced; see `enhance.enhance` and `enhance.vessel.enhance_vessels`.
 
         Raises:
@@ -78,15 +78,17 @@ class LookEnhancer:
         return self._vessel.enhance(look, statistics=statistics)
 
 
-def load_kernels(look: Look, image: ArrayImage) -> None:
+def load_kernels(look: EnhancementSettings, image: ArrayImage) -> None:
     """From disk, or compile them, for pictures of this kind: which is no time of one enhanced thereafter."""
-    enhancer = LookEnhancer()
+    enhancer = MethodEnhancer()
     enhancer.show(np.zeros_like(image[:64, :64]))
     enhancer.enhance(look)
 
 
 def measure_for(
-    look: Look, images: Iterable[ArrayImage], tissue_masks: Iterable[BoolImage | None] | None = None
+    look: EnhancementSettings,
+    images: Iterable[ArrayImage],
+    tissue_masks: Iterable[BoolImage | None] | None = None,
 ) -> Statistics:
     """The statistics of a clip as this method uses them; see `enhance.measure`."""
     return measure(images, look if isinstance(look, EnhanceParams) else EnhanceParams(), tissue_masks)
@@ -107,7 +109,7 @@ def apply(
     image: ArrayImage,
     tissue_mask: BoolImage | None,
     statistics: Statistics | None,
-    enhancer: LookEnhancer,
+    enhancer: MethodEnhancer,
 ) -> Enhanced:
     """Enhance one picture; `enhancer` keeps its memory from one to the next.
 

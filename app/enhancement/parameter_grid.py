@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.console.flags import AUTO, problem
-from app.enhancement.methods import Look, LookEnhancer, load_kernels
+from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_kernels
 from app.errors import UserError
 from app.files.image_files import ArrayImage
 from enhance import Statistics
@@ -78,7 +78,7 @@ class Setting:
     places: tuple[int, ...]
     """Of its value on each axis."""
     label: str
-    params: Look
+    params: EnhancementSettings
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class Cell:
     measures: Measures
 
 
-def axis(text: str, kind: type[Look]) -> Axis:
+def axis(text: str, kind: type[EnhancementSettings]) -> Axis:
     """`NAME=FROM:TO:COUNT`, both ends included, or `NAME=VALUE,VALUE,...`; slashes join a value of several
     numbers, as in `radii=4/16/64,2/8`.
 
@@ -126,7 +126,7 @@ def _value(word: str) -> object:
     return word if "/" not in word else tuple(part.strip() for part in word.split("/"))
 
 
-def settings(base: Look, axes: Sequence[Axis]) -> tuple[Setting, ...]:
+def settings(base: EnhancementSettings, axes: Sequence[Axis]) -> tuple[Setting, ...]:
     """Every combination, the last axis varying fastest.
 
     Raises:
@@ -145,7 +145,7 @@ def settings(base: Look, axes: Sequence[Axis]) -> tuple[Setting, ...]:
     )
 
 
-def _setting(base: Look, axes: Sequence[Axis], places: tuple[int, ...]) -> Setting:
+def _setting(base: EnhancementSettings, axes: Sequence[Axis], places: tuple[int, ...]) -> Setting:
     changes: dict[str, Any] = {
         one.name: None if one.values[place] == AUTO else one.values[place]
         for one, place in zip(axes, places, strict=True)
@@ -174,7 +174,7 @@ def tried(
     order = working_order(wanted)
     for one in order[:1]:
         load_kernels(one.params, image)
-    enhancer = LookEnhancer()
+    enhancer = MethodEnhancer()
     enhancer.show(image, tissue_mask)
     for setting in order:
         start = perf_counter()

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import draw_view
@@ -34,7 +34,7 @@ class OtherRequest:
 
     photo: PictureRequest
     """The frame; its own params do not matter and are None."""
-    by: Look | str | Scene
+    by: EnhancementSettings | str | Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from app.exports.view_pages import Views, drawn_panel, steady, video_facts, view
 from app.files.atomic import filled, together
 from app.files.image_series import timing_of
 from app.files.provenance import provenance, source, write_png, write_sidecar
-from app.files.stepping import retold
+from app.files.stepping import map_steps
 from app.files.timestamp import stamp
 from app.files.video import Timing, write_frames
 from app.scenes.cpu_rendering import ON_CPU
@@ -127,7 +127,7 @@ def _picture(request: ExportRequest, path: Path) -> None:
 def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
     timing = Timing(request.frames_per_second)
     if request.form == "view video":
-        moments = yield from retold(steady(request.moments), Step)
+        moments = yield from map_steps(steady(request.moments), Step)
         frames, facts = view_pages(moments), {"kind": "view video"} | video_facts(moments)
     else:
         request = replace(request, panes=request.panes.steady(OtherMaker()))
@@ -136,7 +136,7 @@ def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
         kept = timing_of(request.panes.shots[0].photo.clip, request.frames)
         timing = replace(kept, frames_per_second=request.frames_per_second)
     with together(path) as place:
-        written = yield from retold(write_frames(place, frames, timing), Step)
+        written = yield from map_steps(write_frames(place, frames, timing), Step)
         facts |= {"frames_per_second": request.frames_per_second, "video": written}
         write_sidecar(place, provenance(**facts))
 

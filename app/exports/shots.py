@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.enhancement.frame_enhancer import PictureRequest
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.exports.comparison_images import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.exports.page import INK, Panel, describe, sheet
 from app.exports.sizing import Sizing
@@ -29,7 +29,7 @@ class Shot:
     title: str
     photo: PictureRequest
     """The frame, and how statistics are taken; its own params do not matter."""
-    by: Look | str | Scene | None = None
+    by: EnhancementSettings | str | Scene | None = None
     """A setting, a method without parameters, or a model; None: the photo."""
 
     def at(self, frame: int) -> Shot:

@@ -6,7 +6,7 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from typing import Any
 
 from app.exports.page import Panel, sheet
-from app.files.stepping import retold
+from app.files.stepping import map_steps
 from app.scenes import view_request
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import ON_CPU, Draw, draw_on_cpu
@@ -40,7 +40,7 @@ def steady(moments: Sequence[Views]) -> Generator[int, None, tuple[Views, ...]]:
     """
     columns = []
     for column in zip(*moments, strict=True):
-        held = yield from retold(view_request.steady(column, draw_on_cpu), lambda view: 0)
+        held = yield from map_steps(view_request.steady(column, draw_on_cpu), lambda view: 0)
         columns.append(held)
     return tuple(zip(*columns, strict=True))
 

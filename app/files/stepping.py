@@ -6,13 +6,13 @@ from collections.abc import Callable, Generator
 from typing import TypeVar
 
 Done = TypeVar("Done")
-Told = TypeVar("Told")
+TrainingLog = TypeVar("TrainingLog")
 Result = TypeVar("Result")
 
 
-def retold(
-    work: Generator[Done, None, Result], told: Callable[[Done], Told]
-) -> Generator[Told, None, Result]:
+def map_steps(
+    work: Generator[Done, None, Result], told: Callable[[Done], TrainingLog]
+) -> Generator[TrainingLog, None, Result]:
     """The same work and result; closed before its end, it closes the work."""
     try:
         while True:
@@ -26,7 +26,7 @@ def retold(
         work.close()
 
 
-def in_one_go(work: Generator[object, None, Result]) -> Result:
+def run_to_end(work: Generator[object, None, Result]) -> Result:
     """Its result."""
     while True:
         try:

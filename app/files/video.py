@@ -14,7 +14,7 @@ import numpy as np
 from app.errors import UserError
 from app.files.atomic import replaced
 from app.files.image_files import ArrayImage
-from app.files.stepping import in_one_go
+from app.files.stepping import run_to_end
 from app.files.utf8 import require_utf8
 
 
@@ -57,7 +57,7 @@ class Writer(Protocol):
 
 def write_video(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Written:
     """`write_frames` in one go. Raises UserError as that does."""
-    return in_one_go(write_frames(path, frames, timing))
+    return run_to_end(write_frames(path, frames, timing))
 
 
 def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Generator[int, None, Written]:

@@ -45,7 +45,7 @@ from app.files.process_files import left_behind, own_file
 from app.files.provenance import strict_json, version
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import MOST, MaskText
-from app.runs.run_folder import RecordedLook
+from app.runs.run_folder import RecordedSettings
 from app.scenes.view_kinds import ViewKind
 from enhance import EnhanceParams
 from enhance.params import DFactor
@@ -164,13 +164,13 @@ class Session:
     edits: UnsavedEdits | None = None
     frame: FrameNumber = 0
     frozen: FrameNumber | None = None
-    params: RecordedLook = EnhanceParams()
-    past: Annotated[tuple[RecordedLook, ...], at_most(MOST_STEPS)] = ()
+    params: RecordedSettings = EnhanceParams()
+    past: Annotated[tuple[RecordedSettings, ...], at_most(MOST_STEPS)] = ()
     """Settled parameters, oldest first."""
     scope: Scope = "image"
     tissue_only: bool = False
     enhancing: bool = True
-    stored: Annotated[dict[Slot, RecordedLook], at_most(len(SLOTS))] = field(default_factory=dict)
+    stored: Annotated[dict[Slot, RecordedSettings], at_most(len(SLOTS))] = field(default_factory=dict)
     """Settings kept under a letter, to compare with."""
     comparison: ComparedAs = ComparedAs()
     zoom: Zoom | None = None

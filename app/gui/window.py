@@ -22,7 +22,7 @@ from app.gui.actions import (
 )
 from app.gui.actions.job_actions import MakeJob
 from app.gui.commands.camera_commands import second_commands
-from app.gui.commands.command import Outside, Section
+from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
 from app.gui.drawing.chosen_viewport import ChosenViewport
@@ -35,7 +35,6 @@ from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.window_shots import WindowShots
 from app.gui.frame.writing import Writing
-from app.gui.look import theme
 from app.gui.panels import menus, overlays
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
@@ -54,6 +53,7 @@ from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places, Theme, load_settings
+from app.gui.style import theme
 from app.gui.update.update import Channels, take_pictures, update
 from app.gui.work.background import Apart, Worker
 from app.runs.job import TrainingJob
@@ -122,9 +122,9 @@ class Window:
         """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
         self._began = time.monotonic()
 
-    def _reach(self) -> Outside:
+    def _reach(self) -> WindowServices:
         ask = self._dialogs.ask
-        return Outside(
+        return WindowServices(
             folder=self._openers.folder,
             file=self._openers.file,
             phantom=self._openers.phantom,

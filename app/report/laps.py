@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from renderer.measuring.interleaved_timing import lap_times
+from renderer.measuring.interleaved_timing import interleaved_times
 
 
 @dataclass(frozen=True)
@@ -21,5 +21,5 @@ class Laps:
 
 def laps(works: Sequence[Callable[[], object]], repeats: int) -> list[Laps]:
     """Of each work; they take turns, after one lap that does not count."""
-    quartiles = np.percentile(lap_times(works, repeats), (25, 50, 75), axis=1).T.tolist()
+    quartiles = np.percentile(interleaved_times(works, repeats), (25, 50, 75), axis=1).T.tolist()
     return [Laps(middle, (high - low) / 2) for low, middle, high in quartiles]

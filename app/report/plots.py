@@ -21,7 +21,7 @@ from app.report.work_precision import Diagram, Point, pareto_front
 PANEL: Final = (4.6, 3.9)
 """Inches."""
 COLORS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
-"""Told apart by colour-blind eyes (Okabe & Ito 2008)."""
+"""TrainingLog apart by colour-blind eyes (Okabe & Ito 2008)."""
 MARKS: Final = "osD^vPX<"
 COLUMNS: Final = 3
 ALONE: Final = 6.6

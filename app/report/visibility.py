@@ -24,7 +24,7 @@ from enhance.metrics import (
 )
 from enhance.ridges import vessel_mask
 from enhance.vessel import enhance_vessels
-from renderer.measuring.interleaved_timing import lap_times
+from renderer.measuring.interleaved_timing import interleaved_times
 
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]
@@ -69,7 +69,7 @@ def measured(methods: Mapping[str, Method], samples: Sequence[Sample]) -> dict[s
     """The measures of each method by COLUMNS, means over the pictures where they are defined, else NaN; the
     time is the median of LAPS of every picture, in which the methods take turns."""
     works = [[partial(method, one.image, one.tissue) for method in methods.values()] for one in samples]
-    times = 1e3 * np.median(np.hstack([lap_times(own, LAPS) for own in works]), axis=1)
+    times = 1e3 * np.median(np.hstack([interleaved_times(own, LAPS) for own in works]), axis=1)
     rows = [[_measures(work(), one) for work in own] for own, one in zip(works, samples, strict=True)]
     return {
         label: np.array([*map(mean_of_finite, zip(*own, strict=True)), time], dtype=np.float64)

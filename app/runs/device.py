@@ -12,7 +12,7 @@ from app.errors import UserError
 from renderer.torch_presence import NO_TORCH, has_torch
 
 if TYPE_CHECKING:
-    from renderer.train.pictures import Pictures
+    from renderer.train.gradient_backend import GradientBackend
 
 Asked = Literal["auto", "cpu", "cuda"]
 Device = Literal["cpu", "cuda"]
@@ -41,15 +41,15 @@ def choose(asked: Asked) -> Choice:
     return Choice("cpu", lacks)
 
 
-def pictures_on(device: Device) -> Pictures:
+def pictures_on(device: Device) -> GradientBackend:
     """What draws and differentiates there."""
     if device == "cuda":
-        from renderer.torch_train.pictures import TorchPictures
+        from renderer.torch_train.gradient_backend import TorchBackend
 
-        return TorchPictures("cuda")
-    from renderer.train.pictures import CpuPictures
+        return TorchBackend("cuda")
+    from renderer.train.gradient_backend import CpuBackend
 
-    return CpuPictures()
+    return CpuBackend()
 
 
 def missing() -> str:

@@ -21,11 +21,11 @@ PROBED = 3
 """Pairs that are matched before all others, to see that anything matches, of clips of more."""
 
 Result = TypeVar("Result")
-Told = Callable[[int, int], None]
+TrainingLog = Callable[[int, int], None]
 """Called with how much is done, and of how much."""
 
 
-def told_meanwhile(stage: str, work: Callable[[Told], Result]) -> Generator[Preparing, None, Result]:
+def told_meanwhile(stage: str, work: Callable[[TrainingLog], Result]) -> Generator[Preparing, None, Result]:
     """The result of `work`; twice a second how far it is. Work that is quick says nothing.
 
     Raises what the work raises. Closed or interrupted before its end, it ends the work.
@@ -55,7 +55,7 @@ class _Ended(BaseException):
 class _Task(Generic[Result]):
     """One call in a thread."""
 
-    def __init__(self, work: Callable[[Told], Result]) -> None:
+    def __init__(self, work: Callable[[TrainingLog], Result]) -> None:
         self.told = (0, 0, time.monotonic())
         self._work, self._ended = work, threading.Event()
         self._results: list[Result] = []
@@ -103,7 +103,7 @@ class ReadAhead:
         self._source, self._store, self._handing = clip, FrameStore[Frame](folder), False
         self._places: dict[int, int] = {}
 
-    def fill(self, told: Told) -> None:
+    def fill(self, told: TrainingLog) -> None:
         """Raises ClipError: a frame cannot be read, or none of a few pairs that are looked at first match."""
         indices = self._source.train_indices
         probes = _probes(indices) if self._source.depth_origin == "stereo" else []

@@ -12,27 +12,27 @@ Event = TypeVar("Event", Progress, Evaluated)
 
 
 @dataclass(frozen=True)
-class Told:
+class TrainingLog:
     """Oldest first, of all its processes."""
 
     progress: tuple[Progress, ...] = ()
     evaluated: tuple[Evaluated, ...] = ()
 
-    def until(self, iteration: int) -> Told:
+    def until(self, iteration: int) -> TrainingLog:
         """Without what is done again by a run that goes on from there."""
-        return Told(
+        return TrainingLog(
             tuple(event for event in self.progress if event.iteration <= iteration),
             tuple(event for event in self.evaluated if event.iteration <= iteration),
         )
 
 
-NOTHING_TOLD: Final = Told()
+EMPTY_LOG: Final = TrainingLog()
 
 
-def told(folder: RunFolder) -> Told:
+def told(folder: RunFolder) -> TrainingLog:
     """Lines of other versions are taken where they have what is needed, else passed over."""
     events = folder.events()
-    return Told(_of(Progress, events), _of(Evaluated, events))
+    return TrainingLog(_of(Progress, events), _of(Evaluated, events))
 
 
 def _of(kind: type[Event], events: list[dict[str, Any]]) -> tuple[Event, ...]:

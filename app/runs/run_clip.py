@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.enhancement.methods import LookEnhancer
+from app.enhancement.methods import MethodEnhancer
 from app.errors import UserError
 from app.runs.run_folder import Enhancement, RunRecord
 from renderer.clip import ByteImage, Clip, Frame
@@ -29,7 +29,7 @@ def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
     """The clip with every photo enhanced, all with the same statistics."""
 
     def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
-        enhancer = LookEnhancer()
+        enhancer = MethodEnhancer()
         enhancer.show(image)
         return enhancer.enhance(enhancement.params, statistics=enhancement.statistics).image
 

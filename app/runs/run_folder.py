@@ -79,7 +79,7 @@ def _preset(given: Any) -> Preset:
     return preset_of(given)
 
 
-RecordedLook = Annotated[
+RecordedSettings = Annotated[
     Annotated[EnhanceParams, Tag(PAPER)] | Annotated[VesselParams, Tag(VESSEL)], Discriminator(_preset)
 ]
 
@@ -88,7 +88,7 @@ RecordedLook = Annotated[
 class Enhancement:
     """What turned the clip's photos into the run's own."""
 
-    params: RecordedLook
+    params: RecordedSettings
     """Of either method; all of them are recorded, so that they tell which."""
     statistics: Statistics
     """Pooled over the training frames."""

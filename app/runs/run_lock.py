@@ -19,7 +19,7 @@ NAME, LOCK = ".training.json", ".training.lock"
 
 
 @contextmanager
-def held(run: Path) -> Iterator[None]:
+def locked(run: Path) -> Iterator[None]:
     """Nobody else trains the run meanwhile. Raises UserError when another process does.
 
     The system lets go of the lock when its process ends, however it ends.

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
-from app.enhancement.methods import PAPER, VESSEL, Look, Preset, measure_for, preset_of
+from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings, Preset, measure_for, preset_of
 from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
 from app.files.provenance import digest, version
@@ -23,8 +23,8 @@ from app.runs.memory import peak_memory_mb
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
 from app.runs.resource_check import planned_in
 from app.runs.run_clip import input_clip
-from app.runs.run_folder import ClipRecord, Enhancement, Input, RecordedLook, RunFolder, RunRecord
-from app.runs.run_lock import held
+from app.runs.run_folder import ClipRecord, Enhancement, Input, RecordedSettings, RunFolder, RunRecord
+from app.runs.run_lock import locked
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -36,14 +36,14 @@ from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.frame_store import nearest_folder
-from renderer.train.pictures import Pictures
+from renderer.train.gradient_backend import GradientBackend
 from renderer.train.trainer import TrainingError, require_depth, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
 Measured = Literal["tissue", "whole picture"]
 """The pixels that statistics of enhanced photos are of; the paper's Eqs 2 and 12 take the whole picture."""
-PRESETS: Final[Mapping[Preset, Look]] = MappingProxyType(
+PRESETS: Final[Mapping[Preset, EnhancementSettings]] = MappingProxyType(
     {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
 )
 """For frames that are reconstructed, by the names of --preset."""
@@ -60,7 +60,7 @@ class TrainRequest:
     part: ClipPart = WHOLE
     """Of the clip: frames to train on, pixels left out."""
     input: Input = "original"
-    enhance_params: RecordedLook = RECONSTRUCTION_PARAMS
+    enhance_params: RecordedSettings = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
     measured: Measured = "tissue"
     """For the statistics of enhanced photos."""
@@ -133,20 +133,20 @@ def _train(
     record: RunRecord,
     run: RunFolder,
     clip: Clip,
-    pictures: Pictures,
+    pictures: GradientBackend,
     notices: tuple[str, ...],
     clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
         if run.is_run:
-            meanwhile.enter_context(held(run.path))
+            meanwhile.enter_context(locked(run.path))
         events = train(clip, record.config, folder=run.path, resume=run.is_run, pictures=pictures)
         first = yield from told_meanwhile("find out what the clip needs", lambda _: next(events))
         for event in chain((first,), events):
             # A clip that cannot be trained on has failed by now: nothing is left behind for it.
             if not run.is_run:
                 run.create(record)
-                meanwhile.enter_context(held(run.path))
+                meanwhile.enter_context(locked(run.path))
             yield from _told(event, run, notices, clock)
 
 
@@ -166,7 +166,7 @@ def _told(
         yield told
 
 
-def pooled(clip: Clip, params: Look, measured: Measured = "tissue") -> Enhancement:
+def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue") -> Enhancement:
     """`params` with statistics pooled over the training frames, so that colours agree."""
     if measured == "whole picture":
         whole = (clip.read_image(index) for index in clip.train_indices)

@@ -11,7 +11,7 @@ import numpy as np
 
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.interleaved_timing import lap_times
+from renderer.measuring.interleaved_timing import interleaved_times
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Started, TrainEvent
 from renderer.train.frame_store import FrameStore
@@ -41,7 +41,7 @@ class Side:
     omitted: tuple[Omission, ...]
 
 
-def compared(clip: Clip, configs: Sequence[TrainConfig], timed_steps: int = 120) -> Iterator[Side]:
+def ablation(clip: Clip, configs: Sequence[TrainConfig], timed_steps: int = 120) -> Iterator[Side]:
     """One for each configuration, trained when it is asked for; all hold frames out (`hold_out`)."""
     times = step_times([(clip, configs)], timed_steps)
     for config, each in zip(configs, times, strict=True):
@@ -55,7 +55,7 @@ def step_times(runs: Sequence[tuple[Clip, Sequence[TrainConfig]]], steps: int) -
     works = [partial(_step_on, walker, count()) for walker in walkers]
     times = []
     # The first step of each is the lap that does not count.
-    for walker, taken in zip(walkers, 1000 * lap_times(works, steps - 1), strict=True):
+    for walker, taken in zip(walkers, 1000 * interleaved_times(works, steps - 1), strict=True):
         counted = taken[min(len(walker.views), steps // 2) - 1 :]
         low, middle, high = np.percentile(counted, (25, 50, 75)).tolist()
         times.append((middle, (high - low) / 2))

@@ -19,7 +19,7 @@ from renderer.draw.offscreen import read_image
 from renderer.draw.sorting import DepthKeys
 from renderer.draw.splat_view import EXACT_CUT, Cut, Precision, SplatView
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.interleaved_timing import lap_times
+from renderer.measuring.interleaved_timing import interleaved_times
 from renderer.splats import Splats
 
 EXPORT: Final = "float target, float32 keys"
@@ -96,7 +96,7 @@ def opengl(
         work = partial(_drawn, view, target, camera.resized(*size), partial(view.upload, splats))
         works.append(work)
         pictures.append(np.asarray(cv2.resize(work(), (camera.width, camera.height))))
-    times = 1000 * lap_times(works, repeats)
+    times = 1000 * interleaved_times(works, repeats)
     for name, picture, time in zip(SETTINGS, pictures, times, strict=True):
         yield _row("OpenGL", name, [255 * np.abs(picture - truth)], time)
 
@@ -126,7 +126,7 @@ def keyframes(
         partial(baked, model, [*times[:-1:every], times[-1]], Tolerance(pixels * pixel))
         for every, pixels in settings
     ]
-    baking = np.median(lap_times(bakes, BAKES), axis=1).tolist()
+    baking = np.median(interleaved_times(bakes, BAKES), axis=1).tolist()
     for (every, pixels), bake, seconds in zip(settings, bakes, baking, strict=True):
         kept = bake()
         view = SplatView(ctx, precision="float", near=near)
@@ -135,7 +135,7 @@ def keyframes(
         name = f"{'every frame' if every == 1 else f'one frame in {every}'}, {pixels:g} px"
         ways.append(_Way("keyframes", name, view, works, kept.n_bytes / 1e6, seconds))
     truth = [work() for work in show]
-    times_taken = 1000 * lap_times([work for way in ways for work in way.works], repeats)
+    times_taken = 1000 * interleaved_times([work for way in ways for work in way.works], repeats)
     for way, taken in zip(ways, times_taken.reshape(len(ways), -1), strict=True):
         errors = [255 * np.abs(work() - true) for work, true in zip(way.works, truth, strict=True)]
         yield _row(way.group, way.setting, errors, taken, way.megabytes, way.baking)

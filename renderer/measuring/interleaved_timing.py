@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def lap_times(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
+def interleaved_times(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:
     """(works, repeats) seconds, after one lap that does not count."""
     taken = np.empty((repeats + 1, len(works)))
     for row in taken:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.measuring.interleaved_timing import lap_times
+from renderer.measuring.interleaved_timing import interleaved_times
 from renderer.projection import ALPHA_CUT, HALF_HEIGHT, HALF_WIDTH, LOG2_OPACITY
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.splats import Float32Array, Splats
@@ -73,7 +73,7 @@ def accuracy(
     size = camera.width, camera.height
     works = list(_works(seen, camera, near))
     entries = [work.draw() for work in works]
-    taken = 1000 * lap_times([work.draw for work in works], repeats)
+    taken = 1000 * interleaved_times([work.draw for work in works], repeats)
     low, middle, high = np.percentile(taken, (25, 50, 75), axis=1)
     for place, work in enumerate(works):
         error = 255 * np.abs(work.picture(size) - truth)

@@ -42,7 +42,7 @@ _HIDDEN = 0.01
 """Seen to a smaller share than this is said to be hidden."""
 
 
-def settled(
+def smooth_occluded_motion(
     gaussians: DynamicGaussians, frames: Sequence[TrainFrame], near: float, mode: RenderMode = "default"
 ) -> tuple[DynamicGaussians, tuple[Omission, ...]]:
     """The model with splines at rest where none of the frames, of one size, saw them; what was left out."""

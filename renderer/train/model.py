@@ -15,9 +15,9 @@ from renderer.stored_arrays import Arrays, check_state
 from renderer.train.adam import corrected_rate, update_rows
 from renderer.train.densify import Densifier, Plan
 from renderer.train.frames import TrainFrame
+from renderer.train.gradient_backend import CpuBackend, GradientBackend
 from renderer.train.guards import Trouble, hold_scales, leave_out_broken
 from renderer.train.losses import Measured
-from renderer.train.pictures import CpuPictures, Pictures
 from renderer.train.recipe import BoolArray, MotionTrainer, Recipe
 
 
@@ -31,10 +31,10 @@ class TrainModel:
         motion: MotionTrainer,
         recipe: Recipe,
         size: float,
-        pictures: Pictures | None = None,
+        pictures: GradientBackend | None = None,
     ) -> None:
         self.raw = raw
-        self._pictures: Pictures = pictures or CpuPictures()
+        self._pictures: GradientBackend = pictures or CpuBackend()
         self._motion, self._recipe, self._size = motion, recipe, size
         self._first = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
         self._second = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
@@ -82,7 +82,7 @@ class TrainModel:
         moves = self._recipe.stage_at(iteration).moves
         now = self._motion.moved(self.raw, frame.time) if moves else self.raw
         recipe = self._recipe
-        slopes = self._pictures.slopes(
+        slopes = self._pictures.loss_and_gradients(
             now, frame, recipe.losses, self._size, every_tile=recipe.every_tile, mode=recipe.mode
         )
         by, seen = slopes.by, slopes.seen

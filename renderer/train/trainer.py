@@ -29,15 +29,15 @@ from renderer.train.events import (
 )
 from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame
+from renderer.train.gradient_backend import GradientBackend
 from renderer.train.guards import LossWatch
 from renderer.train.held_out import HeldOut, evaluated
-from renderer.train.hidden import settled
+from renderer.train.hidden import smooth_occluded_motion
 from renderer.train.initialize import require_resolved, scene_size, with_points
 from renderer.train.losses import Measured
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
 from renderer.train.needs import decide
-from renderer.train.pictures import Pictures
 from renderer.train.recipe import Recipe, Stage
 from renderer.train.unseen import without_unseen
 
@@ -79,7 +79,7 @@ def train(
     *,
     folder: Path | None = None,
     resume: bool = False,
-    pictures: Pictures | None = None,
+    pictures: GradientBackend | None = None,
 ) -> Iterator[TrainEvent]:
     """Reconstruct `clip` from its training frames, as a generator of events: Started first, Finished with the
     model last; ending it early ends the training.
@@ -158,7 +158,7 @@ def train(
     if not len(gaussians):
         raise TrainingError("no training frame shows any Gaussian: depth and poses do not fit together")
     if "hidden" not in config.keep and (needs.has_masks or not clip.camera_is_fixed):
-        gaussians, resting = settled(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
+        gaussians, resting = smooth_occluded_motion(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
     if held_out:
         views = [clip.read_frame(index) for index in held_out]

@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from renderer.measuring.ablation import Side, compared
+from renderer.measuring.ablation import Side, ablation
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
@@ -76,7 +76,7 @@ def measured(pair: Pair, seed: int, iterations: int) -> tuple[Side, Side]:
         path = Path(folder) / "phantom"
         write_phantom(path, PhantomParams(camera=pair.camera, tissue=pair.tissue, seed=seed))
         without = replace(CONFIG, iterations=iterations)
-        first, second = compared(open_clip(path), [without, replace(without, keep=pair.parts)])
+        first, second = ablation(open_clip(path), [without, replace(without, keep=pair.parts)])
         return first, second
 
 

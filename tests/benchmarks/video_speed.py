@@ -12,7 +12,7 @@ import time
 from collections.abc import Generator, Iterable
 from pathlib import Path
 
-from app.enhancement.methods import Look, LookEnhancer
+from app.enhancement.methods import EnhancementSettings, MethodEnhancer
 from app.files.image_files import ArrayImage
 from app.files.image_series import Series, open_series
 from app.files.prefetch import ahead
@@ -20,7 +20,7 @@ from app.files.video import write_video
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 
-LOOKS: dict[str, Look] = {"paper": EnhanceParams(), "vessel": VesselParams()}
+LOOKS: dict[str, EnhancementSettings] = {"paper": EnhanceParams(), "vessel": VesselParams()}
 
 
 def main(video: Path, name: str = "paper") -> None:
@@ -46,14 +46,16 @@ def frames(series: Series) -> Generator[ArrayImage, None, None]:
     yield from (series.read(index) for index in range(len(series)))
 
 
-def enhanced(pictures: Generator[ArrayImage, None, None], look: Look) -> Generator[ArrayImage, None, None]:
-    enhancer = LookEnhancer()
+def enhanced(
+    pictures: Generator[ArrayImage, None, None], look: EnhancementSettings
+) -> Generator[ArrayImage, None, None]:
+    enhancer = MethodEnhancer()
     for picture in ahead(pictures):
         enhancer.show(picture)
         yield enhancer.enhance(look).image
 
 
-def encode(series: Series, look: Look, path: Path) -> None:
+def encode(series: Series, look: EnhancementSettings, path: Path) -> None:
     write_video(path, ahead(enhanced(frames(series), look)), series.timing)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from enhance.brightness import level, value_histogram, z_from_level
 from enhance.image import AnyImage, Float32Image, read_mask, read_picture
-from enhance.opening import opened
+from enhance.morphology import opening
 from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
 from enhance.result import EnhanceResult
@@ -58,7 +58,7 @@ def blood_density(planes: Planes, params: VesselParams) -> Float32Image:
     """
     logs = [np.log(cv2.GaussianBlur(plane, (0, 0), 1.0) + FLOOR) for plane in planes[:2]]
     absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
-    found = np.maximum(absorbed - opened(absorbed, params.radius), 0)
+    found = np.maximum(absorbed - opening(absorbed, params.radius), 0)
     noise = np.float32(params.coring) * np.median(found[::3, ::3])
     square = found * found
     cored = found * square / (square + noise * noise + np.float32(1e-12))

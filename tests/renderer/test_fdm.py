@@ -23,7 +23,7 @@ from renderer.deformation.fdm import (
 )
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
-from renderer.train.flexible_trainer import FlexibleRates, FlexibleTrainer
+from renderer.train.fdm_trainer import FdmRates, FdmTrainer
 from renderer.train.initialize import round_gaussians
 from renderer.train.methods.deform3dgs import FUNCTIONS, INITIAL_WIDTH
 from renderer.train.rates import Rate
@@ -62,8 +62,8 @@ def balls(count: int) -> RawGaussians:
     return round_gaussians(means, np.full(count, 0.1), means, 0.5)
 
 
-def trainer(motion: FlexibleMotion, rate: float) -> FlexibleTrainer:
-    return FlexibleTrainer(motion, FlexibleRates(position=Rate.constant(3 * rate), other=Rate.constant(rate)))
+def trainer(motion: FlexibleMotion, rate: float) -> FdmTrainer:
+    return FdmTrainer(motion, FdmRates(position=Rate.constant(3 * rate), other=Rate.constant(rate)))
 
 
 def gradients(count: int, seed: int) -> RawGaussians:
@@ -225,7 +225,7 @@ def test_a_curve_is_learned() -> None:
     """A swing that the bumps at rest cannot show comes out to 1 % of its height, 10 % at worst."""
     falling = Rate(1e-2, 1e-4, 4000)
     motion = FlexibleMotion.at_rest(1, FUNCTIONS, INITIAL_WIDTH)
-    teacher, raw = FlexibleTrainer(motion, FlexibleRates(position=falling, other=falling)), balls(1)
+    teacher, raw = FdmTrainer(motion, FdmRates(position=falling, other=falling)), balls(1)
     times = np.arange(63) / 63
     target = raw.means + np.sin(5 * times)[:, None, None].astype(np.float32)
     order = np.random.default_rng(0)

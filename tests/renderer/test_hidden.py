@@ -15,7 +15,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.train import hidden as hidden_tissue
 from renderer.train.frames import TrainFrame, train_frame
-from renderer.train.hidden import SLACK, _seen_shares, settled
+from renderer.train.hidden import SLACK, _seen_shares, smooth_occluded_motion
 
 CONTROLS, COUNT, SIDE = 9, 12, 32
 CAMERA = Camera(40.0, 40.0, SIDE / 2, SIDE / 2, SIDE, SIDE)
@@ -65,7 +65,7 @@ def values(model: DynamicGaussians, time: float) -> np.ndarray:
 
 def test_nothing_changes_where_every_frame_sees_all() -> None:
     model = gaussians(np.random.default_rng(0))
-    still, told = settled(model, frames(hidden_after=2.0), near=0.1)
+    still, told = smooth_occluded_motion(model, frames(hidden_after=2.0), near=0.1)
     assert still is model
     assert told == ()
 
@@ -73,7 +73,7 @@ def test_nothing_changes_where_every_frame_sees_all() -> None:
 def test_what_is_seen_stays_within_the_slack() -> None:
     """The minimum is below what the curves themselves give, which is at most their roughness times SLACK."""
     model, shown = gaussians(np.random.default_rng(0)), frames(hidden_after=0.6, first_column=SIDE // 2)
-    still, _ = settled(model, shown, near=0.1)
+    still, _ = smooth_occluded_motion(model, shown, near=0.1)
     assert isinstance(model.motion, SplineMotion)
     roughness = (np.diff(model.motion.color_controls, axis=1) ** 2).sum(axis=(1, 2))
     apart = np.zeros(COUNT)
@@ -86,7 +86,7 @@ def test_what_is_seen_stays_within_the_slack() -> None:
 
 def test_curves_rest_while_tissue_is_hidden() -> None:
     model = gaussians(np.random.default_rng(1))
-    still, told = settled(model, frames(hidden_after=0.5, first_column=SIDE // 2), near=0.1)
+    still, told = smooth_occluded_motion(model, frames(hidden_after=0.5, first_column=SIDE // 2), near=0.1)
     assert "motion of hidden tissue" in told[0].what
     hidden = slice(COUNT // 2 + 1, None)
     wandered = np.abs(values(model, 1.0) - values(model, 0.8))[hidden].max()
@@ -101,7 +101,7 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
     shares = [rng.uniform(0, 1, COUNT).astype(np.float32) for _ in TIMES]
     shares = [share * (rng.uniform(size=COUNT) < 0.3) for share in shares]
     monkeypatch.setattr(hidden_tissue, "_seen_shares", lambda *_: shares)
-    still, _ = settled(model, frames(hidden_after=2.0), near=0.1)
+    still, _ = smooth_occluded_motion(model, frames(hidden_after=2.0), near=0.1)
     basis = np.zeros((len(TIMES), CONTROLS))
     for row, time in zip(basis, TIMES, strict=True):
         first, weights = spline_taps(float(time), CONTROLS)
@@ -124,6 +124,6 @@ def test_what_no_frame_sees_rests() -> None:
     motion = model.motion
     assert isinstance(motion, SplineMotion)
     far = replace(model.raw, means=model.raw.means + np.float32([1e4, 0, 0]))
-    still, _ = settled(DynamicGaussians(far, motion), frames(hidden_after=2.0), near=0.1)
+    still, _ = smooth_occluded_motion(DynamicGaussians(far, motion), frames(hidden_after=2.0), near=0.1)
     assert isinstance(still.motion, SplineMotion)
     assert np.abs(still.motion.color_controls).max() < 1e-6

@@ -18,10 +18,10 @@ from renderer.rasterize.reference import Rendered
 from renderer.raw_gaussians import FIELDS
 from renderer.splats import RenderMode, Splats
 from renderer.torch_train.card import trouble
-from renderer.torch_train.pictures import TorchPictures
+from renderer.torch_train.gradient_backend import TorchBackend
 from renderer.train.events import Evaluated
+from renderer.train.gradient_backend import CpuBackend
 from renderer.train.losses import LossWeights
-from renderer.train.pictures import CpuPictures
 from renderer.train.trainer import train
 from tests.renderer import gsplat_on_cpu
 from tests.renderer.scenes import random_splats, turned_camera
@@ -144,9 +144,9 @@ def test_gradients_are_those_of_the_kernels(device: str) -> None:
     camera = turned_camera(64, 48)
     frame, raw = photo(camera), before(camera, blobs(150))
     raw.means[:] *= np.linspace(0.95, 1.05, 150, dtype=np.float32)[:, None]
-    kernels, card = CpuPictures(), TorchPictures(device)
+    kernels, card = CpuBackend(), TorchBackend(device)
     expected, got = (
-        pictures.slopes(raw, frame, LossWeights(depth=0.2), 50.0, every_tile=True)
+        pictures.loss_and_gradients(raw, frame, LossWeights(depth=0.2), 50.0, every_tile=True)
         for pictures in (kernels, card)
     )
     assert got.measured.loss == pytest.approx(expected.measured.loss, rel=1e-4)
@@ -157,8 +157,8 @@ def test_gradients_are_those_of_the_kernels(device: str) -> None:
 
 
 def test_a_run_begins_as_on_the_processor(device: str) -> None:
-    expected, _ = losses("vesselsplat", CpuPictures(), steps=10)
-    got, _ = losses("vesselsplat", TorchPictures(device), steps=10)
+    expected, _ = losses("vesselsplat", CpuBackend(), steps=10)
+    got, _ = losses("vesselsplat", TorchBackend(device), steps=10)
     assert np.allclose(got, expected, rtol=0.02)
 
 
@@ -166,7 +166,7 @@ def test_a_run_begins_as_on_the_processor(device: str) -> None:
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no NVIDIA card is at hand")
 def test_a_run_on_a_card_ends_as_on_the_processor() -> None:
     pytest.importorskip("gsplat", reason=gsplat_on_cpu.INSTALL)
-    told = [list(train(moving_sheet(), SMALL, pictures=one)) for one in (None, TorchPictures("cuda"))]
+    told = [list(train(moving_sheet(), SMALL, pictures=one)) for one in (None, TorchBackend("cuda"))]
     psnr, other = ([event.psnr for event in each if isinstance(event, Evaluated)][-1] for each in told)
     assert other == pytest.approx(psnr, abs=0.3)
 

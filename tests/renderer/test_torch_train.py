@@ -19,14 +19,14 @@ from renderer.rasterize.cuda import Drawn
 from renderer.raw_gaussians import FIELDS, RawGaussians
 from renderer.splats import RenderMode
 from renderer.torch_train.card import trouble
-from renderer.torch_train.pictures import TorchPictures
+from renderer.torch_train.gradient_backend import TorchBackend
 from renderer.train.config import Method
 from renderer.train.events import Evaluated, Finished
 from renderer.train.frames import TrainFrame, halved, train_frame
+from renderer.train.gradient_backend import CpuBackend, GradientBackend
 from renderer.train.losses import LossWeights
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
-from renderer.train.pictures import CpuPictures, Pictures
 from renderer.train.trainer import train
 from tests.renderer.scenes import turned_camera
 from tests.renderer.sheet import SMALL, moving_sheet, needs_of
@@ -46,8 +46,8 @@ def kernels_draw(*values: Any, near: float, mode: RenderMode) -> Drawn:
     return Drawn(rasterize(*values, backend="cpu", near=near, mode=mode), centers)
 
 
-def through_torch() -> TorchPictures:
-    return TorchPictures("cpu", kernels_draw)
+def through_torch() -> TorchBackend:
+    return TorchBackend("cpu", kernels_draw)
 
 
 def photo(camera: Camera, *, guess: bool = False) -> TrainFrame:
@@ -87,8 +87,8 @@ def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int, 
     raw = before(camera, raw)
     frame = photo(camera, guess=guess)
     one, other = (
-        pictures.slopes(raw, frame, weights, 50.0, every_tile=False, mode=mode)
-        for pictures in (CpuPictures(), through_torch())
+        pictures.loss_and_gradients(raw, frame, weights, 50.0, every_tile=False, mode=mode)
+        for pictures in (CpuBackend(), through_torch())
     )
     assert other.measured.loss == pytest.approx(one.measured.loss, rel=1e-5)
     assert other.measured.squared_error == pytest.approx(one.measured.squared_error, rel=1e-5)
@@ -106,18 +106,22 @@ def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int, 
 def test_a_term_without_counterpart_is_refused() -> None:
     frame = photo(turned_camera(40, 30))
     with pytest.raises(ValueError, match="dissimilarity"):
-        through_torch().slopes(blobs(20), frame, LossWeights(dissimilarity=0.2), 50.0, every_tile=True)
+        through_torch().loss_and_gradients(
+            blobs(20), frame, LossWeights(dissimilarity=0.2), 50.0, every_tile=True
+        )
 
 
 def test_gradients_that_are_no_numbers_are_seen_and_so_left_out() -> None:
     raw = blobs(50)
     raw.colors[7] = np.nan
-    slopes = through_torch().slopes(raw, photo(turned_camera(40, 30)), LossWeights(), 50.0, every_tile=True)
+    slopes = through_torch().loss_and_gradients(
+        raw, photo(turned_camera(40, 30)), LossWeights(), 50.0, every_tile=True
+    )
     assert slopes.by.colors.dtype == np.float32
     assert np.isfinite(slopes.by.means[~slopes.seen]).all()
 
 
-def losses(method: Method, pictures: Pictures, steps: int = 40) -> tuple[np.ndarray, TrainModel]:
+def losses(method: Method, pictures: GradientBackend, steps: int = 40) -> tuple[np.ndarray, TrainModel]:
     """Of the first steps of a run, half of them at half resolution, and the model after them."""
     clip = moving_sheet()
     frames = [clip.read_frame(index) for index in (0, 2, 3, 4, 6)]
@@ -137,7 +141,7 @@ def losses(method: Method, pictures: Pictures, steps: int = 40) -> tuple[np.ndar
 
 @pytest.mark.parametrize("method", ["vesselsplat", "static", "deform3dgs", "endogaussian"])
 def test_every_method_learns_alike(method: Method) -> None:
-    kernels, _ = losses(method, CpuPictures())
+    kernels, _ = losses(method, CpuBackend())
     torch_, _ = losses(method, through_torch())
     assert kernels[-5:].mean() < kernels[:5].mean()
     assert np.allclose(torch_, kernels, rtol=0.02)

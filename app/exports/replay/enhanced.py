@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from app.enhancement.methods import METHODS, LookEnhancer, apply
+from app.enhancement.methods import METHODS, MethodEnhancer, apply
 from app.errors import UserError
 from app.exports.replay.recorded import Facts, again
 from app.exports.replay.sources import Named, Sources
@@ -19,7 +19,7 @@ from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import Series, open_series
 from app.files.provenance import write_sidecar
 from app.files.video import write_video
-from app.runs.run_folder import RecordedLook
+from app.runs.run_folder import RecordedSettings
 from enhance import Statistics
 from enhance.surround import inside
 from renderer.readers.clip_options import ClipOptions, Deinterlacing
@@ -33,7 +33,7 @@ class EnhancedFacts:
     frame: int | None
     """Of a video."""
     method: str
-    params: RecordedLook | None
+    params: RecordedSettings | None
     pixels: Literal["all", "tissue"]
     statistics: Statistics | None
     deinterlacing: Deinterlacing = "frame"
@@ -59,7 +59,7 @@ def remake_enhanced(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError, ClipError, ImageError or pydantic.ValidationError."""
     picture = PICTURE.validate_python(facts)
     series = picture.opened(sources)
-    write_image(target, _enhanced(picture, series, LookEnhancer()), again(facts))
+    write_image(target, _enhanced(picture, series, MethodEnhancer()), again(facts))
 
 
 def remake_enhanced_video(facts: Facts, sources: Sources, target: Path) -> None:
@@ -67,7 +67,7 @@ def remake_enhanced_video(facts: Facts, sources: Sources, target: Path) -> None:
     video = VIDEO.validate_python(facts)
     if not video.pictures:
         raise UserError(f"expected at least one frame, got none: {sources.file}")
-    enhancer = LookEnhancer()
+    enhancer = MethodEnhancer()
 
     @lru_cache(maxsize=1)
     def opened(source: Named) -> Series:
@@ -82,7 +82,7 @@ def remake_enhanced_video(facts: Facts, sources: Sources, target: Path) -> None:
     write_sidecar(target, again(facts))
 
 
-def _enhanced(picture: EnhancedFacts, series: Series, enhancer: LookEnhancer) -> ArrayImage:
+def _enhanced(picture: EnhancedFacts, series: Series, enhancer: MethodEnhancer) -> ArrayImage:
     """Statistics of the picture alone are measured again; those of all pictures together are taken over."""
     frame = picture.frame or 0
     if picture.method not in METHODS or not 0 <= frame < len(series):

@@ -26,7 +26,7 @@ from app.exports.view_pages import drawn_panel, view_pages
 from app.files.image_series import timing_of
 from app.files.provenance import write_png, write_sidecar
 from app.files.video import Timing, write_video
-from app.runs.run_folder import RecordedLook
+from app.runs.run_folder import RecordedSettings
 from app.scenes.scene import Scene
 from renderer.clip import Clip
 from renderer.near_plane import NEAR_SHARE
@@ -44,7 +44,7 @@ class PaneFacts:
     tissue_only: bool
     mask: PictureMask = NO_MASK
     span: tuple[int, int] | None = None
-    params: RecordedLook | None = None
+    params: RecordedSettings | None = None
     method: str = ""
     view: dict[str, Any] | None = None
 

@@ -15,7 +15,7 @@ from app.exports.replay.recorded import Facts, again
 from app.exports.replay.sources import Named, Sources
 from app.files.image_series import open_series
 from app.files.provenance import write_png
-from app.runs.run_folder import RecordedLook
+from app.runs.run_folder import RecordedSettings
 from enhance.surround import inside
 
 
@@ -24,7 +24,7 @@ class SettingFacts:
     """One cell."""
 
     label: str
-    params: RecordedLook
+    params: RecordedSettings
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))

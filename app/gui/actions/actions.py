@@ -8,7 +8,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TypeVar
 
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.errors import UserError
 from app.files.legible import legible
 from app.gui.state.app_state import AppState, Banner, Toast
@@ -24,7 +24,7 @@ from app.runs.clip_selection import WHOLE
 TOAST_SECONDS = 6.0
 MOST_STEPS = 200
 """Of undo."""
-L = TypeVar("L", bound=Look)
+L = TypeVar("L", bound=EnhancementSettings)
 
 
 def say(state: AppState, line: str) -> None:
@@ -203,7 +203,7 @@ def toggle_link(state: AppState) -> None:
 # ---- enhancement
 
 
-def set_params(state: AppState, params: Look) -> None:
+def set_params(state: AppState, params: EnhancementSettings) -> None:
     """Live, while a slider moves; `settle_params` makes it a step of undo."""
     state.params = params
 
@@ -215,7 +215,7 @@ def latest(state: AppState, method: type[L]) -> L:
     return next(settled, method())
 
 
-def choose_method(state: AppState, method: type[Look]) -> None:
+def choose_method(state: AppState, method: type[EnhancementSettings]) -> None:
     """Enhance by this method, with the parameters that it had."""
     settle_params(state)
     state.params = latest(state, method)
@@ -229,10 +229,10 @@ def settle_params(state: AppState) -> None:
         state.future.clear()
 
 
-def rebase(state: AppState, looks: Iterable[Look]) -> None:
+def rebase(state: AppState, looks: Iterable[EnhancementSettings]) -> None:
     """Something else is open: of what was set before, only the looks of pictures can be gone back to."""
     now = state.chosen
-    state.past, state.future = [now.with_look(look) for look, _ in groupby(looks)], []
+    state.past, state.future = [now.with_params(look) for look, _ in groupby(looks)], []
 
 
 def reset_params(state: AppState) -> None:

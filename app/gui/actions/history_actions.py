@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.chosen import Chosen, step_name
+from app.gui.state.settings_snapshot import SettingsSnapshot, step_name
 
 
 def undo(state: AppState) -> None:
@@ -31,7 +31,7 @@ def redo_name(state: AppState) -> str:
     return f"Redo {step_name(state.past[-1], state.future[-1])}" if state.future else "Redo"
 
 
-def _take(state: AppState, chosen: Chosen) -> None:
+def _take(state: AppState, chosen: SettingsSnapshot) -> None:
     now, draft = state.comparison, state.reconstruction
     state.params, state.scope, state.tissue_only = chosen.params, chosen.scope, chosen.tissue_only
     state.comparison = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)

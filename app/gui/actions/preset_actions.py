@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME
 from app.errors import UserError
 from app.gui.actions import actions
@@ -52,7 +52,7 @@ def forget(state: AppState, name: str) -> None:
     _save(state, left, f"preset {name} deleted")
 
 
-def _save(state: AppState, presets: dict[str, Look], done: str) -> None:
+def _save(state: AppState, presets: dict[str, EnhancementSettings], done: str) -> None:
     file = presets_file(state.places)
     presets = merged_presets(file, presets, state.presets)
     try:

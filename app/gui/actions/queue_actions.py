@@ -10,7 +10,7 @@ from app.gui.actions import actions, job_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.runs.progress_log import Told
+from app.runs.progress_log import TrainingLog
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
@@ -97,7 +97,7 @@ def without_clip(state: AppState) -> TrainRequest | None:
     return first.request if first is not None and first.clip is None else None
 
 
-def give_clip(state: AppState, request: TrainRequest, clip: Clip, told: Told) -> None:
+def give_clip(state: AppState, request: TrainRequest, clip: Clip, told: TrainingLog) -> None:
     """Its clip is open. Where it is the one that is shown, that very one."""
     shown = state.clip
     if shown is not None and (shown.path, state.opened_options) == (clip.path, request.clip_options):

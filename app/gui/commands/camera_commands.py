@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from app.gui.actions import camera_actions, path_actions, second_actions, view_actions
 from app.gui.commands import recent_commands
-from app.gui.commands.command import Command, Outside, Section, start
+from app.gui.commands.command import Command, Section, WindowServices, start
 from app.gui.state.app_state import AppState
 
 BLEND_STEP = 0.1
 
 
-def camera_sections(state: AppState, outside: Outside) -> tuple[Section, ...]:
+def camera_sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     views = (
         Command("Clip camera", camera_actions.reset_view, ("Home",),
                 text="3D view back to the clip's camera", applies=_has_model),
@@ -55,7 +55,7 @@ def camera_sections(state: AppState, outside: Outside) -> tuple[Section, ...]:
     )
 
 
-def second_commands(state: AppState, outside: Outside) -> tuple[Command, ...]:
+def second_commands(state: AppState, outside: WindowServices) -> tuple[Command, ...]:
     """What to see beside the first 3D view."""
     return (
         Command("Run folder beside…", start(outside.second_run), applies=_has_model),

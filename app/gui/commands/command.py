@@ -57,7 +57,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Outside:
+class WindowServices:
     """What commands can start that needs more than the state."""
 
     folder: Callable[[], None]

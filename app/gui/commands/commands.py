@@ -19,7 +19,7 @@ from app.gui.actions import (
 )
 from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
-from app.gui.commands.command import Act, Asks, Command, Outside, Section, start
+from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, start
 from app.gui.commands.edit_commands import edit_sections
 from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
@@ -34,7 +34,7 @@ MODE_TEXTS: dict[Mode, str] = {
 }
 
 
-def sections(state: AppState, outside: Outside) -> tuple[Section, ...]:
+def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     """All commands as they are now: the recent clips are among them."""
     return (
         *_file(state, outside),
@@ -57,7 +57,7 @@ def has_something(state: AppState) -> bool:
     return state.pictures is not None or state.model is not None
 
 
-def _file(state: AppState, outside: Outside) -> tuple[Section, ...]:
+def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     opening = (
         Command("Open folder…", start(outside.folder), ("Ctrl+O",)),
         Command("Open image, video, session or report…", start(outside.file), ("Ctrl+I",)),

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from app.gui.actions import job_actions, queue_actions, run_actions
-from app.gui.commands.command import Command, Outside, Section
+from app.gui.commands.command import Command, Section, WindowServices
 from app.gui.state.app_state import AppState
 
 
-def job_sections(outside: Outside) -> tuple[Section, ...]:
+def job_sections(outside: WindowServices) -> tuple[Section, ...]:
     make_job = outside.make_job
     making = (
         Command("Reconstruct", lambda s: job_actions.start_reconstruction(s, make_job), ("Ctrl+R",),

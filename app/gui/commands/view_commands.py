@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 
 from app.gui.actions import actions, path_actions
-from app.gui.commands.command import Command, Outside, Section, start
+from app.gui.commands.command import Command, Section, WindowServices, start
 from app.gui.state.settings import TEXT_PERCENTS, Theme
 
 
-def view_sections(outside: Outside) -> tuple[Section, ...]:
+def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     panels = tuple(
         Command(
             name,

@@ -14,8 +14,8 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import portable_file_dialogs as desktop
 
 from app.files.legible import legible
-from app.gui.look import theme
-from app.gui.look.widgets import em, within
+from app.gui.style import theme
+from app.gui.style.widgets import em, within
 
 Kind = Literal["folder", "file"]
 TITLES: dict[Kind, str] = {"folder": "Open a folder", "file": "Open a file"}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.look import theme
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
 
 SPLATS = "Splats"
 """The 3D view of a model without pictures, in their place."""

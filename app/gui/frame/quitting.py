@@ -7,8 +7,8 @@ from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui, imgui_ctx
 
 from app.gui.actions import actions, queue_actions
 from app.gui.frame import dockings
-from app.gui.look.widgets import em, question
 from app.gui.state.app_state import AppState
+from app.gui.style.widgets import em, question
 
 
 def ask_before_quitting(state: AppState) -> None:

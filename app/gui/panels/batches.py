@@ -11,9 +11,9 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.enhancement.batch import Failed
 from app.files.legible import legible
 from app.gui.actions import batch_actions
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, floating, row
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain, floating, row
 
 TEXT = (
     "Every picture and video of the list, and of all folders below, is enhanced by the present setting into "

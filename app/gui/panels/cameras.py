@@ -9,9 +9,9 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
 from app.gui.actions import path_actions
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain
 from app.scenes.scene import Scene
 from renderer.camera_path import Keyframe
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, ImVec4, imgui
 
-from app.gui.look import theme
-from app.gui.look.widgets import em
+from app.gui.style import theme
+from app.gui.style.widgets import em
 from app.scenes.view_kinds import Scale
 
 SEGMENTS = 32

@@ -13,12 +13,12 @@ from app.enhancement.settable import MODES, SLOTS, SOURCES
 from app.gui.actions import actions, comparing
 from app.gui.commands.commands import fit_pictures, one_to_one
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.look import theme
-from app.gui.look.widgets import beside, beside_of, button, centered, em, explain
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
+from app.gui.style import theme
+from app.gui.style.widgets import beside, beside_of, button, centered, em, explain
 
 MODE_LABELS = [mode.capitalize() for mode in MODES]
 MODE_TEXT = (

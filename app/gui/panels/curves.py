@@ -9,9 +9,9 @@ from imgui_bundle import ImVec2, ImVec4, imgui, implot
 from numpy.typing import NDArray
 
 from app.files.legible import grouped
-from app.gui.look import theme
-from app.gui.look.widgets import em, explain
 from app.gui.state.reconstruction import Reconstruction
+from app.gui.style import theme
+from app.gui.style.widgets import em, explain
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Progress
 

@@ -9,10 +9,10 @@ from imgui_bundle import ImVec2, ImVec2Like, imgui
 
 from app.files.legible import grouped
 from app.gui.actions import edit_actions
-from app.gui.look import theme
-from app.gui.look.widgets import em, tag
 from app.gui.panels.scene_marks import on_screen, placement
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import em, tag
 from app.scenes.free_camera import Vector
 from renderer.camera import Camera
 from renderer.editing.edits import Combination

@@ -8,9 +8,9 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import grouped
 from app.gui.actions import edit_actions
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, question, row
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain, question, row
 from app.gui.work.editing import TOOLS, TRAITS, Editing, Limits, Tool
 from renderer.editing.edits import Combination
 from renderer.editing.sight import Trait

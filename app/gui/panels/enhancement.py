@@ -8,23 +8,23 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.enhancement.methods import PAPER, VESSEL, Look
+from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME, Scope
 from app.files.legible import legible, named
 from app.gui.actions import actions, history_actions, preset_actions
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, row, slide, slide_auto
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.panels.enhancement_scales import draw_scales
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.state.presets import BUILT_IN, preset_name
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain, row, slide, slide_auto
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 
 __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
-METHODS: tuple[type[Look], ...] = (EnhanceParams, VesselParams)
+METHODS: tuple[type[EnhancementSettings], ...] = (EnhanceParams, VesselParams)
 METHOD_LABELS = [named(PAPER), named(VESSEL)]
 VESSEL_SLIDERS = {
     "strength": "Strength",
@@ -76,7 +76,7 @@ def _draw_settings(state: AppState, used: Statistics | None) -> None:
     _draw_scope(state)
 
 
-def _change(state: AppState, params: Look) -> None:
+def _change(state: AppState, params: EnhancementSettings) -> None:
     if params != state.params:
         actions.set_params(state, params)
 
@@ -140,7 +140,7 @@ def _draw_keep(state: AppState) -> None:
     imgui.end_popup()
 
 
-def _draw_main(params: Look, used: Statistics | None) -> Look:
+def _draw_main(params: EnhancementSettings, used: Statistics | None) -> EnhancementSettings:
     if isinstance(params, VesselParams):
         return _draw_vessel(params, MAIN_VESSEL)
     params = slide_auto(params, "z", "Brightness z", used.z if used else None, 0.5)
@@ -170,7 +170,7 @@ def _draw_vessel(params: VesselParams, names: Sequence[str]) -> VesselParams:
     return params
 
 
-def _draw_rest(params: Look, used: Statistics | None) -> Look:
+def _draw_rest(params: EnhancementSettings, used: Statistics | None) -> EnhancementSettings:
     if isinstance(params, EnhanceParams):
         return draw_scales(params, used)
     return _draw_vessel(params, [name for name in VESSEL_SLIDERS if name not in MAIN_VESSEL])

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.parameter_grid import DEFINITIONS, Measures
 from app.files.legible import legible
-from app.gui.look import theme
-from app.gui.look.widgets import em, explain
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import em, explain
 from app.gui.work.measuring import BINS, Measured, curves
 from enhance import Statistics
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.look.widgets import NAMES, button, declared, em, explain, row, slide, slider
 from app.gui.state import scales
+from app.gui.style.widgets import NAMES, button, declared, em, explain, row, slide, slider
 from enhance import EnhanceParams, Statistics
 
 SUBSAMPLES = (1, 2, 4, 8)

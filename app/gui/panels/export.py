@@ -11,9 +11,9 @@ from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.legible import legible
 from app.gui.actions import export_actions, window_actions
 from app.gui.actions.export_actions import OFFERS, Offer, What
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, floating, row
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain, floating, row
 from app.scenes.supersampling import FACTORS
 
 SCALES = (1, 2, 3, 4)

@@ -8,10 +8,10 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import legible
 from app.gui.commands.command import Command, Section
-from app.gui.look import theme
-from app.gui.look.widgets import em, explain
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import em, explain
 
 
 def draw_menus(state: AppState, sections: tuple[Section, ...]) -> None:

@@ -12,9 +12,9 @@ from app.files.provenance import NOTICE
 from app.gui.actions import actions
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain, question, within
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain, question, within
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (

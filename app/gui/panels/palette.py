@@ -7,9 +7,9 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from app.files.legible import legible
 from app.gui.commands.command import Section
 from app.gui.commands.finding import Found, find
-from app.gui.look import theme
-from app.gui.look.widgets import em, explain
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import em, explain
 
 NAME = "##palette"
 ROWS = 12.0

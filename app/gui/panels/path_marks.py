@@ -6,10 +6,10 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui
 
 from app.gui.actions import path_actions
-from app.gui.look import theme
-from app.gui.look.widgets import em
 from app.gui.panels.scene_marks import placement
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import em
 from app.gui.views.lines import frustum, seen
 from app.scenes.view_request import ViewRequest
 from renderer.camera import FloatArray

@@ -11,12 +11,12 @@ from app.enhancement.settable import LONGEST_NAME, InputKind
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import job_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
-from app.gui.look import theme
-from app.gui.look.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
+from app.gui.style import theme
+from app.gui.style.widgets import button, declared, em, explain, row, seconds, slider, wants_default
 from app.runs.wall_clock import in_all
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig

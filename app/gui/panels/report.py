@@ -5,10 +5,10 @@ from __future__ import annotations
 from imgui_bundle import ImVec2, imgui, implot
 
 from app.gui.actions import actions
-from app.gui.look import theme
-from app.gui.look.widgets import centered, em, explain
 from app.gui.panels.report_tables import draw_part
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import centered, em, explain
 from app.gui.work.reported import Chart, Reported, Scale, current, plain
 
 FLAGS = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select

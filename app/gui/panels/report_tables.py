@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.look import theme
-from app.gui.look.widgets import em
+from app.gui.style import theme
+from app.gui.style.widgets import em
 from app.gui.work.reported_tables import ReportPart, ShownTable
 
 FLAGS = (

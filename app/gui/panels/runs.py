@@ -10,10 +10,10 @@ from imgui_bundle import imgui, imgui_ctx
 from app.files.legible import legible, named
 from app.gui.actions import queue_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain
 from app.gui.work.run_list import ListedRun
 
 

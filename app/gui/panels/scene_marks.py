@@ -7,9 +7,9 @@ import math
 import numpy as np
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.look import theme
-from app.gui.look.widgets import em, tag
 from app.gui.state.viewer import Viewer
+from app.gui.style import theme
+from app.gui.style.widgets import em, tag
 from app.gui.views.picture_view import PictureView, Placement
 from app.scenes.free_camera import Vector
 from app.scenes.view_request import ViewRequest

@@ -6,8 +6,8 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.settable import LONGEST_NOTES
 from app.gui.actions import session_actions
-from app.gui.look.widgets import em, explain
 from app.gui.state.app_state import AppState
+from app.gui.style.widgets import em, explain
 
 OFFER = "The last session ended unexpectedly"
 

@@ -10,9 +10,9 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.enhancement.image_mask import NO_MASK
 from app.gui.actions import actions, clip_actions
 from app.gui.commands.commands import has_something
-from app.gui.look import theme
-from app.gui.look.widgets import button, em, explain
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import button, em, explain
 from app.gui.work.strip import count_for
 from renderer.clip import ByteImage
 

@@ -9,15 +9,15 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.contact_sheet import in_words
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import DEFINITIONS, METRICS, SMALLER_IS_BETTER, Setting
 from app.enhancement.settable import MOST_VALUES
 from app.gui.actions import tuning_actions
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.look import theme
-from app.gui.look.widgets import beside_of, button, centered, declared, em, explain, tag
 from app.gui.panels.enhancement import VESSEL_SLIDERS
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import beside_of, button, centered, declared, em, explain, tag
 from app.gui.work.tuning import Choice, GridCell
 from enhance import EnhanceParams
 from renderer.clip import ByteImage
@@ -113,7 +113,7 @@ def _before(word: str, width: float) -> None:
     imgui.same_line()
 
 
-def _whole_range(kind: type[Look], name: str, count: int) -> Choice:
+def _whole_range(kind: type[EnhancementSettings], name: str, count: int) -> Choice:
     """From one end of what the parameter takes to the other."""
     if not name:
         return Choice("", count=count)

@@ -12,13 +12,13 @@ from app.files.legible import grouped, legible, named
 from app.gui.actions import actions, camera_actions, view_actions
 from app.gui.commands.command import Command
 from app.gui.drawing.viewport import OnScreen, Viewport
-from app.gui.look import theme
-from app.gui.look.widgets import beside, beside_of, button, centered, em, explain, stack_tags
 from app.gui.panels.color_bar import draw_color_bar
 from app.gui.panels.menus import draw_commands
 from app.gui.panels.path_marks import draw_path_marks
 from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import beside, beside_of, button, centered, em, explain, stack_tags
 from app.scenes.photos import Photo
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED

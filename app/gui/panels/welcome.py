@@ -11,9 +11,9 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
 from app.gui.actions import actions
-from app.gui.look import theme
-from app.gui.look.widgets import button, centered, em, explain
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.style.widgets import button, centered, em, explain
 
 WIDTH = 17.0
 

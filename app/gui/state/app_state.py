@@ -8,19 +8,19 @@ from pathlib import Path
 from typing import Literal
 
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import Scope, Slot
 from app.exports.comparison_images import Difference, Other
 from app.gui.session_file import Session
 from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
-from app.gui.state.chosen import Chosen
 from app.gui.state.comparison import Comparison, Side
 from app.gui.state.exports import Exports
 from app.gui.state.palette import Palette
 from app.gui.state.reconstruction import Reconstruction, Waiting
 from app.gui.state.second import Second
 from app.gui.state.settings import Places, Settings
+from app.gui.state.settings_snapshot import SettingsSnapshot
 from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
 from app.gui.work.baking import Baked
@@ -104,7 +104,7 @@ class AppState:
     playhead: float = 0.0
     """Position in frames while playing; frame_index is its whole part."""
 
-    params: Look = field(default_factory=EnhanceParams)
+    params: EnhancementSettings = field(default_factory=EnhanceParams)
     """Of the method that is chosen."""
     scope: Scope = "image"
     tissue_only: bool = False
@@ -113,17 +113,17 @@ class AppState:
     """False: plain white light on both sides."""
     peeking: bool = False
     """The original is shown in the enhanced pane while a key is held."""
-    past: list[Chosen] = field(default_factory=lambda: [Chosen()])
+    past: list[SettingsSnapshot] = field(default_factory=lambda: [SettingsSnapshot()])
     """Settled settings; the last are the present ones. Undo goes back in it."""
-    future: list[Chosen] = field(default_factory=list)
+    future: list[SettingsSnapshot] = field(default_factory=list)
 
     pictures: Pictures | None = None
     asked_at: float = 0.0
     """When the newest pictures were asked for, on the window's clock."""
     comparison: Comparison = field(default_factory=Comparison)
-    stored: dict[Slot, Look] = field(default_factory=dict)
+    stored: dict[Slot, EnhancementSettings] = field(default_factory=dict)
     """Settings kept as "A" and "B", to compare with."""
-    presets: dict[str, Look] = field(default_factory=dict)
+    presets: dict[str, EnhancementSettings] = field(default_factory=dict)
     """A person's own, by name."""
     preset_draft: str = ""
     """Name that is being typed for one."""
@@ -208,10 +208,10 @@ class AppState:
     """Why, for the tooltip."""
 
     @property
-    def chosen(self) -> Chosen:
+    def chosen(self) -> SettingsSnapshot:
         """All that is set now."""
         draft, comparison = self.reconstruction, replace(self.comparison, wipe=0.5, flipped=False)
-        return Chosen(
+        return SettingsSnapshot(
             self.params,
             self.scope,
             self.tissue_only,

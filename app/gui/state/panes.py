@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from app.enhancement.frame_enhancer import Pictures
-from app.enhancement.methods import PAPER, VESSEL, Look
+from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.exports.page import describe
@@ -84,9 +84,9 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
     return OtherRequest(photo, look)
 
 
-def _look(state: AppState, source: str) -> Look | None:
+def _look(state: AppState, source: str) -> EnhancementSettings | None:
     """The parameters behind a source, None for a method without."""
-    defaults: dict[str, Look] = {PAPER: EnhanceParams(), VESSEL: VesselParams()}
+    defaults: dict[str, EnhancementSettings] = {PAPER: EnhanceParams(), VESSEL: VesselParams()}
     stored = (look for slot, look in state.stored.items() if slot == source)
     return next(stored, defaults.get(source))
 

@@ -11,27 +11,27 @@ from typing import Final
 
 from pydantic import TypeAdapter
 
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.provenance import strict_json
 from app.gui.state.settings import Places
-from app.runs.run_folder import RecordedLook
+from app.runs.run_folder import RecordedSettings
 from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.json_files import read_json
 
-BUILT_IN: Final[Mapping[str, Look]] = MappingProxyType(
+BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
     {
         "Paper, d 1 (pictures)": EnhanceParams(),
         "Paper, d 0.5 (3D)": RECONSTRUCTION_PARAMS,
         "Vessel (ours)": VesselParams(),
     }
 )
-OWN: TypeAdapter[dict[str, Look]] = TypeAdapter(dict[str, RecordedLook])
+OWN: TypeAdapter[dict[str, EnhancementSettings]] = TypeAdapter(dict[str, RecordedSettings])
 MOST_PRESETS: Final = 500
 DAMAGED: Final = "it is damaged"
 
@@ -40,7 +40,7 @@ def presets_file(places: Places) -> Path:
     return places.config / "presets.json"
 
 
-def load_presets(path: Path) -> tuple[dict[str, Look], str]:
+def load_presets(path: Path) -> tuple[dict[str, EnhancementSettings], str]:
     """The own presets that can be read and what went wrong with the others, empty when nothing did.
 
     A file that cannot be understood as a whole is put aside, so that the next save does not destroy it.
@@ -80,12 +80,14 @@ def _put_aside(path: Path, what: str) -> str:
     return f"your own presets cannot be read ({what}); the file is kept as {aside.name}"
 
 
-def save_presets(path: Path, presets: Mapping[str, Look]) -> None:
+def save_presets(path: Path, presets: Mapping[str, EnhancementSettings]) -> None:
     """Atomic. Raises OSError or UserError."""
     write_bytes(path, strict_json(dict(presets), indent=2).encode())
 
 
-def merged_presets(path: Path, mine: Mapping[str, Look], before: Mapping[str, Look]) -> dict[str, Look]:
+def merged_presets(
+    path: Path, mine: Mapping[str, EnhancementSettings], before: Mapping[str, EnhancementSettings]
+) -> dict[str, EnhancementSettings]:
     """What other windows have saved meanwhile, with what this one has changed since `before`."""
     others, _ = load_presets(path)
     changed = {name: look for name, look in mine.items() if before.get(name) != look}
@@ -93,7 +95,7 @@ def merged_presets(path: Path, mine: Mapping[str, Look], before: Mapping[str, Lo
     return {name: look for name, look in others.items() if name not in gone} | changed
 
 
-def preset_name(look: Look, own: Mapping[str, Look]) -> str:
+def preset_name(look: EnhancementSettings, own: Mapping[str, EnhancementSettings]) -> str:
     """The preset that these parameters are, empty for none."""
     named = (name for name, preset in {**BUILT_IN, **own}.items() if preset == look)
     return next(named, "")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from app.enhancement.settable import InputKind
-from app.runs.progress_log import NOTHING_TOLD, Told
+from app.runs.progress_log import EMPTY_LOG, TrainingLog
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
@@ -37,7 +37,7 @@ class Waiting:
     clip: Clip | None
     """None: of an earlier session, still to be opened."""
     request: TrainRequest
-    told: Told = NOTHING_TOLD
+    told: TrainingLog = EMPTY_LOG
     """Of a run that goes on: what it has said so far."""
     asleep: bool = False
     """Of an earlier session: not made until a person says so."""
@@ -70,7 +70,7 @@ class Reconstruction:
     """What it will need of memory and disk."""
     started: Started | None = None
     progress: Progress | None = None
-    told: Told = NOTHING_TOLD
+    told: TrainingLog = EMPTY_LOG
     """For the curves: also of the run's earlier processes."""
     warnings: list[str] = field(default_factory=list)
     has_checkpoint: bool = False

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import Pictures
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import Measures, measured
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
@@ -87,7 +87,7 @@ class Curves:
 
 
 @lru_cache(maxsize=16)
-def curves(look: Look, used: Statistics) -> Curves:
+def curves(look: EnhancementSettings, used: Statistics) -> Curves:
     """Eq 1 and Eqs 11-12 with the statistics in use; of `vessel` with its own part of them.
 
     Local detail, which depends on the neighbourhood, is no part of them.

@@ -12,7 +12,7 @@ from app.files.provenance import digests
 from app.gui.session_file import SUFFIX, Session, mended_session
 from app.gui.work.reported import Reported, read
 from app.report.saved import holds_report, is_report
-from app.runs.progress_log import Told, told
+from app.runs.progress_log import TrainingLog, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
@@ -48,7 +48,7 @@ class OpenedRun:
     """What it was begun with."""
     model: Scene | None
     """Of a run that is not finished: its last checkpoint's, live; None where it left none."""
-    told: Told
+    told: TrainingLog
 
     @property
     def is_finished(self) -> bool:
@@ -166,7 +166,7 @@ def _open_run(folder: RunFolder) -> Opened:
     return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
 
 
-def last_checkpoint(folder: RunFolder, record: RunRecord, said: Told) -> Scene | None:
+def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> Scene | None:
     """The model as it was at the newest checkpoint that can be read; None where there is none."""
     checkpoint = read_newest_checkpoint(folder.path)
     if checkpoint is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.runs.progress_log import Told, told
+from app.runs.progress_log import TrainingLog, told
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
@@ -25,7 +25,7 @@ class TakenUp:
     """What the window needs beside the request."""
 
     clip: Clip
-    told: Told
+    told: TrainingLog
     """Of a run that goes on: what it has said so far."""
 
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.work.opening import request_of
-from app.runs.progress_log import NOTHING_TOLD, Told, told
+from app.runs.progress_log import EMPTY_LOG, TrainingLog, told
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.run_lock import holder
 from app.runs.train_run import TrainRequest
@@ -42,7 +42,7 @@ class ListedRun:
     has_checkpoint: bool
     psnr: float | None
     """dB: of held-out frames where that was measured, else the newest of the training frames."""
-    told: Told
+    told: TrainingLog
     """Of an unfinished run: what it has said so far."""
 
     @property
@@ -125,5 +125,5 @@ def _listed(run: RunFolder) -> tuple[RunRecord, ListedRun]:
         made=_made(run),
         has_checkpoint=run.has_checkpoint,
         psnr=newest[0].psnr if newest else None,
-        told=NOTHING_TOLD if run.is_finished else said,
+        told=EMPTY_LOG if run.is_finished else said,
     )

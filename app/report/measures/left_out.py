@@ -18,7 +18,7 @@ from app.report.section import Cell, Column, Section, Table
 from enhance import EnhanceParams, Enhancer, EnhanceResult
 from enhance.accuracy import omissions
 from renderer.clip import Clip, ClipError
-from renderer.measuring.ablation import Side, compared
+from renderer.measuring.ablation import Side, ablation
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
@@ -148,7 +148,7 @@ def _of_reconstruction(scene: Scene, clock: Clock, missing: list[str]) -> Iterat
     del frames
     missing += [f"{scene.name}, {omission.what}: no pair" for omission in omitted if omission.part is None]
     kept = {omission: replace(config, keep=(omission.part,)) for omission in omitted if omission.part}
-    sides = compared(scene.clip, [config, *kept.values()], TIMED)
+    sides = ablation(scene.clip, [config, *kept.values()], TIMED)
     without: Side | None = None
     for omission in kept:
         if clock.is_out:

@@ -21,7 +21,7 @@ from renderer.deformation.fdm import (
 from renderer.measuring.stability import exact_adam
 from renderer.measuring.stability.row import Row, worst
 from renderer.measuring.stability.scenes import noisy_gradients, ordinary, raw_of
-from renderer.train.flexible_trainer import FlexibleRates, FlexibleTrainer
+from renderer.train.fdm_trainer import FdmRates, FdmTrainer
 from renderer.train.rates import Rate
 
 FloatArray = NDArray[np.float64]
@@ -94,8 +94,8 @@ def _moved() -> Row:
 def _trained() -> Iterator[Row]:
     """20 steps of noisy gradients at random times, against Adam in float64 by differences of the formula."""
     rng, raw = np.random.default_rng(8), raw_of(ordinary(GAUSSIANS))
-    rates = FlexibleRates(position=Rate.constant(POSITION_RATE), other=Rate.constant(RATE))
-    trainer = FlexibleTrainer(FlexibleMotion(_bumps(0.06, 1.0)), rates)
+    rates = FdmRates(position=Rate.constant(POSITION_RATE), other=Rate.constant(RATE))
+    trainer = FdmTrainer(FlexibleMotion(_bumps(0.06, 1.0)), rates)
     exact = trainer.motion.bumps.astype(np.float64)
     first, second = np.zeros_like(exact), np.zeros_like(exact)
     rate = np.full((3, CHANNELS), RATE)

@@ -34,7 +34,7 @@ class Exact:
     """By each of NAMES, of the loss that has these `slopes`."""
 
 
-class Slopes(NamedTuple):
+class LossGradients(NamedTuple):
     """Of a loss by colour over BACKDROP (H, W, 3), by alpha and by depth (H, W)."""
 
     image: FloatArray
@@ -42,11 +42,11 @@ class Slopes(NamedTuple):
     depth: FloatArray
 
 
-def slopes() -> Slopes:
+def slopes() -> LossGradients:
     """Random ones."""
     rng = np.random.default_rng(5)
     shape = CAMERA.height, CAMERA.width
-    return Slopes(rng.normal(size=(*shape, 3)), rng.normal(size=shape), 0.05 * rng.normal(size=shape))
+    return LossGradients(rng.normal(size=(*shape, 3)), rng.normal(size=shape), 0.05 * rng.normal(size=shape))
 
 
 @cache

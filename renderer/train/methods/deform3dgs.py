@@ -24,7 +24,7 @@ from renderer.deformation.fdm import FlexibleMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.densify import DensityControl
-from renderer.train.flexible_trainer import FlexibleRates, FlexibleTrainer
+from renderer.train.fdm_trainer import FdmRates, FdmTrainer
 from renderer.train.fusion import fused
 from renderer.train.losses import LossWeights
 from renderer.train.needs import Needs
@@ -45,10 +45,10 @@ PER_COLOR = 0.28209479177387814
 def recipe(config: TrainConfig, needs: Needs) -> Recipe:
     """Uses `iterations`, `n_gaussians` and `seed`; all else is as published."""
 
-    def make_trainer(raw: RawGaussians, frames: Sequence[Frame], size: float) -> FlexibleTrainer:
+    def make_trainer(raw: RawGaussians, frames: Sequence[Frame], size: float) -> FdmTrainer:
         motion = FlexibleMotion.at_rest(len(raw), FUNCTIONS, INITIAL_WIDTH)
         position = _falling(1.6e-3 / MILLIMETRES * size, config)
-        return FlexibleTrainer(motion, FlexibleRates(position=position, other=_falling(1.6e-3, config)))
+        return FdmTrainer(motion, FdmRates(position=position, other=_falling(1.6e-3, config)))
 
     return Recipe(
         initialize=partial(fused, config=config),

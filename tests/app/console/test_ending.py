@@ -15,7 +15,7 @@ import pytest
 
 from app.console.ending import EndingSignals, noted
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def pictures(folder: Path, count: int = 400) -> Path:

@@ -15,7 +15,7 @@ from app.runs.train_run import TrainRequest
 from app.runs.worker import Steps
 from renderer.train.config import TrainConfig
 from renderer.train.events import Warned
-from tests.app.test_job import PATIENCE
+from tests.app.runs.test_job import PATIENCE
 
 STEPS = """
 import os

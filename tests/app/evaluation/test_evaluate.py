@@ -32,7 +32,7 @@ from renderer.train.config import CHOSEN
 from tests.app.conftest import Call
 
 Cli = Callable[..., Call]
-PULLING = Path(__file__).resolve().parents[2] / "../shared/data/endonerf/pulling_soft_tissues"
+PULLING = Path(__file__).resolve().parents[3] / "../shared/data/endonerf/pulling_soft_tissues"
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 LATIN = os.fsdecode(b"caf\xe9")
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="such names are a matter of Linux")

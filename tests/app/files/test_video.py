@@ -279,7 +279,7 @@ def test_one_video_becomes_the_same_bytes_whatever_lay_in_memory(tmp_path: Path)
     for byte in ("1", "85", "170"):
         path = tmp_path / f"{byte}.mp4"
         environment = {**os.environ, "MALLOC_PERTURB_": byte}
-        root = Path(__file__).resolve().parents[2]
+        root = Path(__file__).resolve().parents[3]
         subprocess.run([sys.executable, "-c", WRITES, path], env=environment, cwd=root, check=True)
         written.append(path.read_bytes())
     assert written[0] == written[1] == written[2]

@@ -12,7 +12,7 @@ import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import job_actions
-from app.gui.commands.command import Outside
+from app.gui.commands.command import WindowServices
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings
 from renderer.camera import Camera
@@ -103,10 +103,10 @@ class FakeJob:
         self.told.append("close")
 
 
-def outside(**doing: Callable[[], None]) -> Outside:
+def outside(**doing: Callable[[], None]) -> WindowServices:
     """Nothing is done outside the state but what is named."""
-    nothing = {name: lambda *given: None for name in Outside.__dataclass_fields__}
-    return Outside(**nothing | {"panel_shown": lambda name: False, "make_job": FakeJob} | doing)  # type: ignore[arg-type]
+    nothing = {name: lambda *given: None for name in WindowServices.__dataclass_fields__}
+    return WindowServices(**nothing | {"panel_shown": lambda name: False, "make_job": FakeJob} | doing)  # type: ignore[arg-type]
 
 
 @pytest.fixture(autouse=True)

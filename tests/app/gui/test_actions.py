@@ -10,7 +10,7 @@ from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import load_settings
 from app.gui.work.opening import Opened
-from app.runs.progress_log import Told
+from app.runs.progress_log import TrainingLog
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
@@ -178,7 +178,7 @@ def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
 ) -> None:
     first = started(state, make_job).request
     run = state.reconstruction
-    run.status, run.told = "cancelled", Told((Progress(1, 7, 0.5, 20.0, 1.0, 9.0, 30),))
+    run.status, run.told = "cancelled", TrainingLog((Progress(1, 7, 0.5, 20.0, 1.0, 9.0, 30),))
     run.config = replace(run.config, iterations=7)
     actions.set_params(state, EnhanceParams(z=0.9))
     assert job_actions.can_continue(state)

@@ -25,9 +25,9 @@ from assets import phantom_path
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
 from tests.app.conftest import tissue
+from tests.app.enhancement.test_batch import files, write_avi
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
-from tests.app.test_batch import files, write_avi
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ import pytest
 from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.chosen import Chosen
 from app.gui.state.clip_settings import load_clips
 from app.gui.state.settings import Places
+from app.gui.state.settings_snapshot import SettingsSnapshot
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import Opened
 from app.runs.clip_selection import ClipPart
@@ -57,7 +57,7 @@ SETTINGS: dict[str, Set] = {
 
 
 def test_every_setting_is_undone_and_redone_in_its_turn(state: AppState) -> None:
-    seen: list[Chosen] = [state.chosen]
+    seen: list[SettingsSnapshot] = [state.chosen]
     for name, act in SETTINGS.items():
         act(state)
         actions.settle_params(state)

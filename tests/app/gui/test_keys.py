@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.gui.commands.command import Outside
+from app.gui.commands.command import WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import NAMED, Keyboard, chord
 from app.gui.state.app_state import AppState
@@ -18,7 +18,7 @@ from tests.app.gui.ui import (
 )
 
 
-def keyboard(state: AppState, reach: Outside | None = None) -> Draw:
+def keyboard(state: AppState, reach: WindowServices | None = None) -> Draw:
     """A frame of nothing but keys."""
     keys = Keyboard()
     return lambda: keys.handle(state, sections(state, reach or outside()))

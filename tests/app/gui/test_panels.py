@@ -8,14 +8,14 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions, history_actions, path_actions
-from app.gui.look.widgets import seconds
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
-from app.runs.progress_log import Told
+from app.gui.style.widgets import seconds
+from app.runs.progress_log import TrainingLog
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Preparing, Progress, Started
@@ -74,7 +74,7 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     run.status, run.input, run.failure = status, "enhanced", "out of memory"  # type: ignore[assignment]
     run.started = Started(0, 100, 30, ())
     run.progress = Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
-    run.told = Told(
+    run.told = TrainingLog(
         (Progress(1, 100, 0.5, 10.0, 1.0, 99.0, 20_000), run.progress),
         (Evaluated(50, 22.0), Evaluated(100, 24.0, 0.5)),
     )

@@ -20,7 +20,7 @@ from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
-from app.runs.run_lock import held
+from app.runs.run_lock import locked
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.scene import Scene
 from renderer.clip import Clip
@@ -101,7 +101,7 @@ def test_runs_of_another_clip_are_not_listed(opened: AppState, folder: Path) -> 
 def test_a_run_in_another_process_says_so_and_is_left_alone(
     opened: AppState, make_job: MakeFake, folder: Path
 ) -> None:
-    with held(folder / "runs" / "short"):
+    with locked(folder / "runs" / "short"):
         run = named(opened, "short")
         assert run.made == "being made"
         run_actions.continue_run(opened, make_job, run)

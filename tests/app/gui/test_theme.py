@@ -8,9 +8,9 @@ from imgui_bundle import ImVec4, imgui
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.frame.dockings import MOST
-from app.gui.look import theme
 from app.gui.state.app_state import AppState
 from app.gui.state.settings import Places, Settings, Theme, load_settings
+from app.gui.style import theme
 from tests.app.gui.test_window import Driver
 from tests.app.gui.ui import Ui
 

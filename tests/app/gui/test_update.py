@@ -14,7 +14,7 @@ from app.gui.update.update import PATIENCE, PROMPT, SLOW_VIEW, Channels, take_pi
 from app.gui.work.background import Channel, Worker
 from app.gui.work.opening import Opened
 from app.runs.job import Cancelled, Failed, Paused, Resumed
-from app.runs.progress_log import Told
+from app.runs.progress_log import TrainingLog
 from app.scenes.viewing import View
 from enhance import EnhanceParams
 from renderer.clip import Clip, ClipError
@@ -253,7 +253,7 @@ def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
     job_actions.start_reconstruction(state, make_job)
     run = state.reconstruction
     assert isinstance(run.job, FakeJob)
-    run.told = Told(tuple(Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)))
+    run.told = TrainingLog(tuple(Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)))
     run.job.inbox = [replace(STARTED, iteration=20), Progress(25, 100, 0.4, 21.0, 1.0, 9.0, 30)]
     update(state, channels, 0.1)
     assert [point.iteration for point in run.told.progress] == [10, 20, 25]

@@ -11,7 +11,7 @@ import numpy as np
 from app.exports.view_pages import steady, view_pages
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_sidecar
-from app.files.stepping import in_one_go
+from app.files.stepping import run_to_end
 from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
 from app.scenes.free_camera import FreeView
@@ -126,7 +126,7 @@ def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
     request = export_actions.export_request(state, "video through time")
     assert request is not None
     own = [next(draw_view(views[0])).scale for views in request.moments]
-    moments = in_one_go(steady(request.moments))
+    moments = run_to_end(steady(request.moments))
     (scale,) = {views[0].scale for views in moments}
     assert scale is not None
     assert [views[0].of_kind("color").camera for views in moments] == [

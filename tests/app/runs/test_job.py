@@ -201,7 +201,7 @@ if __name__ == "__main__":
 def run_owner(tmp_path: Path, steps: str, ending: str) -> subprocess.CompletedProcess[str]:
     script = tmp_path / "owner.py"
     script.write_text(OWNER)
-    root = Path(__file__).resolve().parents[2]
+    root = Path(__file__).resolve().parents[3]
     command = [sys.executable, "-W", "error", str(script), str(tmp_path), steps, ending]
     environment = os.environ | {"PYTHONPATH": str(root)}
     return subprocess.run(command, capture_output=True, text=True, env=environment, timeout=2 * PATIENCE)

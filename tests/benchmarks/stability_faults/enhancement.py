@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replaced
 
-KERNELS, FILTER, SURVEY = "enhance.kernels", "enhance.guided_filter", "enhance.survey"
+KERNELS, FILTER, SURVEY = "enhance.second_pass", "enhance.guided_filter", "enhance.first_pass"
 ENHANCER, POWERS = "enhance.enhancer", "enhance.powers"
 
 

@@ -9,7 +9,7 @@ from tests.benchmarks.stability_faults.faults import Fault, edited, replaced, ro
 SPLINE, NODES = "renderer.deformation.spline", "renderer.deformation.nodes"
 SPLINE_MOTION, SPLINE_TRAINER = "renderer.deformation.spline_motion", "renderer.train.spline_trainer"
 ADAM, FDM = "renderer.train.adam", "renderer.deformation.fdm"
-FLEXIBLE = "renderer.train.flexible_trainer"
+FLEXIBLE = "renderer.train.fdm_trainer"
 PLANES, PLANE_MOTION = "renderer.deformation.hexplane", "renderer.deformation.hexplane_motion"
 HEADS, PLANE_TRAINER = "renderer.deformation.heads", "renderer.train.hexplane_trainer"
 PRODUCTS = "renderer.deformation.row_products"

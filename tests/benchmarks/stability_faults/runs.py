@@ -16,7 +16,7 @@ VESSELSPLAT, DEFORM3DGS, ENDOGAUSSIAN, STATIC = ((part,) for part in METHODS)
 STEP, UNSEEN = ("one step",), ("unseen",)
 REFUSED, UNITS = ("whole run, refused",), ("whole run, units",)
 ALL = (*METHODS, *REFUSED, *UNITS)
-MODEL, PICTURES, FRAMES = "renderer.train.model", "renderer.train.pictures", "renderer.train.frames"
+MODEL, PICTURES, FRAMES = "renderer.train.model", "renderer.train.gradient_backend", "renderer.train.frames"
 TRAINER, GUARDS, INITIALIZE = "renderer.train.trainer", "renderer.train.guards", "renderer.train.initialize"
 TILES, ADAM = "renderer.rasterize.tiles", "renderer.train.adam"
 
@@ -31,7 +31,7 @@ def _changed(change: Any) -> Change:
 
         return slopes
 
-    return replaced(f"{PICTURES}:CpuPictures.slopes", make)
+    return replaced(f"{PICTURES}:CpuBackend.slopes", make)
 
 
 def _raises(_: Any) -> Any:

@@ -17,7 +17,7 @@ from renderer.train.losses import LossWeights, Measured, picture_loss
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
+class LossGradients:
     """Of the loss of one picture."""
 
     measured: Measured
@@ -26,10 +26,10 @@ class Slopes:
     """(N,) True: takes part in the picture; the gradients of the others are 0."""
 
 
-class Pictures(Protocol):
+class GradientBackend(Protocol):
     """Draws and differentiates, on a processor or on a card; all else of a step is the same on both."""
 
-    def slopes(
+    def loss_and_gradients(
         self,
         now: RawGaussians,
         frame: TrainFrame,
@@ -38,7 +38,7 @@ class Pictures(Protocol):
         *,
         every_tile: bool,
         mode: RenderMode = "default",
-    ) -> Slopes:
+    ) -> LossGradients:
         """Of the Gaussians as they are at the frame's time; `size` is the scene's.
 
         Without `every_tile`, tiles without tissue may stay undrawn, where no loss looks at them.
@@ -50,14 +50,14 @@ class Pictures(Protocol):
         ...
 
 
-class CpuPictures:
-    """See Pictures: the numba kernels."""
+class CpuBackend:
+    """See GradientBackend: the numba kernels."""
 
     def __init__(self) -> None:
         self._rasterizer = Rasterizer(1, 1)
         self._size = (1, 1)
 
-    def slopes(
+    def loss_and_gradients(
         self,
         now: RawGaussians,
         frame: TrainFrame,
@@ -66,8 +66,8 @@ class CpuPictures:
         *,
         every_tile: bool,
         mode: RenderMode = "default",
-    ) -> Slopes:
-        """See Pictures."""
+    ) -> LossGradients:
+        """See GradientBackend."""
         if self._size != (frame.camera.width, frame.camera.height):
             self._size = frame.camera.width, frame.camera.height
             self._rasterizer = Rasterizer(*self._size)
@@ -75,10 +75,10 @@ class CpuPictures:
         wanted = None if every_tile or weights.takes_whole_picture else frame.tile_wanted
         rasterizer.forward(splats, frame.camera, NEAR_SHARE * size, wanted, mode)
         measured = picture_loss(rasterizer, frame, weights, size)
-        return Slopes(measured, _by_raw(rasterizer.backward(splats), splats), rasterizer.visible)
+        return LossGradients(measured, _by_raw(rasterizer.backward(splats), splats), rasterizer.visible)
 
     def by_centers(self) -> Float32Array:
-        """See Pictures."""
+        """See GradientBackend."""
         return self._rasterizer.by_centers()
 
 

@@ -33,10 +33,10 @@ from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Planned, Started, Warned
 from tests.app.conftest import CONFIG, Call, request_of
-from tests.app.test_job import events_until, is_a
+from tests.app.runs.test_job import events_until, is_a
 
 Cli = Callable[..., Call]
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 PULLING = ROOT / "../shared/data/endonerf/pulling_soft_tissues"
 
 

@@ -11,13 +11,13 @@ import psutil
 import pytest
 
 from app.errors import UserError
-from app.runs.run_lock import NAME, held, holder
+from app.runs.run_lock import NAME, holder, locked
 
 HOLDS = """
 import sys, time
 from pathlib import Path
-from app.runs.run_lock import held
-with held(Path(sys.argv[1])):
+from app.runs.run_lock import locked
+with locked(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)
 """
@@ -25,16 +25,16 @@ with held(Path(sys.argv[1])):
 
 def test_a_run_is_held_only_while_it_is_trained(tmp_path: Path) -> None:
     assert holder(tmp_path) is None
-    with held(tmp_path):
+    with locked(tmp_path):
         assert holder(tmp_path) == psutil.Process().pid
-        with pytest.raises(UserError, match="another process"), held(tmp_path):
+        with pytest.raises(UserError, match="another process"), locked(tmp_path):
             pass
         assert holder(tmp_path) == psutil.Process().pid
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_killed_process_holds_nothing(tmp_path: Path) -> None:
-    root = str(Path(__file__).parents[2])
+    root = str(Path(__file__).parents[3])
     process = subprocess.Popen(
         [sys.executable, "-c", HOLDS, str(tmp_path)],
         stdout=subprocess.PIPE,
@@ -66,12 +66,12 @@ RACES = """
 import sys, time
 from pathlib import Path
 from app.errors import UserError
-from app.runs.run_lock import held
+from app.runs.run_lock import locked
 start = float(sys.argv[2])
 while time.time() < start:
     pass
 try:
-    with held(Path(sys.argv[1])):
+    with locked(Path(sys.argv[1])):
         print("held", flush=True)
         time.sleep(1.0)
 except UserError as error:
@@ -89,7 +89,7 @@ def test_of_two_that_begin_at_once_one_is_refused(tmp_path: Path, attempt: int) 
         subprocess.Popen(
             [sys.executable, "-c", RACES, str(tmp_path), start],
             stdout=subprocess.PIPE,
-            env={"PYTHONPATH": str(Path(__file__).parents[2])},
+            env={"PYTHONPATH": str(Path(__file__).parents[3])},
             text=True,
         )
         for _ in range(2)

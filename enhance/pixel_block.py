@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.interleave import take_apart
+from enhance.interleave import deinterleave
 
 CHUNK = 128
 """Pixels; the planes of so many stay in the first-level cache. A multiple of 8 and of 16."""
@@ -33,7 +33,7 @@ RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, 
 @njit(inline="always")
 def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
     """Colours, their largest and smallest, as they come; taken apart in their own, narrow type."""
-    take_apart(pixels, apart)
+    deinterleave(pixels, apart)
     for i in range(CHUNK):
         red, green, blue = apart[0, i], apart[1, i], apart[2, i]
         most = red if red > green else green

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enhance import EnhanceParams, Enhancer, enhance
-from enhance.interleave import put_together, take_apart
+from enhance.interleave import deinterleave, interleave
 from enhance.powers import LEAST_NORMAL, LOG2_ZERO, exp2, log2
 from enhance.reference import enhance_reference
 from tests.enhance.pictures import as_type, vessels
@@ -31,12 +31,12 @@ def log2_of(x: Float32, out: Float32) -> None:
 
 @njit
 def apart(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
-    take_apart(pixels, planes)
+    deinterleave(pixels, planes)
 
 
 @njit
 def together(planes: NDArray[Any], pixels: NDArray[Any]) -> None:
-    put_together(planes, pixels)
+    interleave(planes, pixels)
 
 
 def test_powers_of_two_are_exact_to_float32() -> None:

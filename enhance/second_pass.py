@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.chunk import (
+from enhance.interleave import interleave
+from enhance.pixel_block import (
     BINS,
     BLOCK,
     BLUE,
@@ -36,7 +37,6 @@ from enhance.chunk import (
     load,
     load_keep,
 )
-from enhance.interleave import put_together
 from enhance.powers import exp2, log2, rounded
 
 FLOOR = np.float32(1 / 255)
@@ -342,4 +342,4 @@ def _store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pi
                 color = chunk[plane, i]
                 color = color if color < full else full
                 apart[plane, i] = color if color > ZERO else ZERO
-    put_together(apart, pixels)
+    interleave(apart, pixels)

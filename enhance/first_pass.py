@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.chunk import (
+from enhance.pixel_block import (
     BINS,
     BLOCK,
     CHUNK,
@@ -31,7 +31,7 @@ QUARTER = np.float32(0.25)
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
-def survey(
+def first_pass(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
     full: np.float32,  # the image's value of 1.0

@@ -13,16 +13,16 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from pydantic.fields import FieldInfo
 
 from app.console.flags import marks
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.files.legible import legible
-from app.gui.look import theme
+from app.gui.style import theme
 from enhance import EnhanceParams
 
 ROOM = 1e4
 """Pixels that no label needs."""
 NAMES = 5.6
 """Text heights that the names of controls have, before the controls."""
-L = TypeVar("L", bound=Look)
+L = TypeVar("L", bound=EnhancementSettings)
 EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
 
 

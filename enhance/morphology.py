@@ -8,7 +8,7 @@ import numpy as np
 from enhance.image import Float32Image
 
 
-def opened(plane: Float32Image, radius: int) -> Float32Image:
+def opening(plane: Float32Image, radius: int) -> Float32Image:
     """(H, W) opened by a disc of `radius` pixels, at a size that leaves it 8 to 16 pixels, and smoothed."""
     step = max(1, radius // 8)
     height, width = plane.shape

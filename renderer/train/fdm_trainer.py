@@ -35,7 +35,7 @@ FOUR = np.float32(4.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlexibleRates:
+class FdmRates:
     """Of the bumps."""
 
     position: Rate
@@ -44,14 +44,14 @@ class FlexibleRates:
     """Of the other weights, the centres and the widths."""
 
 
-class FlexibleTrainer:
+class FdmTrainer:
     """See MotionTrainer.
 
     The moments of what does not count at a frame's time rest, where Adam as published lets them decay:
     over a few thousand steps their sums are nearly the same. Bias corrections are by the step of the run.
     """
 
-    def __init__(self, motion: FlexibleMotion, rates: FlexibleRates) -> None:
+    def __init__(self, motion: FlexibleMotion, rates: FdmRates) -> None:
         self.motion = motion
         self._rates = rates
         self._first, self._second = np.zeros_like(motion.bumps), np.zeros_like(motion.bumps)

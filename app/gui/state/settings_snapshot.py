@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import Final
 
-from app.enhancement.methods import Look
+from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import InputKind, Scope
 from app.gui.state.comparison import Comparison
 from app.runs.clip_selection import WHOLE, ClipPart
@@ -13,7 +13,7 @@ from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from renderer.train.config import TrainConfig
 
-DEFAULT_LOOK: Final = EnhanceParams()
+DEFAULT_PARAMS: Final = EnhanceParams()
 DEFAULT_CONFIG: Final = TrainConfig()
 DEFAULT_COMPARISON: Final = Comparison()
 NAMES: Final = {
@@ -29,10 +29,10 @@ PARAMS: Final = {"z": "z", "p": "P", "radii": "windows", "eps": "eps", "d_factor
 
 
 @dataclass(frozen=True)
-class Chosen:
+class SettingsSnapshot:
     """What undo goes back to."""
 
-    params: Look = DEFAULT_LOOK
+    params: EnhancementSettings = DEFAULT_PARAMS
     scope: Scope = "image"
     tissue_only: bool = False
     part: ClipPart = WHOLE
@@ -42,21 +42,21 @@ class Chosen:
     input: InputKind = "original"
     d_factor: float = RECONSTRUCTION_PARAMS.d_factor
 
-    def with_look(self, params: Look) -> Chosen:
+    def with_params(self, params: EnhancementSettings) -> SettingsSnapshot:
         return replace(self, params=params)
 
 
-def step_name(before: Chosen, after: Chosen) -> str:
+def step_name(before: SettingsSnapshot, after: SettingsSnapshot) -> str:
     """What the step from one to the other has changed, in a word or two."""
     names = {NAMES[name] for name in NAMES if getattr(before, name) != getattr(after, name)}
     names |= {name for name in ("trim", "mask") if getattr(before.part, name) != getattr(after.part, name)}
     if len(names) != 1:
         return "settings"
     (name,) = names
-    return _of_look(before.params, after.params) if name == "enhancement" else name
+    return _of_params(before.params, after.params) if name == "enhancement" else name
 
 
-def _of_look(before: Look, after: Look) -> str:
+def _of_params(before: EnhancementSettings, after: EnhancementSettings) -> str:
     if type(before) is not type(after):
         return "method"
     names = (each.name for each in fields(before))

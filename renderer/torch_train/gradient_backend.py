@@ -20,21 +20,21 @@ from renderer.splats import Float32Array, RenderMode
 from renderer.torch_train.harmonics import seen_colors
 from renderer.torch_train.losses import picture_loss
 from renderer.train.frames import TrainFrame
+from renderer.train.gradient_backend import LossGradients
 from renderer.train.losses import LossWeights, Measured
-from renderer.train.pictures import Slopes
 
 Draw = Callable[..., Drawn]
 """With the parameters of `rasterize_cuda`."""
 
 
-class TorchPictures:
-    """See renderer.train.pictures.Pictures. Every tile is drawn: without tissue it has no gradient."""
+class TorchBackend:
+    """See `GradientBackend` of renderer.train. Every tile is drawn: without tissue it has no gradient."""
 
     def __init__(self, device: str, draw: Draw = rasterize_cuda) -> None:
         self._device, self._draw = torch.device(device), draw
         self._centers = torch.zeros((1, 0, 2))
 
-    def slopes(
+    def loss_and_gradients(
         self,
         now: RawGaussians,
         frame: TrainFrame,
@@ -43,8 +43,8 @@ class TorchPictures:
         *,
         every_tile: bool,
         mode: RenderMode = "default",
-    ) -> Slopes:
-        """See Pictures."""
+    ) -> LossGradients:
+        """See GradientBackend."""
         raw = {
             name: torch.from_numpy(value).to(self._device).requires_grad_()
             for name, value in now.arrays().items()
@@ -56,12 +56,12 @@ class TorchPictures:
         by = {name: _gradient(raw[name]) for name in FIELDS}
         seen = (by["colors"] != 0).any(dim=1) | (by["opacity_logits"] != 0)
         measured = Measured(loss.item(), squared.item())
-        return Slopes(
+        return LossGradients(
             measured, RawGaussians(**{name: _array(value) for name, value in by.items()}), seen.cpu().numpy()
         )
 
     def by_centers(self) -> Float32Array:
-        """See Pictures."""
+        """See GradientBackend."""
         return _array(_gradient(self._centers)[0])
 
 
