@@ -15,7 +15,8 @@ from app.files.atomic import filled, together, write_bytes
 from app.files.image_files import ArrayImage
 from app.files.provenance import repeatable, write_sidecar
 from app.files.stepping import run_to_end
-from app.files.video import Timing, write_video
+from app.files.timing import Timing
+from app.files.video import write_video
 from app.scenes import view_selection
 from app.scenes.color_bar import with_bar
 from app.scenes.renderers import drawer

@@ -17,7 +17,8 @@ from app.files.image_series import timing_of
 from app.files.provenance import provenance, source, write_png, write_sidecar
 from app.files.stepping import map_steps
 from app.files.timestamp import stamp
-from app.files.video import Timing, write_frames
+from app.files.timing import Timing
+from app.files.video import write_frames
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.view_request import view_facts
 from app.scenes.view_selection import FRAMES_PER_SECOND

@@ -12,7 +12,7 @@ from av.video.reformatter import Interpolation
 
 from app.files.image_files import ArrayImage
 from app.files.sound import Sound, sound_of
-from app.files.video import Timing
+from app.files.timing import Timing
 from renderer.readers.video_index import decoded, open_container, video_stream
 from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
 

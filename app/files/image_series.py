@@ -10,7 +10,7 @@ from pathlib import Path
 from app.errors import UserError
 from app.files.image_files import ArrayImage, is_image, photos_in, read_image
 from app.files.provenance import source
-from app.files.video import Timing
+from app.files.timing import Timing
 from renderer.clip import Clip
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

@@ -8,7 +8,7 @@ import cv2
 
 from app.files.image_files import ArrayImage
 from app.files.mp4_color_tag import tag_colors
-from app.files.video import Timing
+from app.files.timing import Timing
 
 BT709, BT601 = 1, 6
 """Codes of ITU-T H.273."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import av
 
-from app.files.video import Timing
+from app.files.timing import Timing
 from renderer.readers.video_index import open_container, start_of
 
 if TYPE_CHECKING:

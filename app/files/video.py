@@ -15,6 +15,7 @@ from app.errors import UserError
 from app.files.atomic import replaced
 from app.files.image_files import ArrayImage
 from app.files.stepping import run_to_end
+from app.files.timing import Timing
 from app.files.utf8 import require_utf8
 
 
@@ -26,19 +27,6 @@ class Written:
     """Codec and colour, for the record."""
     notices: tuple[str, ...]
     """One sentence for each loss."""
-
-
-@dataclass(frozen=True)
-class Timing:
-    """When frames are shown, and the video that they come from."""
-
-    frames_per_second: float
-    frame_times: tuple[float, ...] | None = None
-    """Seconds, rising, where frames do not come evenly."""
-    start: float = 0.0
-    """Seconds from the first frame of `like` to the first that is written."""
-    like: Path | None = None
-    """The video that frames are made from, one for one; sound, colour tags and shape of pixels are kept."""
 
 
 class Writer(Protocol):

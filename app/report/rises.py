@@ -11,8 +11,8 @@ import numpy as np
 
 from app.report.bench import Bench, Clock
 from app.report.dvbv import STATISTICS, PixelSets, Ratios, Rise, published, rises, spread, verdict
-from app.report.measures.training import SEEDS, schedule
 from app.report.runs import Trained
+from app.report.schedule import SEEDS, schedule
 from app.report.section import Cell, Column, Table
 from app.runs.run_clip import enhanced_clip
 from app.runs.run_folder import Input

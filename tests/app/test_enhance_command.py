@@ -15,7 +15,7 @@ from app.__main__ import main
 from app.files.image_files import read_image
 from app.files.image_series import Series, open_series
 from app.files.provenance import NOTICE, digest, read_provenance
-from app.files.video import Timing
+from app.files.timing import Timing
 from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import BASELINES
 from enhance.surround import inside

@@ -17,7 +17,8 @@ from app.exports.scene_splats import of_degree, splat_file
 from app.files.atomic import write_bytes
 from app.files.image_files import write_image
 from app.files.provenance import write_sidecar
-from app.files.video import Timing, write_video
+from app.files.timing import Timing
+from app.files.video import write_video
 from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import unpacked
 from app.scenes.color_bar import with_bar

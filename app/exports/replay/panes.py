@@ -25,7 +25,8 @@ from app.exports.sizing import Sizing
 from app.exports.view_pages import drawn_panel, view_pages
 from app.files.image_series import timing_of
 from app.files.provenance import write_png, write_sidecar
-from app.files.video import Timing, write_video
+from app.files.timing import Timing
+from app.files.video import write_video
 from app.runs.run_folder import RecordedSettings
 from app.scenes.scene import Scene
 from renderer.clip import Clip

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.report.bench import Bench, Clock
-from app.report.measures.training import schedule
+from app.report.schedule import schedule
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.report.work_precision import Diagram, Point
 from renderer.camera import Camera

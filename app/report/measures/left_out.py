@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.report.bench import Bench, Clock, scene_name
 from app.report.held import held_megabytes
-from app.report.measures.training import schedule
+from app.report.schedule import schedule
 from app.report.section import Cell, Column, Section, Table
 from enhance import EnhanceParams, Enhancer, EnhanceResult
 from enhance.accuracy import omissions

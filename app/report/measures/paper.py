@@ -13,10 +13,11 @@ from app.evaluation.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
 from app.evaluation.mean import mean_of_finite
 from app.report.bench import Bench, Clock, scene_name
 from app.report.dvbv import Rise, verdict
-from app.report.measures.training import INPUTS, schedule
+from app.report.measures.training import INPUTS
 from app.report.paper_rows import PAPER, SCARED, TABLE_3
 from app.report.rises import PHOTOS, measured_rises
 from app.report.rises import table as table_of_rises
+from app.report.schedule import schedule
 from app.report.section import Cell, Column, Section, Table
 from app.report.visibility import COLUMNS, Sample, measured, methods, pattern, sample
 from enhance.baselines import TAO_STAND_INS

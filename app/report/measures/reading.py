@@ -11,7 +11,8 @@ from typing import Final
 import cv2
 import numpy as np
 
-from app.files.video import Timing, write_video
+from app.files.timing import Timing
+from app.files.video import write_video
 from app.report.bench import Bench, Clock
 from app.report.laps import Laps, laps
 from app.report.section import Cell, Column, Plate, Section, Table

@@ -8,34 +8,18 @@ from typing import Final
 
 from app.report.bench import Bench, Clock
 from app.report.outcomes import Run, diagrams, grouped, setting_of, table
+from app.report.schedule import SEEDS, STEPS, schedule
 from app.report.section import Plate, Section
 from app.runs.run_folder import Input
 from app.runs.wall_clock import WALL
 from renderer.clip import Clip
 from renderer.measuring.training_accuracy import outcome
-from renderer.train.config import Method, TrainConfig
+from renderer.train.config import TrainConfig
 from renderer.train.trainer import TrainingError
 
-STEPS: Final[dict[Method, tuple[int, ...]]] = {
-    "vesselsplat": (1000, 125, 250, 500),
-    "deform3dgs": (1000, 250),
-    "endogaussian": (1000, 250),
-    "static": (1000, 250),
-}
-"""Of the runs; the first, which the paper's tables are measured on, is the schedule of all other knobs."""
-SEEDS: Final = 3
-"""Of the longest runs on the phantom, which are short enough for it."""
 REPEATS: Final = 2
 """Of the other runs on the phantom, for their time alone."""
-PIXELS, USUAL = 640 * 512, TrainConfig().n_gaussians
 INPUTS: Final[tuple[Input, ...]] = ("original", "enhanced")
-
-
-def schedule(clip: Clip, method: Method = "vesselsplat") -> TrainConfig:
-    """Short, with as many Gaussians a pixel as by default at 640x512."""
-    width, height = clip.size
-    count = max(500, USUAL * width * height // PIXELS)
-    return TrainConfig(method=method, iterations=STEPS[method][0], n_gaussians=count)
 
 
 def measure(bench: Bench, clock: Clock) -> Section:

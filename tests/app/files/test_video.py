@@ -18,7 +18,8 @@ import pytest
 from app.errors import UserError
 from app.files.image_series import open_series
 from app.files.mp4_color_tag import tag_colors
-from app.files.video import Timing, write_video
+from app.files.timing import Timing
+from app.files.video import write_video
 from renderer.sources import open_clip
 from tests.app.conftest import Call
 from tests.renderer.readers.numbered import INTERLACED, encoded, turned, woven
@@ -266,7 +267,8 @@ import sys
 from pathlib import Path
 import cv2
 import numpy as np
-from app.files.video import Timing, write_video
+from app.files.timing import Timing
+from app.files.video import write_video
 rough = np.random.default_rng(0).integers(0, 255, (37, 82, 3), np.uint8)
 picture = cv2.resize(rough, (648, 290), interpolation=cv2.INTER_CUBIC)
 write_video(Path(sys.argv[1]), (np.roll(picture, 3 * shift, 1) for shift in range(24)), Timing(15.0))

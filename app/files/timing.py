@@ -1,0 +1,19 @@
+"""When the frames of a video are shown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Timing:
+    """When frames are shown, and the video that they come from."""
+
+    frames_per_second: float
+    frame_times: tuple[float, ...] | None = None
+    """Seconds, rising, where frames do not come evenly."""
+    start: float = 0.0
+    """Seconds from the first frame of `like` to the first that is written."""
+    like: Path | None = None
+    """The video that frames are made from, one for one; sound, colour tags and shape of pixels are kept."""
