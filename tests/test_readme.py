@@ -1,0 +1,56 @@
+"""README's tree is that of the folders."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+TREE = (ROOT / "README.md").read_text(encoding="utf-8").split("## Where things are")[1].split("```")[1]
+NAMES = re.compile(r"( *)((?:[\w*]+(?:/|\.py) {0,2})+)")
+"""The names that a line begins with, behind two spaces for each folder that they lie in."""
+DEEPEST = 6
+"""Spaces; what stands farther to the right goes on with the line above."""
+TOPS = ("app", "renderer", "enhance")
+
+
+def listed() -> list[str]:
+    """All names at the beginning of a line, as paths from the root."""
+    folders: list[str] = []
+    found = []
+    for line in TREE.splitlines():
+        named = NAMES.match(line)
+        if named is None or len(named[1]) > DEEPEST:
+            continue
+        folders = folders[: len(named[1]) // 2]
+        names = named[2].split()
+        found += ["".join([*folders, name]) for name in names]
+        folders.append(names[0])
+    return found
+
+
+@pytest.mark.parametrize("path", listed())
+def test_what_the_tree_names_is_there(path: str) -> None:
+    found = list(ROOT.glob(path.rstrip("/")))
+    assert found
+    assert all(each.is_dir() == path.endswith("/") for each in found)
+
+
+@pytest.mark.parametrize("top", TOPS)
+def test_files_that_are_mentioned_lie_in_the_folder_of_that_section(top: str) -> None:
+    section = TREE[TREE.index(f"\n{top}/") :].split("\n\n")[0]
+    there = {path.name for path in (ROOT / top).rglob("*.py")}
+    mentioned = re.findall(r"\b\w+\.py\b", section)
+    assert mentioned
+    assert set(mentioned) <= there
+
+
+@pytest.mark.parametrize("top", TOPS)
+def test_every_folder_and_file_of_the_first_level_is_in_the_tree(top: str) -> None:
+    inside = [path for path in (ROOT / top).iterdir() if path.name[0] not in "._"]
+    names = [f"{path.name}/" for path in inside if path.is_dir()]
+    names += [path.name for path in inside if path.suffix == ".py"]
+    section = TREE[TREE.index(f"\n{top}/") :].split("\n\n")[0]
+    assert [name for name in names if not re.search(rf"(?<![\w/]){re.escape(name)}", section)] == []
