@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,13 @@ import pytest
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from enhance import EnhanceParams, Statistics, enhance
 from renderer.clip import ByteImage, Clip, Frame
+from tests.app.gui.conftest import make_clip
 from tests.enhance.test_surround import round_view
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Clip:
+    return make_clip(tmp_path / "clip")
 
 
 def statistics(pictures: Pictures) -> Statistics:
