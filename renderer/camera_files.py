@@ -69,8 +69,8 @@ def off_center(cameras: Sequence[NamedCamera]) -> str | None:
     if away < LEAST_SHIFT:
         return None
     return (
-        f"the principal point is up to {away:.2f} px off the middle: cx and cy are given, and programs that "
-        "do not read them shift the picture"
+        f"the principal point is up to {away:.2f} px off the centre: cx and cy are given, and programs that "
+        "do not read them shift the image"
     )
 
 
@@ -162,5 +162,5 @@ def _of_image(words: list[str], lenses: dict[str, Camera]) -> NamedCamera:
 
 def _inverse(pose: NDArray[np.float64]) -> NDArray[np.float64]:
     if pose.shape != (4, 4) or not np.isfinite(pose).all() or abs(np.linalg.det(pose)) < 1e-12:
-        raise ValueError("a pose that is no rotation and position")
+        raise ValueError("a pose that is not a rotation and a position")
     return np.asarray(np.linalg.inv(pose))

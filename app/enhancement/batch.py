@@ -71,7 +71,7 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
         if not given.exists():
             raise UserError(f"expected a picture, a folder or a video, got no such file: {given}")
         if given.is_dir() and target.is_relative_to(given.resolve()):
-            raise UserError(f"expected OUTPUT outside of {given}, whose pictures it shall not join: {output}")
+            raise UserError(f"expected OUTPUT outside of the input folder {given}, got {output}")
     taken: Counter[tuple[str, str]] = Counter()
     found: list[Item] = []
     for given in inputs:

@@ -94,7 +94,7 @@ def read_image(path: Path) -> ArrayImage:
     orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)
     if stored is None:
-        raise UserError(f"expected a whole picture, got a damaged file or one of another kind: {path}")
+        raise UserError(f"expected an intact image, got a damaged file or another kind: {path}")
     order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
     colored = cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
     return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
@@ -141,7 +141,7 @@ def _checked(path: Path) -> int:
         if isinstance(error, UnidentifiedImageError) and (kind := what_it_is(path)):
             raise UserError(f"expected a picture, got {kind}: {path}") from error
         reason = str(error).replace(str(path), path.name)
-        raise UserError(f"expected a whole picture, got a damaged one ({reason}): {path}") from error
+        raise UserError(f"expected an intact image, got a damaged one ({reason}): {path}") from error
 
 
 def _read_array(path: Path) -> ArrayImage:

@@ -37,8 +37,8 @@ COLUMNS: Final = (
     Column(name="SSIM", form=".4f", best="high"),
     Column(name="depth RMSE", form=".3f", best="low"),
     Column(name="motion RMSE, mm", form=".3f", best="low"),
-    Column(name="s of steps", form=".1f", best="low"),
-    *(Column(name="± s", form=".1f"), Column(name="s in all", form=".1f", best="low")),
+    Column(name="s training", form=".1f", best="low"),
+    *(Column(name="± s", form=".1f"), Column(name="s in total", form=".1f", best="low")),
     *(Column(name="MB", form=".1f", best="low"), Column(name="Gaussians")),
 )
 

@@ -38,11 +38,11 @@ HEADS: Final = (
     *(Column(name="the rise"), Column(name="the paper's renders")),
 )
 NOTE: Final = (
-    "DV/BV of held-out frames, mean of the frames' ratios. Pixels: all (of a render black where nothing "
-    "is), gt_masks (all but tools) or masks (all but tools and what has no stereo depth). Statistics: level, "
-    "saturation mean and deviations (Eqs 2, 9 and 12) over the whole picture, as the paper has them, or over "
-    "tissue, as this program trains; pooled over the clip. A rise holds where its mean over the seeds lies "
-    "more than two of their standard deviations above 1. Photos have no seed. The paper does not name pixels."
+    "DV/BV of held-out frames, mean of the frames' ratios. Pixels: all (a render is black where nothing "
+    "is), gt_masks (all but tools) or masks (all but tools and pixels without stereo depth). Statistics: level, "
+    "saturation mean and deviations (Eqs 2, 9 and 12) over the whole image, as in the paper, or over "
+    "tissue, as in training here; pooled over the clip. A rise holds where its mean over the seeds lies "
+    "more than two of their standard deviations above 1. Frames have no seed. The paper does not state which pixels."
 )
 
 
@@ -60,7 +60,7 @@ def measured_rises(
     for seed, method, kind in product(range(SEEDS), methods, KINDS):
         what = f"DV/BV of renders by {methods[method]}, {_named(kind)}, seed {seed}"
         if clock.is_out:
-            missing.append(f"{what}, and those after it: the time was used up")
+            missing.append(f"{what} and those after it: no time left")
             break
         try:
             config = replace(schedule(bench.clip, method), seed=seed)
@@ -74,7 +74,7 @@ def measured_rises(
 
 def _named(kind: Kind) -> str:
     photos, statistics = kind
-    return "original photos" if photos == "original" else f"enhanced with statistics of {statistics}"
+    return "original frames" if photos == "original" else f"enhanced with statistics of {statistics}"
 
 
 def table(found: list[Rise], clip: Clip) -> Table:

@@ -14,7 +14,7 @@ from renderer.depth.stereo_pairs import right_files, right_pictures, with_stereo
 from renderer.readers.clip_options import ClipOptions, DepthSource
 
 BY_BRIGHTNESS: Final = (
-    "depth is guessed from brightness (a lamp at the camera): shapes are coarse and lengths have no scale"
+    "depth is estimated from brightness (a lamp at the camera): shapes are coarse and lengths have no scale"
 )
 BY_MAPS: Final = "depth is taken from monocular maps: lengths have no scale"
 

@@ -152,7 +152,7 @@ def _said(rig: _Rig) -> str:
     by = "depth is matched between left and right pictures"
     if rig.unit == "mm":
         return f"{by}, {rig.baseline:.4g} mm apart"
-    return f"{by} that are an unknown way apart: lengths have no scale (--baseline gives it in mm)"
+    return f"{by} with an unknown baseline: lengths have no scale (--baseline gives it in mm)"
 
 
 def _judge(clip: Clip, right: Path) -> None:
@@ -166,11 +166,11 @@ def _judge(clip: Clip, right: Path) -> None:
     across, down = np.median(shifts[:, 0]), np.median(np.abs(shifts[:, 1]))
     if down > LARGEST_VERTICAL_OFFSET:
         limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
-        way = "rectify them by their calibration"
+        way = "rectify them with their calibration"
         where = f"{clip.labels[0]} and {right.name}; {way}: {clip.path}"
         raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:
-        shift = f"the right one shows things {-across:.0f} px farther right"
+        shift = f"the right one shows objects {-across:.0f} px farther right"
         raise ClipError(f"expected a left and a right picture, got them swapped, {shift}, {where}")
 
 
@@ -191,7 +191,7 @@ def _left_half(clip: Clip) -> Clip:
     lefts = _paired_names(clip.labels)
     places = [clip.labels.index(name) for name in clip.labels if name in lefts]
     strays = sorted({*clip.labels} - {*lefts} - {right_name(name) for name in lefts})
-    said = (f"left out, of no stereo pair: {listed(strays)}",) if strays else ()
+    said = (f"left out, not part of a stereo pair: {listed(strays)}",) if strays else ()
 
     def read_frame(index: int) -> Frame:
         index = range(len(places))[index]

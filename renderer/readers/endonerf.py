@@ -72,9 +72,9 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     mask_notices = _judge_masks(path, samples, options) if files.masks else []
     dead = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
     if dead >= size[1]:
-        raise ClipError(f"bottom_rows is {dead}, the pictures have {size[1]} rows: {path}")
+        raise ClipError(f"expected bottom_rows below {size[1]}, the rows of the images, got {dead}: {path}")
     if dead:
-        mask_notices.append(f"the last {dead} rows are burned in and not supervised")
+        mask_notices.append(f"the last {dead} rows are burned-in text and not trained on")
     reader = _Reader(files, cameras, reader.marked_is_tissue, dead)
     return Clip(
         name=path.resolve().name,
@@ -163,9 +163,9 @@ def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:
     depth = fine or _paired(path, "depth", images)
     masks = _paired(path, "masks", images) or _paired(path, "gt_masks", images)
     if not depth:
-        notices.append("no depth/: the shape is not measured")
+        notices.append("no depth/: no measured depth")
     if not masks:
-        notices.append("no masks/: every pixel is taken for tissue")
+        notices.append("no masks/: every pixel is treated as tissue")
     evaluation = masks
     if options.evaluation_masks == "gt_masks":
         evaluation = _paired(path, "gt_masks", images)
@@ -255,7 +255,7 @@ def _read_cameras(
     lens, notices = _lens(matrices[0, :, 4], size, path / POSES)
     notices += [f"{POSES}: {said}" for said in spins.notices]
     if np.abs(poses - _to_opencv(np.eye(3, 4)[None], convention)).max() > 1e-9:
-        notices.append(f"the camera moves or is turned: poses read as {convention} camera-to-world")
+        notices.append(f"the camera moves or is rotated: poses read as {convention} camera-to-world")
     square = np.tile(np.eye(4), (count, 1, 1))
     square[:, :3] = poses
     return tuple(lens.moved(np.linalg.inv(pose).astype(np.float64)) for pose in square), notices
@@ -264,7 +264,7 @@ def _read_cameras(
 def _load_poses(path: Path) -> Matrix:
     if not path.is_file():
         way = f"copy it there, or name {path.parent / 'images'}, pictures without depth"
-        raise ClipError(f"expected {POSES}, which says what the camera is, got no such file; {way}: {path}")
+        raise ClipError(f"expected {POSES} with the camera poses, got no such file; {way}: {path}")
     try:
         rows = read_npy(path)
     except (OSError, ValueError) as error:
@@ -305,7 +305,7 @@ def _lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list
     if 1.5 < across < 3 and 1.5 < down < 3:
         # The StereoMIS converter writes (cy, cx, focal) where the layout has (H, W, focal).
         centred = Camera(focal, focal, said_width, said_height, width, height)
-        return centred, [f"{text}: taken for the principal point"]
+        return centred, [f"{text}: used as the principal point"]
     raise ClipError(f"{text}: {path}")
 
 

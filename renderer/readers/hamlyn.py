@@ -65,9 +65,9 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     parts = ["images", *([_MASKS] if masks else []), *([folder] if folder else [])]
     said = [stray for part in parts for stray in strays(images, path / part)]
     if not depth:
-        said.append("no gt_depth/ and no depth/: the shape is not measured")
+        said.append("no gt_depth/ and no depth/: no measured depth")
     if not masks:
-        said.append("no gt_masks/: every pixel is taken for tissue")
+        said.append("no gt_masks/: every pixel is treated as tissue")
     return Clip(
         name=path.resolve().name,
         path=path,

@@ -25,7 +25,7 @@ STARTS: Final = MappingProxyType(
         b"%PDF": "a PDF document: export its pictures first",
         b"PK\x03\x04": "a zip archive: unpack it first",
         b"Rar!": "a RAR archive: unpack it first",
-        b"\x1f\x8b": "a file zipped by gzip: unzip it first",
+        b"\x1f\x8b": "a gzip file: unzip it first",
     }
 )
 """First bytes of what is met under names of pictures and videos."""
@@ -54,5 +54,5 @@ def what_it_is(path: Path) -> str | None:
 def neither(path: Path) -> str:
     """The refusal of a file that is neither a picture nor a video."""
     kind = what_it_is(path)
-    got = "a file that is neither, or damaged" if kind in (None, VIDEO) else kind
+    got = "a file that is neither, or a damaged one" if kind in (None, VIDEO) else kind
     return f"expected a picture or a video, got {got}: {path}"

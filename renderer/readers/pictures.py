@@ -147,7 +147,7 @@ def _differing(
     sizes = " and ".join(f"{width}x{height}" for (width, height), _ in others)
     count = f"{len(odd)} of {len(odd) + len(usual)} pictures ({listed([path.name for path in odd])})"
     wanted = f"expected one size, {size[0]}x{size[1]} as {usual[0].name}"
-    return f"{wanted}, got {sizes}: {count}; move these elsewhere, or make all of one size: {odd[0]}"
+    return f"{wanted}, got {sizes}: {count}; move these elsewhere or resize all to one size: {odd[0]}"
 
 
 def _upright_size(picture: ImageFile.ImageFile, path: Path) -> tuple[int, int]:
@@ -184,5 +184,5 @@ def _unreadable(path: Path, error: Exception) -> ClipError:
     if not path.is_file():
         return ClipError(f"expected a picture, got {what_else(path)}: {path}")
     if isinstance(error, UnidentifiedImageError):
-        return ClipError(f"expected a picture, got {what_it_is(path) or 'a file that is none'}: {path}")
-    return ClipError(f"expected a whole picture, got a damaged or truncated file ({error}): {path}")
+        return ClipError(f"expected a picture, got {what_it_is(path) or 'not an image file'}: {path}")
+    return ClipError(f"expected an intact image, got a damaged or truncated file ({error}): {path}")

@@ -52,7 +52,7 @@ def read_rectified(path: Path, size: tuple[int, int]) -> Rectified:
         raise ClipError(f"expected a stereo calibration, got one without {error}: {path}") from error
     width, height = left.size
     if not shift.any() or min(width, height, left.matrix[0, 0], right.matrix[0, 0]) <= 0:
-        raise ClipError(f"expected sizes and focal lengths above 0 and eyes apart, got others: {path}")
+        raise ClipError(f"expected sizes, focal lengths and a baseline above 0, got others: {path}")
     if abs(width * size[1] - height * size[0]) > 0.005 * width * size[1]:
         of = f"{width}x{height}, the pictures are {size[0]}x{size[1]}"
         raise ClipError(f"expected the calibration of such pictures, got one of {of}: {path}")
