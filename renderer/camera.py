@@ -68,7 +68,9 @@ class Camera:
 
     def __post_init__(self) -> None:
         if self.width < 1 or self.height < 1:
-            raise CameraError(f"expected a camera size of at least 1x1 pixels, got {self.width}x{self.height}")
+            raise CameraError(
+                f"expected a camera size of at least 1x1 pixels, got {self.width}x{self.height}"
+            )
         numbers = (self.fx, self.fy, self.cx, self.cy)
         if not all(math.isfinite(value) for value in numbers) or self.fx <= 0 or self.fy <= 0:
             raise CameraError(f"expected finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
@@ -76,11 +78,15 @@ class Camera:
             widths = f"{1 / WIDEST:g} to {1 / NARROWEST:g} widths"
             raise CameraError(f"expected focal lengths of {widths}, got {self.fx} and {self.fy}")
         if max(abs(self.cx), abs(self.cy)) > FARTHEST:
-            raise CameraError(f"expected a principal point nearer than {FARTHEST:g}, got {self.cx} and {self.cy}")
+            raise CameraError(
+                f"expected a principal point nearer than {FARTHEST:g}, got {self.cx} and {self.cy}"
+            )
         budget().require(pixels=self.width * self.height)
         matrix = np.array(self.camera_from_world, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-            raise CameraError(f"expected camera_from_world to be a finite (4, 4) matrix, got shape {matrix.shape}")
+            raise CameraError(
+                f"expected camera_from_world to be a finite (4, 4) matrix, got shape {matrix.shape}"
+            )
         _require_pose(matrix)
         matrix.setflags(write=False)
         object.__setattr__(self, "camera_from_world", matrix)
@@ -207,7 +213,10 @@ def _require_pose(matrix: FloatArray) -> None:
     if skew > SKEWEST:
         raise CameraError(f"expected a rotation in camera_from_world, got R R^T - 1 of up to {skew:.2g}")
     if max(map(abs, place)) > FARTHEST or math.dist(last, (0, 0, 0, 1)) > SKEWEST:
-        raise CameraError(f"expected a translation of at most {FARTHEST:g} and a last row 0 0 0 1 in camera_from_world, got {place} and {last}")
+        raise CameraError(
+            f"expected a translation of at most {FARTHEST:g} and a last row 0 0 0 1 in "
+            f"camera_from_world, got {place} and {last}"
+        )
 
 
 def _skew(turn: list[list[float]]) -> float:

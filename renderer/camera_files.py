@@ -137,7 +137,7 @@ def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
     lenses = {words[0]: _lens(words) for words in _lines(folder / "cameras.txt")}
     poses = _lines(folder / "images.txt", every=2)
     if not poses:
-        raise ValueError("no picture in images.txt")
+        raise ValueError("no image in images.txt")
     return tuple(_of_image(words, lenses) for words in poses)
 
 

@@ -60,13 +60,15 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--statistics",
         choices=("image", "clip"),
         default="image",
-        help="take statistics of each image on its own, or of all together so that colours match (default image)",
+        help="take statistics of each image on its own, or of all together so that colours "
+        "match (default image)",
     )
     parser.add_argument(
         "--pixels",
         choices=("all", "tissue"),
         default="all",
-        help="take statistics of every pixel as the paper does, or leave out the black surround (default all)",
+        help="take statistics of every pixel as the paper does, or leave out the black "
+        "surround (default all)",
     )
     add_fields(parser, ClipOptions, ("deinterlacing",))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")

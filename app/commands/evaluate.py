@@ -41,11 +41,12 @@ COMPARED = ("lpips", "dv", "bv", "dv_bv", "psnr", "ssim", "depth_rmse_mm")
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", type=Path, help="folder of a finished run")
     parser.add_argument(
-        "--against", type=Path, metavar="RUN", help="another run of the same clip to compare with, such as one from original frames"
+        "--against",
+        type=Path,
+        metavar="RUN",
+        help="another run of the same clip to compare with, such as one from original frames",
     )
-    parser.add_argument(
-        "--edited", action="store_true", help="measure the edited model, not the trained one"
-    )
+    parser.add_argument("--edited", action="store_true", help="measure the edited model, not the trained one")
     parser.add_argument("--lpips-weights", type=Path, metavar="DIR", help=f"folder with {WEIGHT_FILES}")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
@@ -94,7 +95,8 @@ def compared(report: dict[str, Any], other: dict[str, Any], clip: ClipRecord) ->
             f"Table {after.table}, {after.method}": _gain(after.dv_bv, before.dv_bv)
             for before, after in zip(paper[::2], paper[1::2], strict=True)
         },
-        "definition": "dv_bv_gain: mean DV/BV of this run divided by that of the run it is compared with; the "
+        "definition": "dv_bv_gain: mean DV/BV of this run divided by that of the run it is compared "
+        "with; the "
         "paper's: enhanced over original",
     }
 
@@ -179,9 +181,7 @@ def _cautions(report: dict[str, Any]) -> list[str]:
     if report["definitions"]["lpips"] != LPIPS:
         cautions.append(f"LPIPS: {no_lpips(lpips_folder())}")
     if report["edits"]:
-        measured = (
-            "as edited" if report["edits"]["measured"] else "as trained, without its edits (--edited)"
-        )
+        measured = "as edited" if report["edits"]["measured"] else "as trained, without its edits (--edited)"
         cautions.append(f"the model is measured {measured}")
     if report["frames_are"] == "training":
         cautions.append("measured on training frames: the clip is too short for held-out frames")

@@ -35,7 +35,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         type=int,
         choices=range(len(BANDS)),
         metavar="D",
-        help="degree of the splat files' spherical harmonics, 0 to 3, padded with zeros (default the model's): "
+        help="degree of the splat files' spherical harmonics, 0 to 3, padded with zeros "
+        "(default the model's): "
         "the original viewer of 3D Gaussian Splatting reads degree 3 only",
     )
     parser.add_argument(

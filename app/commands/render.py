@@ -26,10 +26,14 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
     view_selection.add_flags(parser)
     parser.add_argument(
-        "--transparent", action="store_true", help="transparent background: straight alpha in the PNG, not premultiplied"
+        "--transparent",
+        action="store_true",
+        help="transparent background: straight alpha in the PNG, not premultiplied",
     )
     view_flags.add_flag(parser)
-    parser.add_argument("--depth", action="store_true", help="also write expected depth, as float32 and in colours")
+    parser.add_argument(
+        "--depth", action="store_true", help="also write expected depth, as float32 and in colours"
+    )
 
 
 def run(flags: argparse.Namespace) -> None:

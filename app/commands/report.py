@@ -27,13 +27,19 @@ MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
 def add_flags(parser: argparse.ArgumentParser) -> None:
     names = ",".join(part.name for part in PARTS)
     parser.add_argument("--out", type=Path, default=Path("out/report"), metavar="DIR", help="(out/report)")
-    parser.add_argument("--clip", type=Path, metavar="CLIP", help="measure on this clip instead of the phantom")
+    parser.add_argument(
+        "--clip", type=Path, metavar="CLIP", help="measure on this clip instead of the phantom"
+    )
     parser.add_argument(
         "--scenes", type=Path, nargs="+", default=[], metavar="PATH",
         help="further clips, images and videos, for the omissions and for Table 3",
     )  # fmt: skip
-    parser.add_argument("--parts", metavar="NAMES", default=names, help=f"any of {names}, separated by commas")
-    parser.add_argument("--minutes", type=positive, metavar="F", help="total time to spend (27; with --clip 54)")
+    parser.add_argument(
+        "--parts", metavar="NAMES", default=names, help=f"any of {names}, separated by commas"
+    )
+    parser.add_argument(
+        "--minutes", type=positive, metavar="F", help="total time to spend (27; with --clip 54)"
+    )
     parser.add_argument("--budget", metavar="TIME", help="print the settings for this time, such as 10ms")
     parser.add_argument("--error", type=positive, metavar="F", help="print the settings for this error")
 

@@ -67,8 +67,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--device",
         choices=get_args(Asked),
         default="auto",
-        help="what to train on: auto uses an NVIDIA GPU where gsplat can, else the "
-        "CPU (default auto)",
+        help="what to train on: auto uses an NVIDIA GPU where gsplat can, else the CPU (default auto)",
     )
     parser.add_argument("--resume", action="store_true", help="resume from the last checkpoint in RUN")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")

@@ -56,7 +56,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="a parameter and its values, such as d_factor=0:2:5 or z=auto,0.3; repeat for a grid",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
-    parser.add_argument("--frame", type=int, default=0, metavar="I", help="frame of a folder or video (default 0)")
+    parser.add_argument(
+        "--frame", type=int, default=0, metavar="I", help="frame of a folder or video (default 0)"
+    )
     parser.add_argument("--sort", choices=METRICS, help="best first by this measure (default: as varied)")
     parser.add_argument("--method", choices=LOOKS, default=PAPER, help=f"default {PAPER}")
     parser.add_argument(

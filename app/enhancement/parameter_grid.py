@@ -139,7 +139,7 @@ def settings(base: EnhancementSettings, axes: Sequence[Axis]) -> tuple[Setting, 
             f"expected one or more parameters to vary, each once, got {', '.join(names) or 'none'}"
         )
     if count > MOST_CELLS:
-        raise UserError(f"expected at most {MOST_CELLS} pictures, got {count}: vary fewer values")
+        raise UserError(f"expected at most {MOST_CELLS} images, got {count}: vary fewer values")
     return tuple(
         _setting(base, axes, places) for places in product(*(range(len(one.values)) for one in axes))
     )

@@ -35,16 +35,16 @@ from renderer.train.methods import departures
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
 LPIPS = "AlexNet, version 0.1, in [-1, 1], both images times the evaluation mask; lower is better"
 DEFINITIONS = {
-    "psnr": "dB, both pictures times the evaluation mask, mean over all pixels, render rounded to 8 bits",
+    "psnr": "dB, both images times the evaluation mask, mean over all pixels, render rounded to 8 bits",
     "psnr_masked": "dB, mean over the evaluated pixels only: lower by -10 log10(evaluated_share)",
-    "ssim": "11x11 Gaussian window of sigma 1.5, both pictures times the evaluation mask, zeros beyond the "
+    "ssim": "11x11 Gaussian window of sigma 1.5, both images times the evaluation mask, zeros beyond the "
     "border, mean over all pixels and channels",
     "depth_rmse_mm": "float millimetres along z over the evaluated pixels where the clip has a depth and the "
     "render, too; depth maps are read without failed matches, which count as no depth: what is more than "
     f"{OUTLIER:g} times as far as the frame's median, or nearer than 1/{OUTLIER:g} of it; depth.abs_rel: the "
     "mean of |error| / depth there; depth.covered: their share of the evaluated pixels where the clip has a "
     "depth",
-    "dv_bv": "inferred definition: variances of grey above and below each picture's own Otsu threshold, "
+    "dv_bv": "inferred definition: variances of grey above and below each image's own Otsu threshold, "
     "over the evaluated pixels, so that what is under tools or never seen does not count",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
     "visibility": "beside dv_bv, over the evaluated pixels of the render: Weber contrast in green of the "
@@ -53,8 +53,7 @@ DEFINITIONS = {
     "ms_per_frame": f"median of {REPEATS} renderings after one warm-up, from the parameters to the "
     "image and its depth, all threads done; parts_ms: the deformation; projection and sort, as a rendering "
     "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
-    "peak_memory_mb": "peak resident memory of the training process (null: not logged), and of "
-    "this one",
+    "peak_memory_mb": "peak resident memory of the training process (null: not logged), and of this one",
     "train_seconds": STEPS,
     "wall_seconds": WALL,
     "edits": "null: the run has no edits; else whether the edited model was measured, and "
@@ -163,7 +162,7 @@ class Evaluation:
             "frames": list(frames),
             "definitions": DEFINITIONS
             | {"method": departures(self.record.config.method), "defaults": CHOSEN}
-            | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips in the user's cache folder")},
+            | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips in the user cache folder")},
         }
 
     def _training_memory(self) -> float | None:

@@ -67,7 +67,9 @@ class Sound:
         codec = self._track.codec_context.name
         said = []
         if self._failure:
-            said.append(f"the sound ({codec}) is kept up to the point where it cannot be decoded: {self._failure}")
+            said.append(
+                f"the sound ({codec}) is kept up to the point where it cannot be decoded: {self._failure}"
+            )
         elif not self._is_copied:
             said.append(f"the sound was re-encoded from {codec} to AAC")
         if self._extra:

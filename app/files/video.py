@@ -103,7 +103,9 @@ def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Ge
 
 def _stored(frame: ArrayImage, path: Path) -> ArrayImage:
     if frame.dtype != np.uint8:
-        raise UserError(f"expected 8-bit frames for a video, got {frame.dtype} (write to a folder instead): {path}")
+        raise UserError(
+            f"expected 8-bit frames for a video, got {frame.dtype} (write to a folder instead): {path}"
+        )
     return np.repeat(frame[..., None], 3, axis=2) if frame.ndim == 2 else frame[..., :3]
 
 

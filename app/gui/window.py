@@ -332,7 +332,7 @@ class Window:
 
     def _photo_texture(self, image: ByteImage) -> imgui.ImTextureRef:
         assert self._textures is not None
-        return self._textures.whole("photo over view", image)
+        return self._textures.whole("frame over view", image)
 
     def _draw_log(self) -> None:
         overlays.draw_log(self.state, imgui.set_clipboard_text)

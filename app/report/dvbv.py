@@ -66,7 +66,7 @@ class Rise:
     """From original to enhanced photos, of one kind of picture."""
 
     what: str
-    """A method whose renders these are; or "photos"."""
+    """A method whose renders these are; or "frames"."""
     pixels: Pixels
     statistics: Measured
     original: tuple[float, ...]

@@ -31,7 +31,7 @@ SAID: Final = {
 }
 """Labels of points, by the setting that is changed; others are called by their names."""
 COLUMNS: Final = (
-    *(Column(name="setting"), Column(name="photos"), Column(name="runs")),
+    *(Column(name="setting"), Column(name="frames"), Column(name="runs")),
     Column(name="PSNR, dB", form=".2f", best="high"),
     Column(name="over evaluated pixels, dB", form=".2f", best="high"),
     Column(name="SSIM", form=".4f", best="high"),

@@ -121,7 +121,7 @@ class ReadAhead:
             return
         labels = ", ".join(self._source.labels[index] for index in probes)
         way = "--depth brightness estimates it, without a scale"
-        wanted = "expected left and right pictures of one scene"
+        wanted = "expected left and right images of one scene"
         raise ClipError(f"{wanted}, got none that match in {labels} ({way}): {self._source.path}")
 
     def hand_over(self) -> None:

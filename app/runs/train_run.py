@@ -217,7 +217,8 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
     """A run goes on as it began, or not at all: anything else would not be repeatable."""
     if not record.clip.is_of(request.clip_path):
         raise UserError(
-            f"cannot resume: expected the clip the run was started with, got another or a changed one: {request.clip_path}"
+            "cannot resume: expected the clip the run was started with, got another or a "
+            f"changed one: {request.clip_path}"
         )
     began = {"input": record.input} | vars(record.clip.options) | vars(record.clip.part) | vars(record.config)
     asked = {"input": request.input} | vars(request.clip_options) | vars(request.part) | vars(request.config)

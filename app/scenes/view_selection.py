@@ -41,16 +41,15 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
     )
-    parser.add_argument(
-        "--as-trained", action="store_true", help="ignore edits made in the app"
-    )
+    parser.add_argument("--as-trained", action="store_true", help="ignore edits made in the app")
     parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to render (default all)")
     parser.add_argument("--time", type=float, metavar="T", help="one time in [0, 1] instead of frames")
     parser.add_argument(
         "--camera",
         type=Path,
         metavar="FILE",
-        help="camera to render from: JSON of one camera, or of several, one image each: cameras.json, transforms.json "
+        help="camera to render from: JSON of one camera, or of several, one image each: "
+        "cameras.json, transforms.json "
         "or a folder with COLMAP's images.txt",
     )
     parser.add_argument(
@@ -128,7 +127,9 @@ def _frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
         return range(count)
     if frames == ["test"]:
         if not scene.test_indices:
-            raise UserError(f"--frames test: expected held-out frames, got none in {scene.name}; use --frames all")
+            raise UserError(
+                f"--frames test: expected held-out frames, got none in {scene.name}; use --frames all"
+            )
         return scene.test_indices
     for text in frames:
         if not text.isdecimal() or int(text) >= count:

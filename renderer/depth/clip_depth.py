@@ -58,16 +58,14 @@ def _measured(clip: Clip, options: ClipOptions) -> Clip:
 def _stereo(clip: Clip, options: ClipOptions) -> Clip:
     rights = right_pictures(clip)
     if not rights:
-        raise ClipError(f"expected right pictures beside the left ones, got none: {clip.path}")
+        raise ClipError(f"expected right images beside the left ones, got none: {clip.path}")
     return with_stereo_depth(clip, rights, options.baseline)
 
 
 def _monocular(clip: Clip, options: ClipOptions) -> Clip:
     maps = monocular_maps(clip)
     if not maps:
-        raise ClipError(
-            f"expected a folder {' or '.join(FOLDERS)} beside the pictures, got none: {clip.path}"
-        )
+        raise ClipError(f"expected a folder {' or '.join(FOLDERS)} beside the images, got none: {clip.path}")
     guessed = with_guessed_depth(clip, monocular_guess(clip, maps), BY_MAPS)
     return replace(guessed, depth_origin="monocular")
 

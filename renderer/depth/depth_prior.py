@@ -60,7 +60,8 @@ def with_guessed_depth(clip: Clip, guess: Guess, notice: str) -> Clip:
     """
     if not clip.camera_is_fixed:
         raise ClipError(
-            f"expected a fixed camera for estimated depth, which has no scale, got one that moves: {clip.path}"
+            "expected a fixed camera for estimated depth, which has no scale, got one that "
+            f"moves: {clip.path}"
         )
     chosen = np.linspace(0, len(clip.train_indices) - 1, min(_SAMPLES, len(clip.train_indices)))
     frames = (clip.read_frame(clip.train_indices[round(place)]) for place in chosen)

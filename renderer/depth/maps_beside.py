@@ -70,9 +70,7 @@ def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
     if not offers:
         return clip
     kept = tuple(
-        said
-        for said in clip.notices
-        if not said.startswith("left out, ") or " beside the pictures" not in said
+        said for said in clip.notices if not said.startswith("left out, ") or " beside the images" not in said
     )
     depth, used = _chosen(offers, clip, options) if options.depth in ("auto", "measured") else (None, [])
     masks = _chosen_masks(offers, clip) if options.mask_polarity != "auto" else None
@@ -175,7 +173,7 @@ def _chosen(offers: list[_Offer], clip: Clip, options: ClipOptions) -> tuple[_Of
 def _assumed(offer: _Offer, clip: Clip, options: ClipOptions) -> list[str]:
     lacking = [label for place, label in enumerate(clip.labels) if place not in offer.files]
     some = (
-        [f"{len(lacking)} of {len(clip)} pictures have no depth map, such as {lacking[0]}"] if lacking else []
+        [f"{len(lacking)} of {len(clip)} images have no depth map, such as {lacking[0]}"] if lacking else []
     )
     if offer.kind == "depth":
         unit = "read as mm" if _unit(offer, options) == "mm" else "of unknown unit: lengths have no scale"
@@ -184,7 +182,8 @@ def _assumed(offer: _Offer, clip: Clip, options: ClipOptions) -> list[str]:
     pixels = f"1/{step:g} px" if step != 1 else "px"
     if _unit(offer, options) == "mm":
         return [
-            f"depth is computed from the disparity in {offer.told}, read in {pixels}, with a baseline of {options.baseline:g} mm",
+            f"depth is computed from the disparity in {offer.told}, read in {pixels}, with a "
+            f"baseline of {options.baseline:g} mm",
             *some,
         ]
     scale = "lengths have no scale (--baseline gives it in mm where they are pixels)"
@@ -205,7 +204,7 @@ def _way(offer: _Offer, clip: Clip, options: ClipOptions) -> str:
         if kind == "colour":
             return f"{path.name} holds colours, not distances"
         if abs(width * clip.size[1] - height * clip.size[0]) > 0.01 * width * clip.size[1]:
-            pictures = f"the pictures of {clip.size[0]}x{clip.size[1]}"
+            pictures = f"the images of {clip.size[0]}x{clip.size[1]}"
             return f"{path.name} is {width}x{height}, another shape than {pictures}"
         bytes_of = USES_BYTES if kind == "bytes" else bytes_of
     return bytes_of if options.depth != "measured" else ""

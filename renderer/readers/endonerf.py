@@ -158,7 +158,7 @@ def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:
     notices = _stray_notices(path)
     images = _numbered(path / "images")
     if not images:
-        raise ClipError(f"expected numbered pictures in images/, got none: {path}")
+        raise ClipError(f"expected numbered images in images/, got none: {path}")
     fine = _paired(path, "depth_fine", images)
     depth = fine or _paired(path, "depth", images)
     masks = _paired(path, "masks", images) or _paired(path, "gt_masks", images)
@@ -224,7 +224,7 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
 def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:
     """Refuses masks whose polarity cannot be meant; returns what is worth saying."""
     share = marked_share(samples)
-    percent = f"{100 * share:.0f} % of the picture"
+    percent = f"{100 * share:.0f} % of the image"
     if options.mask_polarity == "auto" and share > 0.999:
         raise ClipError(
             f"masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "
@@ -263,7 +263,7 @@ def _read_cameras(
 
 def _load_poses(path: Path) -> Matrix:
     if not path.is_file():
-        way = f"copy it there, or name {path.parent / 'images'}, pictures without depth"
+        way = f"copy it there, or name {path.parent / 'images'}, images without depth"
         raise ClipError(f"expected {POSES} with the camera poses, got no such file; {way}: {path}")
     try:
         rows = read_npy(path)
@@ -296,7 +296,7 @@ def _lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list
     camera = Camera(focal, focal, width / 2, height / 2, width, height)
     if (said_height, said_width) == (height, width):
         return camera, []
-    text = f"{POSES} says {said_width:g}x{said_height:g}, the pictures are {width}x{height}"
+    text = f"{POSES} says {said_width:g}x{said_height:g}, the images are {width}x{height}"
     across, down = width / said_width, height / said_height
     whole = said_height.is_integer() and said_width.is_integer()
     if whole and abs(across / down - 1) < 0.005:

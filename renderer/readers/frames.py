@@ -37,7 +37,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
         inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
         hint = f"; it holds the {inside}: open one of these" if inside else ""
-        raise ClipError(f"expected pictures in the folder, got none{hint}: {path}")
+        raise ClipError(f"expected images in the folder, got none{hint}: {path}")
     _check_names(paths, path)
     told = {*paths, *kinds.others}
     strays = sorted(entry.name for entry in files if entry not in told)

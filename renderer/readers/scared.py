@@ -221,7 +221,7 @@ def _left_points(path: Path, height: int) -> FloatArray:
         or stored.shape[2] != 3
         or stored.shape[0] not in (height, 2 * height)
     ):
-        got = "no picture" if stored is None else f"shape {stored.shape}"
+        got = "no image" if stored is None else f"shape {stored.shape}"
         raise ClipError(f"expected points of shape ({2 * height}, width, 3), got {got}: {path}")
     return stored[:height, :, ::-1].astype(np.float64)  # OpenCV hands over the channels in reverse.
 

@@ -104,7 +104,7 @@ class _Reader:
 def _pictures_of(pictures: dict[int, Path], numbers: list[int], path: Path) -> tuple[Path, ...]:
     missing = [str(number) for number in numbers if number not in pictures]
     if missing:
-        raise ClipError(f"expected a picture of every view in {VIEWS}, got none of {listed(missing)}: {path}")
+        raise ClipError(f"expected an image of every view in {VIEWS}, got none of {listed(missing)}: {path}")
     return tuple(pictures[number] for number in numbers)
 
 

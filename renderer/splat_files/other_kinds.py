@@ -24,8 +24,8 @@ ZIP: Final = b"PK\x03\x04"
 STARTS: Final = MappingProxyType(
     {
         **ANYWHERE,
-        b"\x89PNG\r\n\x1a\n": "a PNG picture",
-        b"\xff\xd8\xff": "a JPEG picture",
+        b"\x89PNG\r\n\x1a\n": "a PNG image",
+        b"\xff\xd8\xff": "a JPEG image",
         b"\x28\xb5\x2f\xfd": "a zstd file: decompress it first",
         b"glTF": f"a glTF file: {CONVERT}",
     }
@@ -43,7 +43,7 @@ def named_kind(content: bytes, name: str) -> str | None:
         return f"the list of an unpacked {SOG}"
     start = next((start for start in STARTS if content.startswith(start)), None)
     if start is None and content[:4] == b"RIFF" and content[8:12] == b"WEBP":
-        return "a WebP picture"
+        return "a WebP image"
     return SUFFIXES.get(PurePath(name).suffix.lower()) if start is None else STARTS[start]
 
 

@@ -207,7 +207,9 @@ def _resumed(
     if checkpoint is None:
         return 0, 0.0
     if checkpoint.fingerprint != identity:
-        raise TrainingError(f"expected a checkpoint of this clip and configuration, got another: {folder.name}")
+        raise TrainingError(
+            f"expected a checkpoint of this clip and configuration, got another: {folder.name}"
+        )
     # Checkpoints of earlier versions have no state of the watch.
     arrays = {LOSSES: watch.state, **checkpoint.arrays}
     try:

@@ -42,7 +42,7 @@ def of_clip(path: Path) -> tuple[Fact, ...]:
         found = len(photos_in(path).photos)
         return (
             Fact("what", "images of several sizes: not a clip to train on", {"kind": "pictures"}),
-            Fact("frames", count(found, "picture"), {"count": found}),
+            Fact("frames", count(found, "image"), {"count": found}),
             Fact("missing", str(error), [str(error)]),
             next_steps(path, ("enhance", "PATH", "OUT")),
         )
@@ -170,7 +170,11 @@ def _masks(clip: Clip, frames: Sequence[Frame]) -> Fact:
     share = _share([frame.tissue_mask for frame in frames])
     if share is None:
         return Fact("masks", "not looked at", {"tissue_share": None})
-    text = "none used: every pixel is treated as tissue" if share == 1 else f"tissue is {share:.0%} of the pixels"
+    text = (
+        "none used: every pixel is treated as tissue"
+        if share == 1
+        else f"tissue is {share:.0%} of the pixels"
+    )
     return Fact("masks", text, {"tissue_share": share})
 
 

@@ -113,9 +113,7 @@ def of_splats(path: Path) -> Facts:
         found = _announced(path)
         number, told = found, f"{found} Gaussians, as the file states"
     return (
-        Fact(
-            "what", f"splat file: {path.suffix.lower()}", {"kind": "splats", "format": path.suffix.lower()}
-        ),
+        Fact("what", f"splat file: {path.suffix.lower()}", {"kind": "splats", "format": path.suffix.lower()}),
         Fact("model", told, {"gaussians": number}),
         Fact("size", f"{size / 1e6:.1f} MB", size),
         Fact("unit", "scene units"),

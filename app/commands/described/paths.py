@@ -78,7 +78,9 @@ def _other(path: Path) -> tuple[Fact, ...]:
     videos = [entry for entry in inside if entry.is_file() and entry.suffix.lower() in VIDEOS]
     if not folders and not videos:
         files = f", with {listed([entry.name for entry in inside])}" if inside else ", which is empty"
-        raise UserError(f"expected images, videos or folders of them, got a folder without any{files}: {path}")
+        raise UserError(
+            f"expected images, videos or folders of them, got a folder without any{files}: {path}"
+        )
     parts = [count(len(each), one) for each, one in ((folders, "folder"), (videos, "video")) if each]
     first = (videos or folders)[0]
     return (

@@ -29,7 +29,8 @@ renderer that drew it, or None."""
 def refuse_window(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError: menus, panels and text are no pictures of the data."""
     raise UserError(
-        f"expected panes or a 3D view, which can be reproduced from their sources, got a capture of the whole window "
+        "expected panes or a 3D view, which can be reproduced from their sources, got a "
+        "capture of the whole window "
         f"as on screen: {sources.file}"
     )
 

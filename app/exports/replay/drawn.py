@@ -106,9 +106,7 @@ def _whole(named: SceneFacts, sources: Sources) -> Scene:
         return open_scene(sources.find_run(named.run).path, as_trained=True)
     if named.splats is not None:
         return open_scene(sources.find(named.splats))
-    raise UserError(
-        f"expected the run or splat file it was made from, got neither: {sources.file}"
-    )
+    raise UserError(f"expected the run or splat file it was made from, got neither: {sources.file}")
 
 
 def drawer_of(facts: Facts) -> tuple[Draw, str]:

@@ -44,7 +44,7 @@ def results_folder(state: AppState) -> Path:
 
 def summary(state: AppState) -> str:
     """The present setting in a line."""
-    measured = "each clip as a whole" if state.scope == "clip" else "each picture on its own"
+    measured = "each clip as a whole" if state.scope == "clip" else "each image on its own"
     return f"{worded(state.params)} · {measured}{' · surround left out' if state.tissue_only else ''}"
 
 

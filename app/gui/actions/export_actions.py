@@ -64,7 +64,7 @@ OFFERS: dict[What, Offer] = {
     "left pane": Offer("Left pane", "picture", "What the left side shows.", ("left",)),
     "right pane": Offer("Right pane", "picture", "What the right side shows.", ("right",)),
     "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", SIDES),
-    "3D view": Offer("3D view", "picture", "The current 3D view, with the second one beside it.", sees="still"),
+    "3D view": Offer("3D view", "picture", "The 3D view as shown, with the second one.", sees="still"),
     "video of the panes": Offer(
         "Panes as shown", "panes video", "Every frame from In to Out, compared as on screen.", SIDES, True
     ),
@@ -80,7 +80,7 @@ OFFERS: dict[What, Offer] = {
         sees="path",
     ),
     "measures of both panes": Offer(
-        "Table of both panes", "measures", "DV/BV, contrast, noise and more, from In to Out, as CSV and JSON.",
+        "Table of both panes", "measures", "DV/BV, contrast, noise and more, from In to Out: CSV, JSON.",
         SIDES,
     ),
 }  # fmt: skip

@@ -28,7 +28,9 @@ def take_second(state: AppState, request: OpenRequest, opened: Opened) -> None:
         return
     state.second = Second(shown=shown)
     if state.model is not None and shown.first != state.model.first:
-        actions.say(state, f"{shown.name} covers another part of the clip: the same time is a different moment")
+        actions.say(
+            state, f"{shown.name} covers another part of the clip: the same time is a different moment"
+        )
     elif state.model is not None and shown.cameras != state.model.cameras:
         actions.say(state, f"{shown.name} is of another clip: the first one's camera may not see it")
 

@@ -31,8 +31,8 @@ def camera_sections(state: AppState, outside: WindowServices) -> tuple[Section, 
                 applies=_has_model, ticked=lambda s: s.viewer.flying),
     )  # fmt: skip
     path = (
-        Command("Save this view", path_actions.save_view, ("B",),
-                text="save this 3D view under a name", applies=_has_model),
+        Command("Add this view", path_actions.save_view, ("B",),
+                text="add this 3D view under a name", applies=_has_model),
         Command("Add a keyframe", path_actions.add_keyframe, ("I",),
                 text="add this 3D view to the camera path", applies=_has_model),
         Command("Play the path", path_actions.toggle_path, ("L",), text="play the camera path",

@@ -164,7 +164,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             ticked=lambda s: s.tuning.shown,
         ),
     )
-    return Section("Picture", looks), Section("Picture", zooms), Section("Picture", parameters)
+    return Section("Image", looks), Section("Image", zooms), Section("Image", parameters)
 
 
 def _compare() -> tuple[Section, ...]:

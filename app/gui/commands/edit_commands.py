@@ -32,7 +32,13 @@ def edit_sections() -> tuple[Section, ...]:
     )
     change = (
         Command("Delete", edit_actions.delete, ("Del",), "delete the selected Gaussians", _some),
-        Command("Crop to selection", edit_actions.crop, ("Shift+Del",), "delete all other visible Gaussians", _some),
+        Command(
+            "Crop to selection",
+            edit_actions.crop,
+            ("Shift+Del",),
+            "delete all other visible Gaussians",
+            _some,
+        ),
         Command("Hide", edit_actions.hide, ("H",), "hide the selected Gaussians", _some),
         Command("Show hidden", edit_actions.show_hidden, ("Shift+H",), applies=_active),
     )

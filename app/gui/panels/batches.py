@@ -87,7 +87,7 @@ def _draw_inputs(state: AppState) -> None:
 
 
 def _draw_choices(state: AppState, asking: Asking) -> None:
-    row("Setting", "Set in the Enhancement panel. Masks drawn on a clip apply to that clip only.")
+    row("Settings", "Set in the Enhancement panel. Masks drawn on a clip apply to that clip only.")
     imgui.text_unformatted(batch_actions.summary(state))
     row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
     button("Choose…###target", asking.target)
@@ -103,7 +103,9 @@ def _draw_progress(state: AppState, asking: Asking) -> None:
     if batches.under_way is None:
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             button("Enhance all###start", asking.start, enabled=not reason, width=-1)
-        explain(reason or "Runs in the background; the window stays usable. Each file records how it was made.")
+        explain(
+            reason or "Runs in the background; the window stays usable. Each file records how it was made."
+        )
         return
     step = batches.progressed.step if batches.progressed is not None else None
     if step is None:

@@ -65,8 +65,8 @@ def _draw_new_view(state: AppState) -> None:
     imgui.set_next_item_width(-em(6))
     _, state.cameras.name = imgui.input_text_with_hint("##name", "name of this view", state.cameras.name)
     imgui.same_line()
-    button(f"{icons.ICON_FA_PLUS} Keep###keep", lambda: path_actions.save_view(state), width=-1)
-    explain("B: save this viewpoint under this name.")
+    button(f"{icons.ICON_FA_PLUS} Add###keep", lambda: path_actions.save_view(state), width=-1)
+    explain("B: add this viewpoint under this name.")
 
 
 def _draw_view(state: AppState, index: int) -> None:
@@ -162,7 +162,11 @@ def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> 
     imgui.table_next_column()
     acts: tuple[tuple[str, str, Act], ...] = (
         (icons.ICON_FA_EYE, "Go to it", lambda: path_actions.seek_path(state, key.seconds)),
-        (icons.ICON_FA_SYNC, "Set to this view and time", lambda: path_actions.replace_keyframe(state, index)),
+        (
+            icons.ICON_FA_SYNC,
+            "Set to this view and time",
+            lambda: path_actions.replace_keyframe(state, index),
+        ),
         (icons.ICON_FA_TRASH, "Delete", lambda: path_actions.delete_keyframe(state, index)),
     )
     for icon, text, act in acts:

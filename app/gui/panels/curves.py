@@ -44,7 +44,9 @@ def draw_curves(run: Reconstruction) -> None:
         unit = run.clip.unit if run.clip is not None else SCENE_UNITS
         said = f"{depth[1, -1]:.3g} {unit}"
         _draw("Depth error", said, ink.danger, depth, end, "{:.2g}".format, DEPTH, depth)
-    _draw("Loss", f"{now.loss:.4f}", ink.warning, loss, end, "{:.2g}".format, "Mean since the previous point.")
+    _draw(
+        "Loss", f"{now.loss:.4f}", ink.warning, loss, end, "{:.2g}".format, "Mean since the previous point."
+    )
     _draw("Gaussians", grouped(now.n_gaussians), ink.shade(0.75), count, end, "{:,.0f}".format, COUNT)
 
 

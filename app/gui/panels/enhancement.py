@@ -82,7 +82,10 @@ def _change(state: AppState, params: EnhancementSettings) -> None:
 
 
 def _draw_method(state: AppState) -> None:
-    text = "The paper's method, or VesselSplat's preset, which darkens and reddens narrow dark structures as blood would."
+    text = (
+        "The paper's method, or VesselSplat's preset, which darkens and reddens narrow "
+        "dark structures as blood would."
+    )
     now = METHODS.index(type(state.params))
     chosen = _choose("Method", now, METHOD_LABELS, text)
     if chosen != now:
@@ -90,7 +93,7 @@ def _draw_method(state: AppState) -> None:
 
 
 def _draw_presets(state: AppState) -> None:
-    row("Preset", "Named settings. Keep saves the current ones under a name of yours.")
+    row("Preset", "Named settings. Save stores the current ones under a name of yours.")
     imgui.set_next_item_width(-em(4.0))
     shown = preset_name(state.params, state.presets) or "custom"
     if imgui.begin_combo("##preset", legible(shown)):
@@ -100,7 +103,7 @@ def _draw_presets(state: AppState) -> None:
         _draw_own(state, shown)
         imgui.end_combo()
     imgui.same_line()
-    if imgui.button("Keep…", ImVec2(-1, 0)):
+    if imgui.button("Save…", ImVec2(-1, 0)):
         imgui.open_popup("keep preset")
     explain("Save under a name of yours, for later sessions.")
     _draw_keep(state)
@@ -132,7 +135,7 @@ def _draw_keep(state: AppState) -> None:
     imgui.same_line()
     named = bool(state.preset_draft.strip())
     imgui.begin_disabled(not named)
-    entered |= imgui.button("Keep")
+    entered |= imgui.button("Save")
     imgui.end_disabled()
     if entered and named:
         preset_actions.keep(state, state.preset_draft)
@@ -178,7 +181,9 @@ def _draw_rest(params: EnhancementSettings, used: Statistics | None) -> Enhancem
 
 def _draw_scope(state: AppState) -> None:
     """What the automatic values are taken from."""
-    text = "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
+    text = (
+        "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
+    )
     state.scope = SCOPES[_choose("Statistics", SCOPES.index(state.scope), SCOPE_LABELS, text)]
     text = "Measured on all pixels as in the paper, or without tools and the black surround."
     state.tissue_only = bool(_choose("Pixels", int(state.tissue_only), PIXEL_LABELS, text))

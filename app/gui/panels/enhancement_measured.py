@@ -103,7 +103,7 @@ def _draw_plot(
     implot.setup_axis_limits(implot.ImAxis_.y1, 0, 1.02, implot.Cond_.always)
     ink = theme.now()
     fills = (ink.shade(0.75), ink.accent)
-    for label, color, shares in zip(("photo", "enhanced"), fills, spreads or (), strict=False):
+    for label, color, shares in zip(("original", "enhanced"), fills, spreads or (), strict=False):
         implot.plot_shaded(label, MIDDLES, shares, 0.0, implot.Spec(fill_color=color, fill_alpha=FILL_ALPHA))
     implot.plot_line("same", line[0], line[0], implot.Spec(line_color=ink.shade(0.4), line_weight=em(0.06)))
     implot.plot_line("curve", *line, implot.Spec(line_color=ink.text, line_weight=em(0.12)))
@@ -131,7 +131,7 @@ def _draw_table(seen: Measured) -> None:
             return
         for column, width in enumerate((8.0, 4.4, 4.4)):
             imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        _row("inferred definition:", "photo", "enhanced", DV_TEXT, theme.now().muted)
+        _row("inferred definition:", "original", "enhanced", DV_TEXT, theme.now().muted)
         for name, key, text in ROWS:
             why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
             _row(name, text(seen.before), text(seen.after), why, theme.now().text)

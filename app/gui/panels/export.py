@@ -17,15 +17,18 @@ from app.gui.style.widgets import button, em, explain, floating, row
 from app.scenes.supersampling import FACTORS
 
 SCALES = (1, 2, 3, 4)
-SCALE_TEXT = (
-    "File pixels per image pixel along each axis, or a width in pixels to resample to."
-)
+SCALE_TEXT = "File pixels per image pixel along each axis, or a width in pixels to resample to."
 VIEW_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
-VIEW_TEXT = "Size of the 3D view in pixels. As shown: its shape on screen, at least as large as the clip's frames."
-FACTOR_TEXT = "Supersampling: rendered with this many times the pixels along each axis, then averaged. Smoother edges, slower."
+VIEW_TEXT = (
+    "Size of the 3D view in pixels. As shown: its shape on screen, at least as large as the clip's frames."
+)
+FACTOR_TEXT = (
+    "Supersampling: rendered with this many times the pixels along each axis, then "
+    "averaged. Smoother edges, slower."
+)
 WINDOW_TEXT = "F12: the whole window as it is on screen. It cannot be replayed."
 FIRST_WIDTH = 1024
-GROUPS = (("Pictures", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
+GROUPS = (("Images", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
 REPLAY = "Each file records how it was made: vesselsplat replay FILE reproduces it."
 Start = Callable[[What], None]
 

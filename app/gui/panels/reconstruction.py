@@ -159,7 +159,11 @@ def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
     onward = lambda: job_actions.continue_reconstruction(state, make_job)  # noqa: E731
     again = job_actions.can_continue(state)
     button("Continue", onward, enabled=again, width=half)
-    explain("From the run's last checkpoint." if again else "It can continue only on its own clip: open that first.")
+    explain(
+        "From the run's last checkpoint."
+        if again
+        else "It can continue only on its own clip: open that first."
+    )
     imgui.same_line(0, em(0.5))
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
     button("View model", lambda: run_actions.look_at_present(state), enabled=not reason, width=half)

@@ -41,7 +41,7 @@ def draw_runs(state: AppState, make_job: MakeJob) -> None:
 
 
 def _draw_queue(state: AppState) -> None:
-    imgui.text_unformatted("Waiting")
+    imgui.text_unformatted("Queue")
     explain("Reconstructions run one at a time; these start automatically.")
     if not state.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
         with imgui_ctx.push_text_wrap_pos(0):

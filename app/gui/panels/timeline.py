@@ -82,7 +82,9 @@ def _draw_mask(state: AppState) -> None:
     if imgui.button(f"{'Drag now' if state.mask_tool else said}###mask", ImVec2(em(5), 0)):
         imgui.open_popup("mask")
     imgui.pop_style_color()
-    explain("Leave burned-in text and the surround out of statistics and reconstruction; saved with the clip.")
+    explain(
+        "Leave burned-in text and the surround out of statistics and reconstruction; saved with the clip."
+    )
     imgui.end_disabled()
     if not imgui.begin_popup("mask"):
         return

@@ -128,7 +128,9 @@ def _draw_second(state: AppState, choices: Callable[[], Commands]) -> None:
     shown = state.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
         button(SECOND, _open_second_menu)
-    explain("A second reconstruction beside this one, with the same camera and time. Also in the Camera menu.")
+    explain(
+        "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
+    )
     beside(PHOTO)
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
@@ -143,7 +145,9 @@ def _draw_snap(state: AppState) -> None:
     snapped = state.viewer.snapped
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(snapped)):
         button(PHOTO, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
-    explain("C: align with the clip's camera, with its frame over the reconstruction. Moving the view ends this.")
+    explain(
+        "C: align with the clip's camera, with its frame over the reconstruction. Moving the view ends this."
+    )
     if not snapped:
         return
     beside_of(em(8))

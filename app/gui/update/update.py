@@ -190,7 +190,9 @@ def _take_pick(state: AppState, channels: Channels) -> None:
 
 
 def _take_omissions(state: AppState, channels: Channels) -> None:
-    if (taken := answered(state, channels.omissions, "what will be left out cannot be determined")) is not None:
+    if (
+        taken := answered(state, channels.omissions, "what will be left out cannot be determined")
+    ) is not None:
         state.omissions = taken[1]
 
 

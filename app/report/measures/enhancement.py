@@ -37,7 +37,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     return Section(
         title="Enhancement: error against run time",
         sentences=(
-            f"One image of {width}x{height} with its statistics, as a frame of a stream. The error is against "
+            f"One image of {width}x{height} with its statistics, a frame of a stream. The error is against "
             "a literal float64 implementation of Eqs 1-12 with three scales and without subsampling; for "
             "arithmetic, with the same subsampling; for omissions, against the same with "
             "the part kept. "

@@ -37,7 +37,7 @@ MOST_GAUSSIANS: Final = 15_000
 KINDS: Final = tuple((camera, tissue) for camera in ("fixed", "moving") for tissue in ("moving", "static"))
 RECONSTRUCTION: Final = (
     *(Column(name="scene"), Column(name="left out"), Column(name="why"), Column(name="numbers saved")),
-    *(Column(name="ms a step", form=".2f"), Column(name="kept, ms", form=".2f")),
+    *(Column(name="ms per step", form=".2f"), Column(name="kept, ms", form=".2f")),
     *(Column(name="time saved", form="z.0%"), Column(name="MB", form=".2f")),
     *(Column(name="kept, MB", form=".2f"), Column(name="memory saved", form="z.0%")),
     *(Column(name="PSNR, dB", form=".2f"), Column(name="kept, dB", form=".2f")),
@@ -79,7 +79,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
     return Section(
         title="Omissions: what a scene does not need",
         sentences=(
-            "Each row is a pair of runs with the same seed that differ in one part. A negative added error means "
+            "Each row is a pair of runs with the same seed that differ in one part. A "
+            "negative added error means "
             "that the run that keeps the part is worse.",
         ),
         tables=(
@@ -89,7 +90,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
                 rows=tuple(reconstruction),
                 note=f"{STEPS} steps each; the time of a step is the median of several, the models of "
                 "a scene taking turns; PSNR is of training frames held out of the fit, of a single image "
-                "itself. MB: the model's parameters with their two moments. Estimated depth is from brightness, "
+                "itself. MB: the model's parameters with their two moments. Estimated depth is "
+                "from brightness, "
                 "without a scale.",
             ),
             Table(

@@ -34,7 +34,7 @@ METHODS: Final[dict[Method, str]] = {
     "vesselsplat": "VesselSplat",
 }
 HEADS: Final = (
-    *(Column(name="clip"), Column(name="table"), Column(name="method"), Column(name="photos")),
+    *(Column(name="clip"), Column(name="table"), Column(name="method"), Column(name="frames")),
     *(Column(name="LPIPS", form=".4f"), Column(name="DV", form=".1f"), Column(name="BV", form=".1f")),
     *(Column(name="DV/BV", form=".3f"), Column(name="vessel contrast", form=".3f")),
     *(Column(name="PSNR, dB", form=".2f"), Column(name="SSIM", form=".4f")),
@@ -57,7 +57,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     sets = {name: rows for name, rows in _sets(bench, missing).items() if rows}
     compared = {name: measured(methods(), samples) for name, samples in sets.items()}
     if find_lpips(None) is None:
-        missing.append(f"LPIPS: {no_lpips('vesselsplat/lpips in the user's cache folder')}")
+        missing.append(f"LPIPS: {no_lpips('vesselsplat/lpips in the user cache folder')}")
     return Section(
         title="The paper's tables",
         sentences=(
@@ -199,7 +199,7 @@ def _moves(gain: float) -> str:
 
 
 def _table_3(name: str, count: int, rows: Mapping[str, np.ndarray]) -> Table:
-    heads = ("DV", "BV", "DV/BV", "DV/BV, whole picture", "DV, local", "BV, local", "DV/BV, local",
+    heads = ("DV", "BV", "DV/BV", "DV/BV, whole image", "DV, local", "BV, local", "DV/BV, local",
              "vessel contrast", "CNR", "saturated %", "noise gain", "blackened %", "ms")  # fmt: skip
     return Table(
         title=f"Table 3: methods of enhancement on {name}",

@@ -50,7 +50,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
             f"measured on {len(bench.clip.test_indices)} held-out frames against the frames a run was "
             "trained on. Diagrams and `s training` give the seconds of training steps alone, kernels "
             f"compiled; `s in total`: {WALL}. Settings with several runs "
-            "have as many seeds; a seed reproduces the same figures, and settings with one seed are timed again.",
+            "have as many seeds; a seed reproduces the same figures, and settings with one "
+            "seed are timed again.",
         ),
         plates=tuple(
             Plate(title=f"Reconstruction of {name} frames", diagrams=diagrams(those, default))
