@@ -40,12 +40,12 @@ DEFINITIONS = {
     "ssim": "11x11 Gaussian window of sigma 1.5, both images times the evaluation mask, zeros beyond the "
     "border, mean over all pixels and channels",
     "depth_rmse_mm": "float millimetres along z over the evaluated pixels where the clip has a depth and the "
-    "render, too; depth maps are read without failed matches, which count as no depth: what is more than "
+    "render, too; depth maps are read without failed matches, which are treated as missing: values more than "
     f"{OUTLIER:g} times as far as the frame's median, or nearer than 1/{OUTLIER:g} of it; depth.abs_rel: the "
     "mean of |error| / depth there; depth.covered: their share of the evaluated pixels where the clip has a "
     "depth",
     "dv_bv": "inferred definition: variances of grey above and below each image's own Otsu threshold, "
-    "over the evaluated pixels, so that what is under tools or never seen does not count",
+    "over the evaluated pixels, so that pixels under tools or never seen are left out",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
     "visibility": "beside dv_bv, over the evaluated pixels of the render: Weber contrast in green of the "
     "strongest dark ridges of the clip's own frame, the share of pixels at 250 of 255 or more, and the ratio "

@@ -188,7 +188,7 @@ class Window:
         try:
             damage = kept_layout.put_aside_damaged(self._layout_file)
         except OSError as error:
-            actions.say(self.state, f"the layout of the window cannot be kept: {error}")
+            actions.say(self.state, f"the window layout cannot be saved: {error}")
             return False
         if damage:
             actions.say(self.state, damage)

@@ -194,7 +194,7 @@ def _numbered(folder: Path) -> dict[int, Path]:
             continue
         if number in found:
             both = f"{found[number].name} and {entry.name}"
-            raise ClipError(f"expected one file a frame, got two for number {number}, {both}: {folder}")
+            raise ClipError(f"expected one file per frame, got two for number {number}, {both}: {folder}")
         found[number] = entry
     return found
 

@@ -54,7 +54,7 @@ def test_a_preset_without_enhanced_frames_is_refused(
 ) -> None:
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run", "--preset", "vessel")
     assert (call.code, call.error.count("\n")) == (2, 1)
-    assert "--preset does nothing with --input original" in call.error
+    assert "--preset has no effect with --input original" in call.error
     assert not (tmp_path / "run").exists()
 
 

@@ -169,7 +169,7 @@ def _depth(clip: Clip, frames: Sequence[Frame]) -> Fact:
 def _masks(clip: Clip, frames: Sequence[Frame]) -> Fact:
     share = _share([frame.tissue_mask for frame in frames])
     if share is None:
-        return Fact("masks", "not looked at", {"tissue_share": None})
+        return Fact("masks", "not checked", {"tissue_share": None})
     text = (
         "none used: every pixel is treated as tissue"
         if share == 1

@@ -26,7 +26,7 @@ Row = raster_accuracy.Row | drawing_accuracy.Row
 Group = tuple[str, Sequence[Row], tuple[Column, ...]]
 """Title, rows and columns of a table."""
 COLUMNS: Final = (
-    *(Column(name="what is changed"), Column(name="setting")),
+    *(Column(name="changed"), Column(name="setting")),
     Column(name="mean error, grey levels", best="low"),
     *(Column(name="99.9th percentile"), Column(name="largest")),
     *(Column(name="ms", form=".2f", best="low"), Column(name="± ms", form=".2f")),

@@ -19,7 +19,7 @@ REPEATS: Final = 61
 WHOLE: Final = " + ".join(map(str, EXACT.radii))
 DEFAULT: Final = ("subsample", "s = 2")
 COLUMNS: Final = (
-    *(Column(name="what is changed"), Column(name="setting")),
+    *(Column(name="changed"), Column(name="setting")),
     *(Column(name="mean error, grey levels"), Column(name="99.9th percentile"), Column(name="largest")),
     *(Column(name="bound"), Column(name="ms", form=".2f"), Column(name="± ms", form=".2f")),
 )

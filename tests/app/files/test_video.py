@@ -78,7 +78,7 @@ def test_grey_and_alpha_are_written_as_colours(tmp_path: Path, encoder: str) -> 
 
 def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path, encoder: str) -> None:
     written = write_video(tmp_path / "odd.mp4", iter(frames(2, 47, 63)), Timing(5.0))
-    assert written.notices == ("the codec holds even sizes: 63x47 was cut to 62x46",)
+    assert written.notices == ("the codec needs even sizes: 63x47 was cut to 62x46",)
     assert read(tmp_path / "odd.mp4")[0][0].shape == (46, 62, 3)
 
 
@@ -255,7 +255,7 @@ def test_interlaced_video_is_enhanced_and_made_again(tmp_path: Path, vesselsplat
     )
     out = tmp_path / "out.mp4"
     call = vesselsplat("enhance", given, out, "--deinterlacing", "field")
-    assert (call.code, "one picture a field" in call.error) == (0, True)
+    assert (call.code, "one image per field" in call.error) == (0, True)
     assert (len(open_clip(out)), open_clip(out).frames_per_second) == (12, 50.0)
     assert json.loads((tmp_path / "out.mp4.json").read_text())["pictures"][0]["deinterlacing"] == "field"
     assert "identical" in vesselsplat("replay", out).out

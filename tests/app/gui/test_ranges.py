@@ -101,7 +101,7 @@ def session_file(folder: Path, **changes: Any) -> Path:
 def test_a_field_out_of_its_range_is_as_at_first_and_is_said(tmp_path: Path, name: str, value: Any) -> None:
     session, said = mended_session(session_file(tmp_path, **{name: value}))
     assert session == Session(source=SessionSource("clip"))
-    assert said.startswith(f"of the session, {name} cannot be read and is as at first")
+    assert said.startswith(f"in the session, {name} cannot be read, so defaults are used")
     assert "a.vesselsplat.broken" in said
     assert len(said) < 300
 

@@ -28,9 +28,9 @@ def machine(monkeypatch: pytest.MonkeyPatch, *, cards: int, gsplat: bool, troubl
 @pytest.mark.parametrize(
     ("cards", "gsplat", "trouble", "words"),
     [
-        (0, True, "", ("driver finds no card",)),
+        (0, True, "", ("driver finds no GPU",)),
         (1, False, "", ("pip install", "gsplat")),
-        (0, False, "", ("driver finds no card", "pip install")),
+        (0, False, "", ("driver finds no GPU", "pip install")),
         (1, True, "torch finds no card", ("torch finds no card",)),
     ],
 )

@@ -113,7 +113,7 @@ def test_bytes_are_depth_when_that_is_said(tmp_path):
 def test_sixteen_bits_without_a_name_are_left_out_with_the_way(tmp_path):
     clip = open_clip(write(tmp_path, depth="left_{}_z.png"))
     assert (len(clip), clip.has_depth) == (COUNT, False)
-    assert "named _depth" in clip.notices[0]
+    assert "name them _depth" in clip.notices[0]
 
 
 def test_two_that_could_be_meant_are_neither(tmp_path):

@@ -188,7 +188,7 @@ def test_strays_are_reported(written, tmp_path):
     assert clip.labels == ("left.png",)
     assert clip.notices == (
         "left out, masks beside the pictures: occ_left.png",
-        "left out, of no stereo pair: other.png",
+        "left out, not part of a stereo pair: other.png",
     )
 
 
