@@ -87,8 +87,8 @@ def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path, encoder: st
     [
         (np.zeros((8, 8, 3), np.uint16), "8-bit"),
         (np.zeros((8, 8), np.float32), "8-bit"),
-        (np.zeros((1, 8, 3), np.uint8), "2x2 pixels or more, got 8x1"),
-        (np.zeros((1, 1, 3), np.uint8), "2x2 pixels or more, got 1x1"),
+        (np.zeros((1, 8, 3), np.uint8), "at least 2x2 pixels, got 8x1"),
+        (np.zeros((1, 1, 3), np.uint8), "at least 2x2 pixels, got 1x1"),
     ],
 )
 def test_what_no_video_holds_is_refused_and_nothing_written(
@@ -191,7 +191,7 @@ def test_sound_is_kept(tmp_path: Path, name: str) -> None:
     series = open_series(given)
     written = write_video(tmp_path / "out.mp4", (series.read(index) for index in range(15)), series.timing)
     copied = SOUNDS[name] != "pcm_s16le"
-    assert written.notices == (() if copied else ("the sound was encoded again, from pcm_s16le to AAC",))
+    assert written.notices == (() if copied else ("the sound was re-encoded from pcm_s16le to AAC",))
     with av.open(str(tmp_path / "out.mp4")) as container:
         blocks = [frame.to_ndarray()[0] for frame in container.decode(audio=0)]
         rate = container.streams.audio[0].rate

@@ -170,7 +170,7 @@ def test_pictures_of_a_clip_that_was_left_are_dropped(
 
 def test_a_frame_that_cannot_be_read_is_said_once(state: AppState, channels: Channels, clip: Clip) -> None:
     def broken(index: int) -> np.ndarray:
-        raise ClipError(f"expected a picture, got a cut-off file: {index}.png")
+        raise ClipError(f"expected an image, got a cut-off file: {index}.png")
 
     settle(state, channels)
     state.clip = replace(clip, read_image=broken)

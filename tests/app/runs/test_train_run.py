@@ -145,7 +145,7 @@ def test_resuming_what_is_finished_gives_it_back_unchanged(runs: dict[str, Path]
 @pytest.mark.parametrize(
     ("changes", "word"),
     [
-        ({"resume": False}, "finished run already"),
+        ({"resume": False}, "already holds a finished run"),
         ({"config": replace(CONFIG, seed=5)}, "seed 0, got 5"),
         ({"input": "enhanced"}, "input original, got enhanced"),
     ],

@@ -64,8 +64,8 @@ def test_maps_by_name_are_no_frames(tmp_path):
     clip = open_images(tmp_path)
     assert clip.labels == ("left_9.png", "left_10.png")
     assert [notice.split(":")[0] for notice in clip.notices] == [
-        "left out, depth maps beside the pictures",
-        "left out, masks beside the pictures",
+        "left out, depth maps beside the images",
+        "left out, masks beside the images",
     ]
 
 

@@ -201,7 +201,7 @@ def test_sound_alone_is_no_video(tmp_path):
         for block in tone(0.5):
             container.mux(track.encode(block))
         container.mux(track.encode())
-    with pytest.raises(ClipError, match="got a file with sound alone"):
+    with pytest.raises(ClipError, match="got a file with only sound"):
         open_video(path)
 
 

@@ -263,7 +263,7 @@ def test_what_comes_after_the_last_splat_is_told(tmp_path: Path, content: bytes)
     assert read(tmp_path, content + (b"\n" if b"ascii" in content else b"")).notices == ()
     got = read(tmp_path, content + b"\n9 9")
     count = 3 if b"ascii" in content else 4
-    assert got.notices == (f"{count} bytes after the last of 3 splats are left alone",)
+    assert got.notices == (f"{count} bytes after the last of 3 splats are ignored",)
     assert len(got.raw) == 3
     with pytest.raises(SplatFileError, match="cut off"):
         read(tmp_path, content[:-40])
@@ -294,7 +294,7 @@ def test_a_degree_fills_up_with_zeros_and_loses_no_colour(bands: int, degree: in
 
 def test_a_folder_or_nothing_is_one_line(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.ply"):
-        with pytest.raises(SplatFileError, match="can be read"):
+        with pytest.raises(SplatFileError, match="readable splat file"):
             read_splats(path)
     with pytest.raises(SplatFileError, match="32 bytes"):
         read(tmp_path, bytes(33), "a.splat")
