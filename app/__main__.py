@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except UserError as error:
         return _fail(str(error), 2)
     except MemoryError:
-        return _fail("out of memory: try a smaller picture, clip or size", 2)
+        return _fail("out of memory: try a smaller image, clip or size", 2)
     except OSError as error:
         return _fail(f"{error.strerror or error}: {error.filename or 'no file named'}", 2)
     except ValueError as error:

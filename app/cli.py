@@ -16,18 +16,18 @@ from app.errors import UserError
 
 COMMANDS = {
     "gui": "open the app, on a clip, image, video or run when one is given",
-    "demo": "phantom clip: enhance, train, render, compare sheet and report",
+    "demo": "built-in phantom clip: enhance, train, render, comparison sheet and report",
     "enhance": "enhance the vessels of an image, a folder of images or a video",
-    "tune": "try a grid of settings on a picture, and measure each",
+    "tune": "try and measure a grid of settings on an image",
     "train": "reconstruct a clip as dynamic 3D Gaussians",
-    "render": "draw the frames of a finished run, or a file of splats",
-    "export": "splat files, a video or camera poses of a finished run, for other programs",
+    "render": "render the frames of a finished run, or a splat file",
+    "export": "export a finished run as splat files, a video or camera poses",
     "evaluate": "measure a finished run on its held-out frames",
-    "metrics": "DV/BV and contrast of images",
-    "report": "error against run time, stability, what was left out: one page",
-    "replay": "make an exported file again from its provenance, and compare",
-    "phantom": "write a synthetic clip with exact truth",
-    "info": "what a path is read as and what to do with it; versions, devices and licences",
+    "metrics": "measure DV/BV and contrast of images",
+    "report": "report of error against run time, stability and omissions, on one page",
+    "replay": "reproduce an exported file from its provenance and compare",
+    "phantom": "write a synthetic clip with exact ground truth",
+    "info": "what a path is read as and what can be done with it; versions, devices and licences",
 }
 
 

@@ -51,11 +51,11 @@ def decide(
     chosen = left_out(used.p, reaches, params.omit_below)
     bounds = [scale_bound(p, reach, len(used.p)) for p, reach in zip(used.p, reaches, strict=True)]
     if all(chosen):
-        omitted.append(Omission("local detail", "it changes next to nothing here", sum(bounds)))
+        omitted.append(Omission("local detail", "it changes almost nothing here", sum(bounds)))
         return chosen, tuple(omitted)
     for radius, bound, is_out in zip(params.radii, bounds, chosen, strict=True):
         if is_out:
-            omitted.append(Omission(f"scale of {radius} px", "it changes next to nothing here", bound))
+            omitted.append(Omission(f"scale of {radius} px", "it changes almost nothing here", bound))
     return chosen, tuple(omitted)
 
 

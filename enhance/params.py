@@ -1,4 +1,4 @@
-"""What a user sets of the 2D vascular enhancement: one declaration for checks, sliders, flags and JSON."""
+"""Parameters of the 2D vascular enhancement: one declaration for checks, sliders, flags and JSON."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DFactor = Annotated[float, Interval(ge=0.0, le=4.0)]
     config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
 )
 class EnhanceParams:
-    """Parameters of Eqs 1-12 of the paper, with their ranges; each says what it is below its field.
+    """Parameters of Eqs 1-12 of the paper, with their ranges; each is described below its field.
 
     Raises:
         pydantic.ValidationError: (a ValueError) a value out of its range, or another number of P than of
@@ -34,7 +34,7 @@ class EnhanceParams:
     """
 
     z: Annotated[float, Interval(ge=0.0, le=1.0)] | None = None
-    """Brightness factor of Eq 1: 0 lifts dark areas most, 1 leaves brightness alone. Auto: from the
+    """Brightness factor of Eq 1: 0 lifts dark areas most, 1 leaves brightness unchanged. Auto: from the
     image, by Eq 2."""
     p: Exponent | tuple[Exponent, ...] | None = None
     """Strength of local detail, the exponent P of Eq 7: 0 is off. One number, or one for each scale.
@@ -47,14 +47,14 @@ class EnhanceParams:
     """Regularisation of the guided filter, a variance on [0, 1]: larger smooths stronger edges away."""
     subsample: Annotated[int, Interval(ge=1, le=8)] = 2
     """The guided filter's coefficients are computed on an image this many times smaller, those of wide
-    windows on one of half its size. 1: on the image itself."""
+    windows on one half that size. 1: at full size."""
     d_factor: DFactor = 1.0
-    """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation alone."""
+    """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation unchanged."""
     keep_black: bool = True
     """Keep the black surround of an endoscope black; without it, black becomes grey 51 at z = 0."""
     omit_below: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
-    """Leave out what is known to change the result by less than this, in grey levels; 0: only what changes
-    nothing."""
+    """Leave out steps known to change the result by less than this, in grey levels. 0: only steps that
+    change nothing."""
 
     @model_validator(mode="after")
     def _one_p_a_scale(self) -> EnhanceParams:

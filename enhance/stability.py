@@ -136,12 +136,10 @@ def _exponents(image: NDArray[np.uint8]) -> Iterator[Row]:
             below, above = (detail.exponent(sigma + side, form) for side in (-1e-6, 1e-6))
             yield Row(hazard, case, abs(abs(above - below) - jump), 1e-6, "P, off the printed jump")
             sides = [replace(WHOLE, p=p) for p in (below, above)]
-            yield Row(
-                hazard, f"{case}, picture", float(np.max([_error(faint, side) for side in sides])), 0.001
-            )
+            yield Row(hazard, f"{case}, image", float(np.max([_error(faint, side) for side in sides])), 0.001)
             if jump:
                 first, second = (enhance(faint, side).image for side in sides)
-                yield Row(hazard, f"{case}, jump of the picture", 255 * _most(first, second), 0.5)
+                yield Row(hazard, f"{case}, jump of the image", 255 * _most(first, second), 0.5)
 
 
 def _constants(image: NDArray[np.uint8]) -> Iterator[Row]:

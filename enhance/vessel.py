@@ -38,7 +38,7 @@ GREY: Final = np.ones(3, dtype=np.float32)
     config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
 )
 class VesselParams:
-    """Parameters of the preset `vessel`, with their ranges; each says what it is below its field.
+    """Parameters of the preset `vessel`, with their ranges; each is described below its field.
 
     Raises:
         pydantic.ValidationError: (a ValueError) a value out of its range.
@@ -50,21 +50,21 @@ class VesselParams:
     """
 
     strength: Annotated[float, Interval(ge=0.0, le=4.0)] = 2.0
-    """How much of the blood that is found is added once more: 0 is off."""
+    """How much of the detected blood is added again: 0 is off."""
     radius: Annotated[int, Interval(ge=2, le=128), Unit("px")] = 16
-    """Structures wider than twice this are left alone."""
+    """Structures wider than twice this are not changed."""
     shading: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
-    """Share of darkness that red and green have in common and that counts as shadow, not as blood."""
+    """Share of the darkness common to red and green that is treated as shadow, not blood."""
     coring: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.5
-    """Structures weaker than this many times the picture's median density are hardly strengthened."""
+    """Structures weaker than this many times the image's median density are hardly strengthened."""
     lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.85
-    """Share of the brightening of Eq 1 that is applied."""
+    """Share of the brightening of Eq 1 to apply."""
     gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 1.2
-    """Exponent of V afterwards: above 1 deepens the middle tones; black and white stay."""
+    """Exponent applied to V afterwards: above 1 darkens the mid-tones; black and white stay."""
     d_factor: DFactor = 0.5
-    """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation alone."""
+    """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation unchanged."""
     most_color: Annotated[float, Interval(ge=1.0, le=4.0)] = 1.4
-    """Bound on the gain of saturation, which never falls below 1: greys and highlights keep their colour."""
+    """Upper limit of the saturation gain, which is at least 1: greys and highlights keep their colour."""
 
 
 VESSEL: Final = VesselParams()

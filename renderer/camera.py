@@ -34,7 +34,7 @@ class CameraError(ValueError):
         ...     Camera(fx=100, fy=100, cx=32, cy=24, width=0, height=48)
         ... except CameraError as error:
         ...     print(error)
-        Camera size must be at least 1x1 pixels, got 0x48
+        expected a camera size of at least 1x1 pixels, got 0x48
     """
 
 
@@ -68,19 +68,25 @@ class Camera:
 
     def __post_init__(self) -> None:
         if self.width < 1 or self.height < 1:
-            raise CameraError(f"Camera size must be at least 1x1 pixels, got {self.width}x{self.height}")
+            raise CameraError(
+                f"expected a camera size of at least 1x1 pixels, got {self.width}x{self.height}"
+            )
         numbers = (self.fx, self.fy, self.cx, self.cy)
         if not all(math.isfinite(value) for value in numbers) or self.fx <= 0 or self.fy <= 0:
-            raise CameraError(f"Camera needs finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
+            raise CameraError(f"expected finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
         if not all(NARROWEST <= self.width / focal <= WIDEST for focal in (self.fx, self.fy)):
             widths = f"{1 / WIDEST:g} to {1 / NARROWEST:g} widths"
-            raise CameraError(f"Camera needs focal lengths of {widths}, got {self.fx} and {self.fy}")
+            raise CameraError(f"expected focal lengths of {widths}, got {self.fx} and {self.fy}")
         if max(abs(self.cx), abs(self.cy)) > FARTHEST:
-            raise CameraError(f"Camera needs a middle nearer than {FARTHEST:g}, got {self.cx} and {self.cy}")
+            raise CameraError(
+                f"expected a principal point nearer than {FARTHEST:g}, got {self.cx} and {self.cy}"
+            )
         budget().require(pixels=self.width * self.height)
         matrix = np.array(self.camera_from_world, dtype=np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-            raise CameraError(f"camera_from_world must be a finite (4, 4) matrix, got shape {matrix.shape}")
+            raise CameraError(
+                f"expected camera_from_world to be a finite (4, 4) matrix, got shape {matrix.shape}"
+            )
         _require_pose(matrix)
         matrix.setflags(write=False)
         object.__setattr__(self, "camera_from_world", matrix)
@@ -160,7 +166,7 @@ class Camera:
     def unproject(self, depth: NDArray[np.floating[Any]]) -> FloatArray:
         """Depth map (H, W) along +z to the world points (H, W, 3) behind the pixel centres."""
         if depth.shape != (self.height, self.width):
-            raise ValueError(f"depth must be {self.height}x{self.width}, got {depth.shape}")
+            raise ValueError(f"expected depth of {self.height}x{self.width}, got {depth.shape}")
         z = depth.astype(np.float64)
         x = (np.arange(self.width) + 0.5 - self.cx) / self.fx * z
         y = (np.arange(self.height)[:, None] + 0.5 - self.cy) / self.fy * z
@@ -205,9 +211,12 @@ def _require_pose(matrix: FloatArray) -> None:
     turn, place = [row[:3] for row in rows], [row[3] for row in rows]
     skew = _skew(turn)
     if skew > SKEWEST:
-        raise CameraError(f"camera_from_world must hold a rotation, got R R^T - 1 of up to {skew:.2g}")
+        raise CameraError(f"expected a rotation in camera_from_world, got R R^T - 1 of up to {skew:.2g}")
     if max(map(abs, place)) > FARTHEST or math.dist(last, (0, 0, 0, 1)) > SKEWEST:
-        raise CameraError(f"camera_from_world must move and end with 0 0 0 1, got {place} and {last}")
+        raise CameraError(
+            f"expected a translation of at most {FARTHEST:g} and a last row 0 0 0 1 in "
+            f"camera_from_world, got {place} and {last}"
+        )
 
 
 def _skew(turn: list[list[float]]) -> float:

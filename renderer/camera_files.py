@@ -69,8 +69,8 @@ def off_center(cameras: Sequence[NamedCamera]) -> str | None:
     if away < LEAST_SHIFT:
         return None
     return (
-        f"the principal point is up to {away:.2f} px off the middle: cx and cy are given, and programs that "
-        "do not read them shift the picture"
+        f"the principal point is up to {away:.2f} px off the centre: cx and cy are given, and programs that "
+        "do not read them shift the image"
     )
 
 
@@ -137,7 +137,7 @@ def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
     lenses = {words[0]: _lens(words) for words in _lines(folder / "cameras.txt")}
     poses = _lines(folder / "images.txt", every=2)
     if not poses:
-        raise ValueError("no picture in images.txt")
+        raise ValueError("no image in images.txt")
     return tuple(_of_image(words, lenses) for words in poses)
 
 
@@ -162,5 +162,5 @@ def _of_image(words: list[str], lenses: dict[str, Camera]) -> NamedCamera:
 
 def _inverse(pose: NDArray[np.float64]) -> NDArray[np.float64]:
     if pose.shape != (4, 4) or not np.isfinite(pose).all() or abs(np.linalg.det(pose)) < 1e-12:
-        raise ValueError("a pose that is no rotation and position")
+        raise ValueError("a pose that is not a rotation and a position")
     return np.asarray(np.linalg.inv(pose))

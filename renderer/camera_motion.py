@@ -61,12 +61,12 @@ def camera_notice(clip: Clip) -> str | None:
     across = max((_picture_shift(tracks) for _, tracks in runs), default=0.0)
     rigid = max((_rigid_shift(seen, tracks) for seen, tracks in runs), default=0.0)
     if across > PICTURE_SHIFT:
-        moves = f"the background moves by {100 * across:.0f} % of the width of the picture"
+        moves = f"the background moves by {100 * across:.0f} % of the image width"
     elif rigid > RIGID_SHIFT:
         moves = f"the tissue moves as one rigid body, by {100 * rigid:.0f} % of its distance"
     else:
         return None
-    return f"the clip says that its camera stands still, but {moves}: poses of the camera are missing"
+    return f"the clip has a fixed camera, but {moves}: camera poses are missing"
 
 
 @dataclass(frozen=True, eq=False)

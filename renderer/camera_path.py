@@ -57,13 +57,13 @@ class CameraPath:
         for place, key in enumerate(self.keyframes):
             if not (abs(key.seconds) <= LATEST and 0 <= key.time <= 1):
                 wanted = f"finite seconds of at most {LATEST:.0f} and a time in [0, 1]"
-                raise ValueError(f"keyframe {place} needs {wanted}, got {key.seconds}, {key.time}")
+                raise ValueError(f"keyframe {place}: expected {wanted}, got {key.seconds}, {key.time}")
         seconds = [key.seconds for key in self.keyframes]
         if seconds:
             budget().require(seconds=seconds[-1] - seconds[0])
         for place, (before, after) in enumerate(pairwise(seconds), start=1):
             if after - before < SOONEST:
-                raise ValueError(f"keyframe {place} must come after {before} s, got {after} s")
+                raise ValueError(f"keyframe {place}: expected more than {before} s, got {after} s")
 
     @property
     def start(self) -> float:
@@ -80,7 +80,7 @@ class CameraPath:
         Raises ValueError for a path without keyframes.
         """
         if not self.keyframes:
-            raise ValueError("a camera path needs at least one keyframe, got none")
+            raise ValueError("expected at least one keyframe in a camera path, got none")
         seconds = min(max(seconds, self.start), self.end)
         return self._curve.at(seconds)
 

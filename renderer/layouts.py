@@ -120,7 +120,7 @@ def _itself(path: Path) -> ClipFiles:
 LAYOUTS: Final = (
     Layout(
         name="image",
-        title="one picture",
+        title="one image",
         matches=lambda path: is_picture(path) and not path.is_dir(),
         open=_open_picture,
         own_files=_itself,
@@ -180,14 +180,14 @@ LAYOUTS: Final = (
     ),
     Layout(
         name="stereo",
-        title="left and right pictures",
+        title="left and right images",
         matches=is_stereo_folder,
         open=_open_stereo,
         own_files=_stereo_files,
     ),
     Layout(
         name="images",
-        title="pictures",
+        title="images",
         matches=lambda path: True,
         open=_open_pictures,
         own_files=lambda path: _photos_and_maps(path, photo_folder(path)),

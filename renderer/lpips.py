@@ -73,7 +73,7 @@ class Lpips:
 
         pair = masked(image, reference, mask)
         if pair[0].shape[2] != 3:
-            raise ValueError(f"expected pictures of three channels, got {pair[0].shape}")
+            raise ValueError(f"expected images of three channels, got {pair[0].shape}")
         if not mask.any() or min(mask.shape) < LEAST_SIDE:
             return float("nan")
         with torch.inference_mode():

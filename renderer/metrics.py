@@ -141,7 +141,7 @@ def _depths(
 def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:
     if image.shape != reference.shape or image.shape[:2] != mask.shape or mask.dtype != np.bool_:
         shapes = f"{image.shape}, {reference.shape} and {mask.dtype} {mask.shape}"
-        raise ValueError(f"expected two pictures of one shape and a bool mask of their size, got {shapes}")
+        raise ValueError(f"expected two images of one shape and a bool mask of their size, got {shapes}")
 
 
 def _squared_error(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArray[np.float64]:

@@ -56,7 +56,7 @@ def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:
     """
     if path.is_file() and layout_of(path).name == "video" and options.depth in ("auto", "measured", "stereo"):
         read_video_header(path)
-        way = "--depth brightness guesses it, without a scale"
+        way = "--depth brightness estimates it, without a scale"
         raise ClipError(f"reconstruction expects depth, and a video has none ({way}): {path}")
 
 

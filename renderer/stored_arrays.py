@@ -143,7 +143,7 @@ def _check_type(name: str, array: NDArray[Any], dtype: np.dtype[Any]) -> None:
     if array.dtype != dtype:
         raise ValueError(f"expected {name} of {dtype}, got {array.dtype}")
     if not array.flags.c_contiguous:
-        raise ValueError(f"expected {name} in one piece of memory, row by row")
+        raise ValueError(f"expected {name} in contiguous memory, row by row")
 
 
 def _check_values(name: str, array: NDArray[Any], stored: Stored, lengths: dict[str, int]) -> None:

@@ -11,5 +11,5 @@ def not_utf8(path: Path) -> str | None:
         str(path).encode()
     except UnicodeEncodeError:
         shown = str(path).encode(errors="backslashreplace").decode()
-        return f"expected a path in UTF-8, rename or move it: {shown}"
+        return f"expected a path in UTF-8 (rename or move it), got {shown}"
     return None

@@ -40,7 +40,7 @@ FOOT = f"Embedded phantom clip (synthetic). {NOTICE}"
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--headless", action="store_true", help="do not open the app at the end")
+    parser.add_argument("--headless", action="store_true", help="do not open the app when done")
     parser.add_argument(
         "--out", type=Path, default=Path("out/demo"), metavar="DIR", help="folder to write into (out/demo)"
     )
@@ -90,7 +90,7 @@ def _clear(out: Path, runs: list[Path]) -> None:
         if RunFolder(path).is_run:
             shutil.rmtree(path)
         elif path.exists():
-            raise UserError(f"expected an earlier demo or nothing, got something else: {path}")
+            raise UserError(f"expected a new folder or one of an earlier demo, got another: {path}")
 
 
 @contextmanager
@@ -132,7 +132,7 @@ def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str
         Tile(f"Depth, {near:.0f} (yellow) to {far:.0f} {original.clip.unit}", depth),
         Tile(f"Render of original, PSNR {psnr['original']:.1f} dB", drawn["original"].bytes),
         Tile(f"Render of enhanced, PSNR {psnr['enhanced']:.1f} dB", drawn["enhanced"].bytes),
-        Tile("Render against photo, difference x4", _difference(original, index, drawn["original"])),
+        Tile("Render against frame, difference x4", _difference(original, index, drawn["original"])),
     ]
     title = f"VesselSplat: held-out frame {index} after {CONFIG.iterations} iterations"
     return sheet(title, tiles, FOOT, columns=3, tile_width=480)

@@ -34,39 +34,41 @@ NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO}
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "inputs", metavar="INPUT", nargs="+", type=Path, help="picture, folder of pictures or video"
+        "inputs", metavar="INPUT", nargs="+", type=Path, help="image, folder of images or video"
     )
     parser.add_argument(
         "output",
         metavar="OUTPUT",
         type=Path,
-        help="picture, folder or .mp4 video to write; of several inputs the folder for all",
+        help="image, folder or .mp4 video to write; with several inputs, the folder for all results",
     )
     parser.add_argument(
         "--recursive",
         action="store_true",
-        help="all pictures and videos below each INPUT, into the same structure in OUTPUT",
+        help="all images and videos below each INPUT, into the same structure in OUTPUT",
     )
     parser.add_argument(
         "--method",
         choices=METHODS,
         default=PAPER,
-        help="the paper's method (default), the own preset `vessel`, or another one to compare with",
+        help="the paper's method (default), VesselSplat's preset `vessel`, or another method to compare with",
     )
     add_fields(parser, EnhanceParams, FIELDS)
-    group = parser.add_argument_group("with --method vessel", "and --d-factor, which is 0.5 there")
+    group = parser.add_argument_group("with --method vessel", "and --d-factor, whose default is 0.5 there")
     add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
     parser.add_argument(
         "--statistics",
         choices=("image", "clip"),
         default="image",
-        help="measure each picture on its own, or all together so that colours agree (default image)",
+        help="take statistics of each image on its own, or of all together so that colours "
+        "match (default image)",
     )
     parser.add_argument(
         "--pixels",
         choices=("all", "tissue"),
         default="all",
-        help="measure every pixel as the paper does, or leave out the black surround (default all)",
+        help="take statistics of every pixel as the paper does, or leave out the black "
+        "surround (default all)",
     )
     add_fields(parser, ClipOptions, ("deinterlacing",))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
@@ -97,14 +99,14 @@ def _params(flags: argparse.Namespace) -> Params:
     """Of the method asked for. Raises UserError when flags of another one are given."""
     for name in (*FIELDS, *VESSEL_FIELDS):
         if name in flags and name not in OWN_FIELDS.get(flags.method, set()):
-            raise UserError(f"--{name.replace('_', '-')} does nothing with --method {flags.method}")
+            raise UserError(f"--{name.replace('_', '-')} has no effect with --method {flags.method}")
     if flags.method == PAPER:
         return parameters(EnhanceParams, flags)
     if flags.method == VESSEL:
         return parameters(VesselParams, flags)
     for name, value in (("statistics", "clip"), ("pixels", "tissue")):
         if getattr(flags, name) == value:
-            raise UserError(f"--{name} {value} does nothing with --method {flags.method}")
+            raise UserError(f"--{name} {value} has no effect with --method {flags.method}")
     return None
 
 
@@ -113,13 +115,13 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
     files = {path.resolve() for path in series.sources}
     taken = {given.resolve(), *files, *((path.parent for path in files) if given.is_dir() else ())}
     if output.resolve() in taken or (output.is_dir() and output.resolve() in {path.parent for path in files}):
-        raise UserError(f"expected another OUTPUT than INPUT, which is never overwritten: {output}")
+        raise UserError(f"expected OUTPUT other than INPUT, which is never overwritten: {output}")
     if is_image(output) and len(series) > 1:
-        raise UserError(f"expected a folder or {VIDEO} for {len(series)} pictures, got {output}")
+        raise UserError(f"expected a folder or {VIDEO} for {len(series)} images, got {output}")
     if output.suffix.lower() == VIDEO and given.is_dir():
         common_size(path for path in files if is_picture(path))
     if output.suffix.lower() in NOT_WRITTEN and not output.is_dir():
-        raise UserError(f"expected a picture, a folder or {VIDEO} to write, got {output}")
+        raise UserError(f"expected an image, a folder or {VIDEO} to write, got {output}")
 
 
 def _whole(output: Path, series: Series, setting: Setting) -> Written:
@@ -148,7 +150,7 @@ def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
     """Each input or what lies below it, into a folder. Raises UserError at the end where some have failed."""
     output: Path = flags.output
     if (is_image(output) or output.suffix.lower() in VIDEOS | NOT_WRITTEN) and not output.is_dir():
-        raise UserError(f"expected a folder for what comes of several pictures or videos, got {output}")
+        raise UserError(f"expected a folder for the results of several inputs, got {output}")
     items = items_in(flags.inputs, output, below=flags.recursive)
     started = time.perf_counter()
     ended = [_ended(step, items[step.place - 1], output) for step in _told_batch(items, setting)]

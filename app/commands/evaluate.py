@@ -41,11 +41,12 @@ COMPARED = ("lpips", "dv", "bv", "dv_bv", "psnr", "ssim", "depth_rmse_mm")
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", type=Path, help="folder of a finished run")
     parser.add_argument(
-        "--against", type=Path, metavar="RUN", help="another run of the same clip, such as the original's"
+        "--against",
+        type=Path,
+        metavar="RUN",
+        help="another run of the same clip to compare with, such as one from original frames",
     )
-    parser.add_argument(
-        "--edited", action="store_true", help="measure the model as edited by hand, not as trained"
-    )
+    parser.add_argument("--edited", action="store_true", help="measure the edited model, not the trained one")
     parser.add_argument("--lpips-weights", type=Path, metavar="DIR", help=f"folder with {WEIGHT_FILES}")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
@@ -55,9 +56,9 @@ def run(flags: argparse.Namespace) -> None:
     evaluations = [open_evaluation(path, flags.lpips_weights, edited=flags.edited) for path in paths]
     clips = [evaluation.record.clip for evaluation in evaluations]
     if clips[0].part != clips[-1].part:
-        raise UserError("--against: expected a run of the same frames and mask, got one of another part")
+        raise UserError("--against: expected a run on the same frames and mask, got one on another part")
     if clips[0].sha256 != clips[-1].sha256:
-        raise UserError(f"--against: expected a run of the clip {clips[0].name}, got one of {clips[-1].name}")
+        raise UserError(f"--against: expected a run on the clip {clips[0].name}, got one on {clips[-1].name}")
     report, *others = [evaluation.report(measured(evaluation)) for evaluation in evaluations]
     for other in others:
         report |= {"against": other, "compared": compared(report, other, clips[0])}
@@ -94,7 +95,8 @@ def compared(report: dict[str, Any], other: dict[str, Any], clip: ClipRecord) ->
             f"Table {after.table}, {after.method}": _gain(after.dv_bv, before.dv_bv)
             for before, after in zip(paper[::2], paper[1::2], strict=True)
         },
-        "definition": "dv_bv_gain: mean DV/BV of this run over that of the run it is compared with; the "
+        "definition": "dv_bv_gain: mean DV/BV of this run divided by that of the run it is compared "
+        "with; the "
         "paper's: enhanced over original",
     }
 
@@ -105,7 +107,7 @@ def _gain(ours: float | None, theirs: float | None) -> float | None:
 
 def _print(report: dict[str, Any]) -> None:
     table = _table("frame", COLUMNS)
-    table.title = f"{report['run']}: {report['method']}, measured against its {report['input']} photos"
+    table.title = f"{report['run']}: {report['method']}, measured against its {report['input']} frames"
     for frame in report["frames"]:
         table.add_row(str(frame.index), *_texts(vars(frame) | (frame.depth or {}), COLUMNS))
     table.add_section()
@@ -115,8 +117,8 @@ def _print(report: dict[str, Any]) -> None:
 
 def _print_compared(report: dict[str, Any]) -> None:
     other, gain = report["against"], report["compared"]["dv_bv_gain"]
-    table = _table("run, photos", COMPARED)
-    table.title = "Means over the held-out frames, each run against its own photos"
+    table = _table("run, frames", COMPARED)
+    table.title = "Means over the held-out frames, each run against its own input frames"
     for each in (other, report):
         table.add_row(f"{each['run']}, {each['input']}", *_texts(each["mean"], COMPARED))
     for row in report["compared"]["paper"]:
@@ -125,8 +127,8 @@ def _print_compared(report: dict[str, Any]) -> None:
         table.add_row(f"{row.method}, {row.input}", *_texts(vars(row), COMPARED))
     gains = [
         f"DV/BV is {_text(gain['render'], '.2f')} times that of {other['run']}; "
-        f"that of its photos {_text(gain['input_photo'], '.2f')} times",
-        f"over whole renders, black included, {_text(gain['whole_picture'], '.2f')} times: "
+        f"that of its input frames {_text(gain['input_photo'], '.2f')} times",
+        f"over whole renders, including black, {_text(gain['whole_picture'], '.2f')} times: "
         + " to ".join(_text(each["whole_picture"]["dv_bv"], ".3f") for each in (other, report)),
     ]
     published = report["compared"]["paper_dv_bv_gain"].items()
@@ -157,15 +159,15 @@ def _facts(report: dict[str, Any]) -> list[str]:
     times = [f"{name.replace('_', ' + ')} {_text(ms, '.1f')}" for name, ms in parts.items()]
     return [
         f"{mean['n_gaussians']} Gaussians, trained in {in_all(mean['wall_seconds'], mean['train_seconds'])}",
-        f"masked: over the evaluated pixels alone, {_text(report['evaluated_share'], '.1%')} of the picture",
-        "depth: root mean square of the error, and mean of error over depth,",
-        f"  over {_text(report['depth'].get('covered'), '.1%')} of the evaluated pixels that have a depth",
+        f"masked: over the evaluated pixels only, {_text(report['evaluated_share'], '.1%')} of the image",
+        "depth: RMS error, and mean of error divided by depth,",
+        f"  over {_text(report['depth'].get('covered'), '.1%')} of the evaluated pixels that have depth",
         f"time: {', '.join(times)} ms,",
         f"  on {timed['threads']} threads of the CPU at a load of {_text(timed['load'], '.1f')}",
         f"peak memory: training {_text(memory['training'], '.0f')} MB, "
         f"this evaluation {_text(memory['evaluation'], '.0f')} MB",
         f"render: {_visibility(report['visibility'])}",
-        f"photo: {_visibility(report['input_photo'])}, DV/BV {_text(report['input_photo']['dv_bv'], '.3f')}",
+        f"frame: {_visibility(report['input_photo'])}, DV/BV {_text(report['input_photo']['dv_bv'], '.3f')}",
     ]
 
 
@@ -179,12 +181,10 @@ def _cautions(report: dict[str, Any]) -> list[str]:
     if report["definitions"]["lpips"] != LPIPS:
         cautions.append(f"LPIPS: {no_lpips(lpips_folder())}")
     if report["edits"]:
-        measured = (
-            "as edited by hand" if report["edits"]["measured"] else "as trained, without its edits (--edited)"
-        )
+        measured = "as edited" if report["edits"]["measured"] else "as trained, without its edits (--edited)"
         cautions.append(f"the model is measured {measured}")
     if report["frames_are"] == "training":
-        cautions.append("measured on training frames: the clip is too short to hold one out")
+        cautions.append("measured on training frames: the clip is too short for held-out frames")
     return cautions
 
 

@@ -29,18 +29,19 @@ from renderer.harmonics import BANDS
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--ply", type=Path, metavar="DIR", help="a splat file a frame, numbered, as viewers play them"
+        "--ply", type=Path, metavar="DIR", help="one numbered splat file per frame, as viewers play them"
     )
     parser.add_argument(
         "--sh-degree",
         type=int,
         choices=range(len(BANDS)),
         metavar="D",
-        help="of the splat files' spherical harmonics, 0 to 3, filled up with zeros (default the model's): "
-        "the original viewer of 3D Gaussian Splatting reads degree 3 alone",
+        help="degree of the splat files' spherical harmonics, 0 to 3, padded with zeros "
+        "(default the model's): "
+        "the original viewer of 3D Gaussian Splatting reads degree 3 only",
     )
     parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON beside"
+        "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON file beside it"
     )
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
     view_selection.add_flags(parser)
@@ -51,7 +52,7 @@ def run(flags: argparse.Namespace) -> None:
     if not (flags.ply or flags.video or flags.cameras):
         raise UserError("expected what to export: --ply DIR, --video FILE or --cameras FILE")
     if flags.sh_degree is not None and not flags.ply:
-        raise UserError("--sh-degree: expected --ply DIR, whose files it is of")
+        raise UserError("--sh-degree: expected --ply DIR, to whose files it applies")
     scene, wanted = view_selection.chosen(flags)
     if flags.ply:
         _write_plys(flags.ply, scene, wanted, flags.sh_degree)
@@ -83,7 +84,7 @@ def _of_degree(scene: Scene, degree: int | None) -> Scene:
         return of_degree(scene, degree)
     except ValueError as error:
         raise UserError(
-            f"--sh-degree: expected one that holds all of the model, got {degree} for {error}"
+            f"--sh-degree: expected a degree that holds the whole model, got {degree} for {error}"
         ) from error
 
 
@@ -103,4 +104,4 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
         written = write_video(place, pictures(), Timing(flags.frames_per_second))
         facts |= {"frames_per_second": flags.frames_per_second, "moments": seen, "video": written}
         write_sidecar(place, repeatable(kind="render video", **facts))
-    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {name}\n")
+    sys.stdout.write(f"{flags.video}: {len(wanted)} frames rendered with {name}\n")

@@ -21,7 +21,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     if flags.path is not None and not flags.path.exists():
         raise UserError(
-            f"expected a clip, image, video, run or file of splats, got no such file or folder: {flags.path}"
+            f"expected a clip, image, video, run or splat file, got no such file or folder: {flags.path}"
         )
     options = parameters(ClipOptions, flags)
     if not has_display():

@@ -16,7 +16,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="PATH",
         nargs="?",
         type=Path,
-        help="clip, picture, video, run, splat file, session or exported file: what it is read as, what is "
+        help="clip, image, video, run, splat file, session or exported file: what it is read as, what is "
         "missing, and what to do next (default: versions, devices and licences)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")

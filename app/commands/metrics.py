@@ -41,7 +41,7 @@ ALONE = ("dv", "bv", "dv_bv", "saturated_share")
 CONTRAST = ("vessel_contrast", "vessel_cnr")
 AGAINST = ("dv_local", "bv_local", "dv_bv_local", "noise_gain", "blackened_share", "psnr", "ssim")
 DEFINITIONS = {
-    "dv_bv": "inferred definition: variances of grey above and below the picture's own Otsu threshold",
+    "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
     "dv_bv_local": "mean 5x5 variance of grey where the original has detail, and elsewhere",
     "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
     "vessel_contrast": "Weber contrast in green of the vessel mask against a ring around it; the mask is the "
@@ -49,10 +49,10 @@ DEFINITIONS = {
     "vessel_cnr": "the same difference over the standard deviation of the ring",
     "noise_gain": "high-frequency noise over that of the original, where the original is flat",
     "blackened_share": "share of the vessel mask that is near-black and was not in the original",
-    "luma_step": "mean step of the mean luma from picture to picture of one folder or video, in the order "
+    "luma_step": "mean step of the mean luma from image to image of one folder or video, in the order "
     "given, in grey levels",
-    "flicker": "luma_step less that of the originals: 0 or less is as steady as they are",
-    "null": "infinite, as the PSNR of equal pictures, or undefined, as DV/BV of a blank one; not in means",
+    "flicker": "luma_step minus that of the originals: 0 or less is as steady as they are",
+    "null": "infinite, as the PSNR of equal images, or undefined, as DV/BV of a blank one; left out of means",
 }
 
 
@@ -62,17 +62,17 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="IMAGE",
         nargs="+",
         type=Path,
-        help="pictures to measure, a folder of them or a video",
+        help="images to measure, a folder of them or a video",
     )
     parser.add_argument(
-        "--against", metavar="ORIGINAL", nargs="+", type=Path, help="the original of each picture, in order"
+        "--against", metavar="ORIGINAL", nargs="+", type=Path, help="the original of each image, in order"
     )
     parser.add_argument(
         "--vessels",
         metavar="MASK",
         nargs="+",
         type=Path,
-        help="where vessels are (non-zero), in order, if known",
+        help="vessel masks (non-zero where vessels are), in order, if known",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
@@ -111,7 +111,7 @@ def run(flags: argparse.Namespace) -> None:
     else:
         _print([picture.label for picture in pictures], measured, mean)
         for name, value in (sequence or {}).items():
-            sys.stdout.write(f"{name}: {value:.4g} grey levels a picture\n")
+            sys.stdout.write(f"{name}: {value:.4g} grey levels per image\n")
 
 
 def _given(paths: list[Path]) -> list[Given]:
@@ -130,7 +130,7 @@ def _given(paths: list[Path]) -> list[Given]:
 
 def _one_each(given: list[Given], pictures: list[Given], what: str) -> list[Given]:
     if given and len(given) != len(pictures):
-        raise UserError(f"expected one {what} for each of {len(pictures)} pictures, got {len(given)}")
+        raise UserError(f"expected one {what} for each of {len(pictures)} images, got {len(given)}")
     return given
 
 
@@ -175,7 +175,7 @@ def _mask(given: Given, image: ArrayImage) -> BoolImage:
 def _check_size(image: ArrayImage, original: ArrayImage, path: Path) -> None:
     if image.shape[:2] != original.shape[:2]:
         sizes = [f"{shape[1]}x{shape[0]}" for shape in (original.shape, image.shape)]
-        raise UserError(f"expected a picture of its original's size {sizes[0]}, got {sizes[1]}: {path}")
+        raise UserError(f"expected an image of its original's size {sizes[0]}, got {sizes[1]}: {path}")
 
 
 def _alone(image: ArrayImage, path: Path) -> dict[str, float]:

@@ -26,17 +26,21 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
     view_selection.add_flags(parser)
     parser.add_argument(
-        "--transparent", action="store_true", help="without a background: alpha in the PNG, not premultiplied"
+        "--transparent",
+        action="store_true",
+        help="transparent background: straight alpha in the PNG, not premultiplied",
     )
     view_flags.add_flag(parser)
-    parser.add_argument("--depth", action="store_true", help="write expected depth too: float32 and coloured")
+    parser.add_argument(
+        "--depth", action="store_true", help="also write expected depth, as float32 and in colours"
+    )
 
 
 def run(flags: argparse.Namespace) -> None:
     if flags.transparent and has_scale(flags.view):
         raise UserError(f"--transparent: expected a --view without a scale, got {flags.view}")
     if flags.depth and SHAPES[flags.view] != "soft":
-        raise UserError(f"--depth: expected a --view of Gaussians as they are, got {flags.view}")
+        raise UserError(f"--depth: expected a --view of unaltered Gaussians, got {flags.view}")
     scene, wanted = view_selection.chosen(flags)
     draw, name = drawer(flags.renderer)
     views = view_flags.asked_for(flags, scene, wanted)
@@ -50,7 +54,7 @@ def run(flags: argparse.Namespace) -> None:
             if flags.depth:
                 _write_depth(staging, moment, drawn, facts)
             report(done, moment.name)
-    sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {name}\n")
+    sys.stdout.write(f"{flags.out}: {len(wanted)} images rendered with {name}\n")
 
 
 def _write_depth(folder: Path, moment: Moment, drawn: Drawn, facts: dict[str, Any]) -> None:

@@ -17,7 +17,7 @@ from app.files.provenance import provenance, strict_json
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "file", metavar="FILE", type=Path, help="picture, video or splat file that VesselSplat wrote"
+        "file", metavar="FILE", type=Path, help="image, video or splat file written by VesselSplat"
     )
     parser.add_argument(
         "--source",
@@ -25,9 +25,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="PATH",
-        help="what it was made of, or a folder with it; else looked for beside FILE and in this folder",
+        help="its source, or a folder with it (default: looked for beside FILE and in the current folder)",
     )
-    parser.add_argument("--out", type=Path, metavar="FILE", help="keep the file that was made again")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="keep the reproduced file")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
@@ -52,6 +52,6 @@ def _target(flags: argparse.Namespace) -> Iterator[Path]:
             yield Path(folder) / flags.file.name
         return
     if out.suffix.lower() != flags.file.suffix.lower() or out.resolve() == flags.file.resolve():
-        raise UserError(f"--out: expected another file named *{flags.file.suffix}, got {out}")
+        raise UserError(f"--out: expected a new file named *{flags.file.suffix}, got {out}")
     with filled(out.parent) as staging:
         yield staging / out.name

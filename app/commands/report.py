@@ -27,13 +27,19 @@ MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
 def add_flags(parser: argparse.ArgumentParser) -> None:
     names = ",".join(part.name for part in PARTS)
     parser.add_argument("--out", type=Path, default=Path("out/report"), metavar="DIR", help="(out/report)")
-    parser.add_argument("--clip", type=Path, metavar="CLIP", help="measure on this clip, not on the phantom")
+    parser.add_argument(
+        "--clip", type=Path, metavar="CLIP", help="measure on this clip instead of the phantom"
+    )
     parser.add_argument(
         "--scenes", type=Path, nargs="+", default=[], metavar="PATH",
-        help="further clips, pictures and videos, for what they leave out and for Table 3",
+        help="further clips, images and videos, for the omissions and for Table 3",
     )  # fmt: skip
-    parser.add_argument("--parts", metavar="NAMES", default=names, help=f"of {names}, separated by commas")
-    parser.add_argument("--minutes", type=positive, metavar="F", help="time to share (27; with --clip 54)")
+    parser.add_argument(
+        "--parts", metavar="NAMES", default=names, help=f"any of {names}, separated by commas"
+    )
+    parser.add_argument(
+        "--minutes", type=positive, metavar="F", help="total time to spend (27; with --clip 54)"
+    )
     parser.add_argument("--budget", metavar="TIME", help="print the settings for this time, such as 10ms")
     parser.add_argument("--error", type=positive, metavar="F", help="print the settings for this error")
 
@@ -43,7 +49,7 @@ def run(flags: argparse.Namespace) -> None:
     minutes = flags.minutes or (MINUTES_WITH_CLIP if flags.clip else MINUTES)
     for path in flags.scenes:
         if not path.exists():
-            raise UserError(f"--scenes: expected a clip, picture or video, got no such file: {path}")
+            raise UserError(f"--scenes: expected a clip, image or video, got no such file: {path}")
     began, facts = time.monotonic(), machine()
     with filled(flags.out) as staging, opened(flags.clip, tuple(flags.scenes), _say) as bench:
         sections, seconds = measured(bench, parts, 60 * minutes)

@@ -36,41 +36,40 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--input",
         choices=("original", "enhanced"),
         default="original",
-        help="reconstruct the photos as they are, or enhanced (default original)",
+        help="reconstruct the original or the enhanced frames (default original)",
     )
     parser.add_argument(
         "--preset",
         choices=tuple(PRESETS),
         default=argparse.SUPPRESS,
-        help="with --input enhanced: the paper's method (default), or the own preset `vessel`",
+        help="with --input enhanced: the paper's method (default), or VesselSplat's preset `vessel`",
     )
     add_fields(parser, TrainConfig, ("iterations", "seed", "sh_degree", "keep", "leave_out"))
     add_fields(parser, ClipOptions, EVERY_OPTION)
     parser.add_argument(
-        "--frames", metavar="A:B", help="train on these alone: first and last, from 0, both included"
+        "--frames", metavar="A:B", help="train on these frames only: first and last, from 0, both included"
     )
     parser.add_argument(
         "--text-box",
         type=float,
         nargs=4,
         metavar=("LEFT", "TOP", "RIGHT", "BOTTOM"),
-        help="pixels that do not count, such as burned-in text",
+        help="pixels to leave out, such as burned-in text",
     )
     parser.add_argument(
         "--view-circle",
         type=float,
         nargs=3,
         metavar=("X", "Y", "RADIUS"),
-        help="pixels beyond do not count, such as the surround of a round view",
+        help="pixels outside are left out, such as the surround of a round view",
     )
     parser.add_argument(
         "--device",
         choices=get_args(Asked),
         default="auto",
-        help="what draws and differentiates: auto takes an NVIDIA card where gsplat can use it, else the "
-        "processor (default auto)",
+        help="what to train on: auto uses an NVIDIA GPU where gsplat can, else the CPU (default auto)",
     )
-    parser.add_argument("--resume", action="store_true", help="go on from the last checkpoint in RUN")
+    parser.add_argument("--resume", action="store_true", help="resume from the last checkpoint in RUN")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
@@ -125,7 +124,7 @@ def _table(omissions: Sequence[Omission]) -> str:
 def _look(flags: argparse.Namespace) -> EnhancementSettings:
     """What the photos are enhanced by. Raises UserError when they are not to be."""
     if "preset" in flags and flags.input != "enhanced":
-        raise UserError("--preset does nothing with --input original: add --input enhanced")
+        raise UserError("--preset has no effect with --input original: add --input enhanced")
     return PRESETS[flags.preset if "preset" in flags else PAPER]
 
 
@@ -146,8 +145,8 @@ def _part(flags: argparse.Namespace) -> ClipPart:
 def _kept(folder: RunFolder) -> str:
     """What an interruption leaves, and what to do with it."""
     if folder.has_checkpoint:
-        return f"the last checkpoint in {folder.path} is kept, --resume goes on"
-    return f"there is no checkpoint in {folder.path} yet, --resume starts again"
+        return f"the last checkpoint in {folder.path} is kept, --resume continues from it"
+    return f"there is no checkpoint in {folder.path} yet, --resume starts over"
 
 
 def follow(request: TrainRequest, device: Device) -> Finished:

@@ -47,25 +47,27 @@ LOOKS: dict[str, type[EnhancementSettings]] = {PAPER: EnhanceParams, VESSEL: Ves
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("input", metavar="INPUT", type=Path, help="picture, folder of pictures or video")
+    parser.add_argument("input", metavar="INPUT", type=Path, help="image, folder of images or video")
     parser.add_argument(
         "--vary",
         action="append",
         required=True,
         metavar="NAME=FROM:TO:COUNT|NAME=VALUE,VALUE",
-        help="a parameter and its values, such as d_factor=0:2:5 or z=auto,0.3; give it again for a grid",
+        help="a parameter and its values, such as d_factor=0:2:5 or z=auto,0.3; repeat for a grid",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
-    parser.add_argument("--frame", type=int, default=0, metavar="I", help="of a folder or video (default 0)")
+    parser.add_argument(
+        "--frame", type=int, default=0, metavar="I", help="frame of a folder or video (default 0)"
+    )
     parser.add_argument("--sort", choices=METRICS, help="best first by this measure (default: as varied)")
     parser.add_argument("--method", choices=LOOKS, default=PAPER, help=f"default {PAPER}")
     parser.add_argument(
         "--pixels",
         choices=("all", "tissue"),
         default="all",
-        help="measured for automatic values (default all)",
+        help="pixels that automatic values are measured on (default all)",
     )
-    group = parser.add_argument_group("what stays the same", "of either method; see enhance --help")
+    group = parser.add_argument_group("fixed settings", "settings of either method; see enhance --help")
     names = [name for name in VESSEL_FIELDS if name not in FIELDS]
     add_fields(cast(argparse.ArgumentParser, group), EnhanceParams, FIELDS)
     add_fields(cast(argparse.ArgumentParser, group), VesselParams, names)
@@ -113,14 +115,14 @@ def run(flags: argparse.Namespace) -> None:
         sys.stdout.write(strict_json(report) + "\n")
     else:
         _print(rows)
-        sys.stdout.write(f"{flags.out}: sheet.png, tuning.csv, tuning.json and {len(rows)} pictures\n")
+        sys.stdout.write(f"{flags.out}: sheet.png, tuning.csv, tuning.json and {len(rows)} images\n")
 
 
 def _base(flags: argparse.Namespace) -> EnhancementSettings:
     """What the varied parameters start from. Raises UserError for flags of the other method."""
     for name in (*FIELDS, *VESSEL_FIELDS):
         if name in flags and name not in OWN_FIELDS[flags.method]:
-            raise UserError(f"--{name.replace('_', '-')} does nothing with --method {flags.method}")
+            raise UserError(f"--{name.replace('_', '-')} has no effect with --method {flags.method}")
     return parameters(LOOKS[flags.method], flags)
 
 

@@ -23,8 +23,8 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
         "--view",
         choices=EXPLAINED,
         default="color",
-        help="what pictures and videos show, with a scale where that is a quantity, one for all of a video; "
-        "difference: to the photos that the run was trained on (default color)",
+        help="what images and videos show; a quantity gets a colour bar, the same for a whole video; "
+        "difference: to the frames the run was trained on (default color)",
     )
 
 
@@ -44,12 +44,13 @@ def _at(moment: Moment, flags: argparse.Namespace, scene: Scene, photos: Clip | 
 def _photos(flags: argparse.Namespace) -> Clip:
     """What each frame of a run should look like. Raises UserError where there is none."""
     if is_splat_file(flags.scene) or flags.camera or flags.path or flags.time is not None:
-        raise UserError("--view difference: expected frames of a run from its own cameras, which have photos")
+        raise UserError("--view difference: expected frames of a run from its own cameras")
     record = RunFolder(flags.scene).record()
     camera = record.camera(0)
     if flags.size and not camera.has_shape(*flags.size):
         raise UserError(
-            f"--view difference: expected a --size of the photos' shape, {camera.width} {camera.height}, "
+            f"--view difference: expected a --size of the shape of the frames, {camera.width} "
+            f"{camera.height}, "
             f"got {flags.size[0]} {flags.size[1]}"
         )
     return input_clip(run_clip(record), record)

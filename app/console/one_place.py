@@ -24,7 +24,9 @@ def require_one_place() -> None:
     for name in PACKAGES:
         spec = find_spec(name)
         if spec is None:
-            raise UserError(f"expected {_listed()} in one folder, got no {name} in {home}: install it again")
+            raise UserError(
+                f"expected {_listed()} in one folder, got no {name} in {home}: reinstall VesselSplat"
+            )
         found = _path(spec)
         if found.parent != home:
             raise UserError(

@@ -69,9 +69,9 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
     target = output.resolve()
     for given in inputs:
         if not given.exists():
-            raise UserError(f"expected a picture, a folder or a video, got no such file: {given}")
+            raise UserError(f"expected an image, a folder or a video, got no such file: {given}")
         if given.is_dir() and target.is_relative_to(given.resolve()):
-            raise UserError(f"expected OUTPUT outside of {given}, whose pictures it shall not join: {output}")
+            raise UserError(f"expected OUTPUT outside of the input folder {given}, got {output}")
     taken: Counter[tuple[str, str]] = Counter()
     found: list[Item] = []
     for given in inputs:
@@ -82,7 +82,7 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
         found += _items_of(given, output, own, alone=len(inputs) == 1, below=below)
     if not found:
         names = ", ".join(given.name for given in inputs)
-        raise UserError(f"expected pictures or videos, found none in {names}")
+        raise UserError(f"expected images or videos, found none in {names}")
     return found
 
 

@@ -122,7 +122,5 @@ def apply(
         result = enhancer.enhance(params, statistics=statistics)
         return Enhanced(result.image, result.statistics, result.omitted)
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
-        raise UserError(
-            f"--method {method} takes 8-bit RGB pictures, got {image.dtype} of shape {image.shape}"
-        )
+        raise UserError(f"--method {method} takes 8-bit RGB images, got {image.dtype} of shape {image.shape}")
     return Enhanced(BASELINES[method](image), None, ())

@@ -62,11 +62,11 @@ METRICS: Final = tuple(item.name for item in fields(Measures))
 SMALLER_IS_BETTER: Final = frozenset({"bv", "noise_gain", "saturated_share", "milliseconds"})
 DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "dv_bv": "inferred definition: variances of grey above and below the picture's own Otsu threshold",
+        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
         "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
         "noise_gain": "high-frequency noise over that of the original, where the original is flat",
         "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
-        "milliseconds": "of what this cell changes, after the cells computed before it",
+        "milliseconds": "for what this cell changes, after the cells computed before it",
     }
 )
 
@@ -139,7 +139,7 @@ def settings(base: EnhancementSettings, axes: Sequence[Axis]) -> tuple[Setting, 
             f"expected one or more parameters to vary, each once, got {', '.join(names) or 'none'}"
         )
     if count > MOST_CELLS:
-        raise UserError(f"expected at most {MOST_CELLS} pictures, got {count}: vary fewer values")
+        raise UserError(f"expected at most {MOST_CELLS} images, got {count}: vary fewer values")
     return tuple(
         _setting(base, axes, places) for places in product(*(range(len(one.values)) for one in axes))
     )

@@ -33,34 +33,33 @@ from renderer.train.config import CHOSEN
 from renderer.train.methods import departures
 
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
-LPIPS = "AlexNet, version 0.1, in [-1, 1], both pictures times the evaluation mask; less is nearer"
+LPIPS = "AlexNet, version 0.1, in [-1, 1], both images times the evaluation mask; lower is better"
 DEFINITIONS = {
-    "psnr": "dB, both pictures times the evaluation mask, mean over all pixels, render rounded to 8 bits",
-    "psnr_masked": "dB, mean over the evaluated pixels only: less by -10 log10(evaluated_share)",
-    "ssim": "11x11 Gaussian window of sigma 1.5, both pictures times the evaluation mask, zeros beyond the "
+    "psnr": "dB, both images times the evaluation mask, mean over all pixels, render rounded to 8 bits",
+    "psnr_masked": "dB, mean over the evaluated pixels only: lower by -10 log10(evaluated_share)",
+    "ssim": "11x11 Gaussian window of sigma 1.5, both images times the evaluation mask, zeros beyond the "
     "border, mean over all pixels and channels",
     "depth_rmse_mm": "float millimetres along z over the evaluated pixels where the clip has a depth and the "
-    "render, too; depth maps are read without failed matches, which count as no depth: what is more than "
+    "render, too; depth maps are read without failed matches, which are treated as missing: values more than "
     f"{OUTLIER:g} times as far as the frame's median, or nearer than 1/{OUTLIER:g} of it; depth.abs_rel: the "
     "mean of |error| / depth there; depth.covered: their share of the evaluated pixels where the clip has a "
     "depth",
-    "dv_bv": "inferred definition: variances of grey above and below each picture's own Otsu threshold, "
-    "over the evaluated pixels, so that what is under tools or never seen does not count",
+    "dv_bv": "inferred definition: variances of grey above and below each image's own Otsu threshold, "
+    "over the evaluated pixels, so that pixels under tools or never seen are left out",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
     "visibility": "beside dv_bv, over the evaluated pixels of the render: Weber contrast in green of the "
-    "strongest dark ridges of the clip's own photo, the share of pixels at 250 of 255 or more, and the ratio "
-    "of local variances over detail and background, one mask from the clip's own photo",
-    "ms_per_frame": f"median of {REPEATS} drawings after one that does not count, from the parameters to the "
-    "picture and its depth, all threads done; parts_ms: the deformation; projection and sort, as a drawing "
+    "strongest dark ridges of the clip's own frame, the share of pixels at 250 of 255 or more, and the ratio "
+    "of local variances over detail and background, with one mask from the clip's own frame",
+    "ms_per_frame": f"median of {REPEATS} renderings after one warm-up, from the parameters to the "
+    "image and its depth, all threads done; parts_ms: the deformation; projection and sort, as a rendering "
     "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
-    "peak_memory_mb": "largest resident memory of the process that trained (null: not logged), and of "
-    "this one",
+    "peak_memory_mb": "peak resident memory of the training process (null: not logged), and of this one",
     "train_seconds": STEPS,
     "wall_seconds": WALL,
-    "edits": "null: the run is as it was trained; else whether the model was measured as edited by hand, and "
-    "how many Gaussians that leaves out",
+    "edits": "null: the run has no edits; else whether the edited model was measured, and "
+    "how many Gaussians the edits remove",
     "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
-    "mean": "mean over the frames; means leave out what was not measured, is infinite or undefined",
+    "mean": "mean over the frames; values not measured, infinite or undefined are left out",
 }
 Numbers = dict[str, float]
 
@@ -163,7 +162,7 @@ class Evaluation:
             "frames": list(frames),
             "definitions": DEFINITIONS
             | {"method": departures(self.record.config.method), "defaults": CHOSEN}
-            | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips of the user's caches")},
+            | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips in the user cache folder")},
         }
 
     def _training_memory(self) -> float | None:

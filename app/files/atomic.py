@@ -95,7 +95,7 @@ def _commit(staging: Path, folder: Path) -> None:
     """One rename decides: before it nothing has changed, after it the next process would go on."""
     for item in sorted(staging.iterdir()):
         if (folder / item.name).is_dir():
-            raise UserError(f"expected the place of a file to write, got a folder: {folder / item.name}")
+            raise UserError(f"expected the path of a file to write, got a folder: {folder / item.name}")
         _sync(item)
     sync_folder(staging)
     ready = folder / commit_name(staging.name)
@@ -130,4 +130,4 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError) as error:
-        raise UserError(f"expected a folder, got a file on the way to {folder}") from error
+        raise UserError(f"expected a folder, got a file as a parent of {folder}") from error

@@ -68,7 +68,7 @@ def photos_in(folder: Path) -> PictureKinds:
         )
         one = "name one of these, or add --recursive for all of them"
         hint = f", which holds the folders {folders}: {one}" if folders else ""
-        raise UserError(f"expected a folder with pictures, found none in {folder}{hint or _videos(files)}")
+        raise UserError(f"expected a folder with images, found none in {folder}{hint or _videos(files)}")
     return kinds
 
 
@@ -87,14 +87,14 @@ def read_image(path: Path) -> ArrayImage:
         UserError: missing, truncated, or no picture. The values are for the caller to judge.
     """
     if not path.is_file():
-        raise UserError(f"expected a picture, got no such file: {path}")
+        raise UserError(f"expected an image, got no such file: {path}")
     if path.suffix.lower() == ".npy":
         return _read_array(path)
     _require_size(path)
     orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)
     if stored is None:
-        raise UserError(f"expected a whole picture, got a damaged file or one of another kind: {path}")
+        raise UserError(f"expected an intact image, got a damaged file or another kind: {path}")
     order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
     colored = cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
     return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
@@ -139,9 +139,9 @@ def _checked(path: Path) -> int:
             return UPRIGHT if picture.format == "JPEG" else int(told)
     except BROKEN as error:
         if isinstance(error, UnidentifiedImageError) and (kind := what_it_is(path)):
-            raise UserError(f"expected a picture, got {kind}: {path}") from error
+            raise UserError(f"expected an image, got {kind}: {path}") from error
         reason = str(error).replace(str(path), path.name)
-        raise UserError(f"expected a whole picture, got a damaged one ({reason}): {path}") from error
+        raise UserError(f"expected an intact image, got a damaged one ({reason}): {path}") from error
 
 
 def _read_array(path: Path) -> ArrayImage:
@@ -182,5 +182,5 @@ def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any]) -> bytes:
     stored = cv2.cvtColor(image, order[image.shape[2]]) if image.ndim == 3 else image
     done, encoded = cv2.imencode(suffix, stored)
     if not done:
-        raise UserError(f"{suffix} cannot hold a picture of shape {image.shape}: {path}")
+        raise UserError(f"{suffix} cannot hold an image of shape {image.shape}: {path}")
     return encoded.tobytes()

@@ -67,7 +67,7 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
         UserError, ClipError: nothing there, nothing readable, or two pictures of one name.
     """
     if not path.exists():
-        raise UserError(f"expected a picture, a folder of pictures or a video, got no such file: {path}")
+        raise UserError(f"expected an image, a folder of images or a video, got no such file: {path}")
     if path.is_dir():
         if not layout_of(path).photos_are_files:
             return _of_clip(path)

@@ -33,7 +33,7 @@ class Mpeg4Writer:
             raise OSError(f"no encoder for {path}")
         lost = [] if timing.like is None else ["sound is"]
         lost += [] if timing.frame_times is None else ["uneven frame times are"]
-        missing = "not kept: that takes PyAV, which this installation lacks"
+        missing = "not kept: this needs PyAV, which is not installed"
         self.notices = tuple(f"{what} {missing}" for what in lost)
 
     def write(self, frame: ArrayImage, seconds: float | None) -> None:

@@ -67,11 +67,13 @@ class Sound:
         codec = self._track.codec_context.name
         said = []
         if self._failure:
-            said.append(f"the sound ({codec}) is kept up to where it cannot be decoded: {self._failure}")
+            said.append(
+                f"the sound ({codec}) is kept up to the point where it cannot be decoded: {self._failure}"
+            )
         elif not self._is_copied:
-            said.append(f"the sound was encoded again, from {codec} to AAC")
+            said.append(f"the sound was re-encoded from {codec} to AAC")
         if self._extra:
-            said.append(f"of {self._extra + 1} sound tracks the first is kept")
+            said.append(f"only the first of {self._extra + 1} sound tracks is kept")
         return tuple(said)
 
     def close(self) -> None:

@@ -66,7 +66,7 @@ def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Ge
         if min(first.shape[:2]) < 2:
             got = f"{first.shape[1]}x{first.shape[0]}"
             raise UserError(
-                f"a video holds frames of 2x2 pixels or more, got {got}; give a folder for {path}"
+                f"expected video frames of at least 2x2 pixels, got {got} (write to a folder instead): {path}"
             )
         size = (first.shape[1] // 2 * 2, first.shape[0] // 2 * 2)
         writer = _writer(path, temporary, size, timing)
@@ -85,13 +85,15 @@ def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Ge
             writer.finish()
         finally:
             writer.close()
-    cut = f"the codec holds even sizes: {first.shape[1]}x{first.shape[0]} was cut to {size[0]}x{size[1]}"
+    cut = f"the codec needs even sizes: {first.shape[1]}x{first.shape[0]} was cut to {size[0]}x{size[1]}"
     return Written(writer.encoding, (*((cut,) if size != first.shape[1::-1] else ()), *writer.notices))
 
 
 def _stored(frame: ArrayImage, path: Path) -> ArrayImage:
     if frame.dtype != np.uint8:
-        raise UserError(f"a video holds 8-bit frames, got {frame.dtype}; give a folder in place of {path}")
+        raise UserError(
+            f"expected 8-bit frames for a video, got {frame.dtype} (write to a folder instead): {path}"
+        )
     return np.repeat(frame[..., None], 3, axis=2) if frame.ndim == 2 else frame[..., :3]
 
 
@@ -106,4 +108,4 @@ def _writer(path: Path, place: Path, size: tuple[int, int], timing: Timing) -> W
     try:
         return Mpeg4Writer(place, size, timing)
     except OSError as error:
-        raise UserError(f"cannot write video on this machine; give a folder in place of {path}") from error
+        raise UserError(f"cannot write video on this machine (write to a folder instead): {path}") from error

@@ -229,7 +229,7 @@ def mended_session(path: Path) -> tuple[Session, str]:
         raise UserError(f"the session is damaged and was kept as {kept.name} ({wrong}): {path}")
     with suppress(OSError, UserError):
         write_bytes(kept, content)
-    return session, f"of the session, {wrong} and is as at first; the file as it was is kept as {kept.name}"
+    return session, f"in the session, {wrong}, so defaults are used; the old file is kept as {kept.name}"
 
 
 def _readable(content: bytes) -> tuple[Session | None, str]:
@@ -237,9 +237,9 @@ def _readable(content: bytes) -> tuple[Session | None, str]:
     try:
         told = parsed(content)
     except ValueError:
-        return None, "it is no JSON"
+        return None, "not JSON"
     if not isinstance(told, dict):
-        return None, "it is no JSON object"
+        return None, "not a JSON object"
     if told.get("schema", 1) != 1:
         return None, f"expected schema 1, got {shortened(told['schema'])}"
     found = mended(SESSION, told)

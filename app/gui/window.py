@@ -188,7 +188,7 @@ class Window:
         try:
             damage = kept_layout.put_aside_damaged(self._layout_file)
         except OSError as error:
-            actions.say(self.state, f"the layout of the window cannot be kept: {error}")
+            actions.say(self.state, f"the window layout cannot be saved: {error}")
             return False
         if damage:
             actions.say(self.state, damage)
@@ -332,7 +332,7 @@ class Window:
 
     def _photo_texture(self, image: ByteImage) -> imgui.ImTextureRef:
         assert self._textures is not None
-        return self._textures.whole("photo over view", image)
+        return self._textures.whole("frame over view", image)
 
     def _draw_log(self) -> None:
         overlays.draw_log(self.state, imgui.set_clipboard_text)

@@ -26,7 +26,7 @@ def advice(sections: Mapping[str, Section], budget: float | None, error: float |
 
 def _told(point: Point | None) -> str:
     if point is None:
-        return "no setting that was measured"
+        return "none of the measured settings"
     default = ", the default" if point.is_default else ""
     return f"{point.series}, {point.setting} ({point.error:.3g} in {_time(point.seconds)}){default}"
 

@@ -66,7 +66,7 @@ class Rise:
     """From original to enhanced photos, of one kind of picture."""
 
     what: str
-    """A method whose renders these are; or "photos"."""
+    """A method whose renders these are; or "frames"."""
     pixels: Pixels
     statistics: Measured
     original: tuple[float, ...]
@@ -110,10 +110,10 @@ def verdict(gains: Sequence[float]) -> str:
     """Whether a rise holds, by how far its mean lies from 1 in standard deviations over the seeds."""
     deviation = spread(gains)
     if deviation is None:
-        return "one seed: cannot be told" if gains else "not measured"
+        return "one seed: undetermined" if gains else "not measured"
     away = float(np.mean(gains)) - 1
     if abs(away) <= SPREAD * deviation:
-        return "cannot be told from none"
+        return "not distinguishable from none"
     return "holds" if away > 0 else "does not hold"
 
 

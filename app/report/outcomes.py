@@ -31,14 +31,14 @@ SAID: Final = {
 }
 """Labels of points, by the setting that is changed; others are called by their names."""
 COLUMNS: Final = (
-    *(Column(name="setting"), Column(name="photos"), Column(name="runs")),
+    *(Column(name="setting"), Column(name="frames"), Column(name="runs")),
     Column(name="PSNR, dB", form=".2f", best="high"),
     Column(name="over evaluated pixels, dB", form=".2f", best="high"),
     Column(name="SSIM", form=".4f", best="high"),
     Column(name="depth RMSE", form=".3f", best="low"),
     Column(name="motion RMSE, mm", form=".3f", best="low"),
-    Column(name="s of steps", form=".1f", best="low"),
-    *(Column(name="± s", form=".1f"), Column(name="s in all", form=".1f", best="low")),
+    Column(name="s training", form=".1f", best="low"),
+    *(Column(name="± s", form=".1f"), Column(name="s in total", form=".1f", best="low")),
     *(Column(name="MB", form=".1f", best="low"), Column(name="Gaussians")),
 )
 

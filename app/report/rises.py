@@ -24,7 +24,7 @@ from renderer.rasterize.cpu import render
 from renderer.train.config import Method
 from renderer.train.trainer import TrainingError
 
-PHOTOS: Final = "photos"
+PHOTOS: Final = "frames"
 Kind = tuple[Input, Measured]
 """Of photos that are trained on."""
 KINDS: Final[tuple[Kind, ...]] = (
@@ -32,17 +32,19 @@ KINDS: Final[tuple[Kind, ...]] = (
     *(("enhanced", statistics) for statistics in STATISTICS),
 )
 HEADS: Final = (
-    *(Column(name="pictures"), Column(name="pixels"), Column(name="statistics of the enhancement")),
+    *(Column(name="images"), Column(name="pixels"), Column(name="statistics of the enhancement")),
     *(Column(name="original", form=".3f"), Column(name="enhanced", form=".3f")),
     *(Column(name="times", form=".3f"), Column(name="± SD of seeds", form=".3f"), Column(name="seeds")),
     *(Column(name="the rise"), Column(name="the paper's renders")),
 )
 NOTE: Final = (
-    "DV/BV of held-out frames, mean of the frames' ratios. Pixels: all (of a render black where nothing "
-    "is), gt_masks (all but tools) or masks (all but tools and what has no stereo depth). Statistics: level, "
-    "saturation mean and deviations (Eqs 2, 9 and 12) over the whole picture, as the paper has them, or over "
-    "tissue, as this program trains; pooled over the clip. A rise holds where its mean over the seeds lies "
-    "more than two of their standard deviations above 1. Photos have no seed. The paper does not name pixels."
+    "DV/BV of held-out frames, mean of the frames' ratios. Pixels: all (a render is black where nothing "
+    "is), gt_masks (all but tools) or masks (all but tools and pixels without stereo "
+    "depth). Statistics: level, "
+    "saturation mean and deviations (Eqs 2, 9 and 12) over the whole image, as in the paper, or over "
+    "tissue, as in training here; pooled over the clip. A rise holds where its mean over the seeds lies "
+    "more than two of their standard deviations above 1. Frames have no seed. The "
+    "paper does not state which pixels."
 )
 
 
@@ -60,7 +62,7 @@ def measured_rises(
     for seed, method, kind in product(range(SEEDS), methods, KINDS):
         what = f"DV/BV of renders by {methods[method]}, {_named(kind)}, seed {seed}"
         if clock.is_out:
-            missing.append(f"{what}, and those after it: the time was used up")
+            missing.append(f"{what} and those after it: no time left")
             break
         try:
             config = replace(schedule(bench.clip, method), seed=seed)
@@ -74,7 +76,7 @@ def measured_rises(
 
 def _named(kind: Kind) -> str:
     photos, statistics = kind
-    return "original photos" if photos == "original" else f"enhanced with statistics of {statistics}"
+    return "original frames" if photos == "original" else f"enhanced with statistics of {statistics}"
 
 
 def table(found: list[Rise], clip: Clip) -> Table:

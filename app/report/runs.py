@@ -49,7 +49,7 @@ class Runs:
         key = hashlib.sha256(f"{photos} {measured} {strict_json(config)}".encode()).hexdigest()[:16]
         if key not in self._known:
             self._warm(config)
-            self.say(f"training {setting_of(config)}, {photos} photos")
+            self.say(f"training {setting_of(config)}, {photos} frames")
             folder = RunFolder(self.work / key)
             request = TrainRequest(
                 clip_path=self.clip_path,
@@ -66,7 +66,7 @@ class Runs:
 
     def seconds_again(self, config: TrainConfig, photos: Input) -> float:
         """Of the training steps of a run that was trained before."""
-        self.say(f"timing {setting_of(config)}, {photos} photos")
+        self.say(f"timing {setting_of(config)}, {photos} frames")
         for event in train(self.trained(config, photos).photos, config):
             if isinstance(event, Finished):
                 return event.seconds

@@ -60,7 +60,10 @@ class ClipPart:
         width, height = clip.size
         kept = self.mask.kept((height, width))
         if not kept.any():
-            raise UserError(f"expected a mask that leaves some of {width}x{height} pixels: {clip.path}")
+            raise UserError(
+                f"expected a mask that keeps some of the {width}x{height} pixels, got one that "
+                f"keeps none: {clip.path}"
+            )
         return clip if kept.all() else clip.within(kept)
 
     def told(self, count: int) -> str:

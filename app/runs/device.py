@@ -32,12 +32,12 @@ def choose(asked: Asked) -> Choice:
         UserError: CUDA was asked for and something is missing: what, and where it comes from.
     """
     if asked == "cpu":
-        return Choice("cpu", "as asked")
+        return Choice("cpu", "as requested")
     lacks = missing() or _trouble()
     if not lacks:
-        return Choice("cuda", "a card and gsplat are at hand")
+        return Choice("cuda", "an NVIDIA GPU and gsplat are available")
     if asked == "cuda":
-        raise UserError(f"--device cuda: {lacks}; --device cpu needs none of this")
+        raise UserError(f"--device cuda: {lacks} (or use --device cpu)")
     return Choice("cpu", lacks)
 
 
@@ -56,7 +56,7 @@ def missing() -> str:
     """What the machine lacks for CUDA, as far as can be told without loading torch; empty: nothing."""
     lacks = []
     if not cuda_devices():
-        lacks.append("the NVIDIA driver finds no card")
+        lacks.append("the NVIDIA driver finds no GPU")
     if not has_torch():
         lacks.append(NO_TORCH)
     elif find_spec("gsplat") is None:

@@ -150,9 +150,9 @@ def _state_after(event: JobEvent, state: State) -> State:
 
 def _death(exit_code: int | None, *, kept: bool) -> str:
     """How the process ended that did not say so itself, and whether it left a checkpoint."""
-    left = "the last checkpoint is kept" if kept else "it left no checkpoint"
+    left = "the last checkpoint is kept" if kept else "there is no checkpoint"
     if exit_code is not None and exit_code < 0:
         name = signal.Signals(-exit_code).name
         cause = " (often: out of memory)" if name == "SIGKILL" else ""
         return f"the training process was killed by {name}{cause}; {left}"
-    return f"the training process ended with exit code {exit_code} before it was finished; {left}"
+    return f"the training process ended with exit code {exit_code} before training was finished; {left}"

@@ -15,7 +15,7 @@ from renderer.train.events import Preparing
 from renderer.train.frame_store import FrameStore
 
 SECONDS_BETWEEN = 0.5
-STAGES = {"stereo": "match left and right pictures", "brightness": "guess depth from brightness"}
+STAGES = {"stereo": "match left and right images", "brightness": "estimate depth from brightness"}
 """What reading frames is, by where their depth comes from."""
 PROBED = 3
 """Pairs that are matched before all others, to see that anything matches, of clips of more."""
@@ -120,8 +120,8 @@ class ReadAhead:
         if any(self._store[self._places[index]].depth_mask.any() for index in probes):
             return
         labels = ", ".join(self._source.labels[index] for index in probes)
-        way = "--depth brightness guesses it, without a scale"
-        wanted = "expected left and right pictures of one scene"
+        way = "--depth brightness estimates it, without a scale"
+        wanted = "expected left and right images of one scene"
         raise ClipError(f"{wanted}, got none that match in {labels} ({way}): {self._source.path}")
 
     def hand_over(self) -> None:

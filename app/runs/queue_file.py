@@ -52,7 +52,7 @@ def take_over(folder: Path) -> tuple[tuple[TrainRequest, ...], str]:
         else:
             path.unlink()
     kept = [f"{path.name}.broken" for path, (_, damaged) in zip(files, told, strict=True) if damaged]
-    said = f"some reconstructions that waited cannot be read; the file is kept as {', '.join(kept)}"
+    said = f"some queued reconstructions cannot be read; the file is kept as {', '.join(kept)}"
     return waiting, said if kept else ""
 
 

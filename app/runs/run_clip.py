@@ -16,7 +16,7 @@ def run_clip(record: RunRecord) -> Clip:
     path = Path(record.clip.path)
     clip = open_clip(path, record.clip.options)
     if not record.clip.is_of(path):
-        raise UserError(f"expected the clip that the run was trained on, its files have changed: {path}")
+        raise UserError(f"expected the clip that the run was trained on, got changed files: {path}")
     return record.clip.part.of(clip)
 
 

@@ -90,11 +90,11 @@ def read_edits(folder: RunFolder, count: int) -> Edits | None:
         raise UserError(f"{path}: {problem(error)}") from error
     if record.model_sha256 != digest(folder.model_path):
         raise UserError(
-            f"expected edits of this run's model, it has changed since they were made: {path} "
-            "(--as-trained leaves them out, removing the file ends them)"
+            f"expected edits of this run's model, got edits of an earlier one: {path} "
+            "(use --as-trained to ignore them, or delete the file)"
         )
     if record.gaussians != count:
-        raise UserError(f"expected edits of {count} Gaussians, got those of {record.gaussians}: {path}")
+        raise UserError(f"expected edits of {count} Gaussians, got edits of {record.gaussians}: {path}")
     return unpacked(record.deleted, record.hidden, count, path)
 
 

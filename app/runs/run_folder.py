@@ -62,7 +62,7 @@ class ClipRecord:
         budget().require(frames=self.frames)
         if self.frames < 1 or len(self.cameras) not in (1, self.frames):
             got = f"{len(self.cameras)} cameras of {self.frames} frames"
-            raise ValueError(f"expected one camera, or one a frame, got {got}")
+            raise ValueError(f"expected one camera, or one per frame, got {got}")
         for camera in self.cameras:
             Camera.from_json(camera)
 

@@ -102,7 +102,7 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     device = device_of(request).device
     ahead = ReadAhead(clip, nearest_folder(run.path))
     yield from told_meanwhile(reading(clip), ahead.fill)
-    moves = yield from told_meanwhile("look whether the camera moves", lambda _: camera_notice(ahead.clip))
+    moves = yield from told_meanwhile("check for camera motion", lambda _: camera_notice(ahead.clip))
     notices = (*clip.notices, moves) if moves else clip.notices
     if record is None:
         record = yield from told_meanwhile(
@@ -125,7 +125,7 @@ def device_of(request: TrainRequest) -> Choice:
     run = RunFolder(request.run_path)
     began = run.record().device if request.resume and run.is_run else request.device
     if request.device not in ("auto", began):
-        raise UserError(f"cannot resume: the run began with device {began}, got {request.device}")
+        raise UserError(f"cannot resume: expected the run's device {began}, got {request.device}")
     return choose(began)
 
 
@@ -141,7 +141,7 @@ def _train(
         if run.is_run:
             meanwhile.enter_context(locked(run.path))
         events = train(clip, record.config, folder=run.path, resume=run.is_run, pictures=pictures)
-        first = yield from told_meanwhile("find out what the clip needs", lambda _: next(events))
+        first = yield from told_meanwhile("analyse the clip", lambda _: next(events))
         for event in chain((first,), events):
             # A clip that cannot be trained on has failed by now: nothing is left behind for it.
             if not run.is_run:
@@ -204,20 +204,21 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
 def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
     if run.is_run and not request.resume:
         state = "a finished" if run.is_finished else "an unfinished"
-        hint = "choose another folder" if run.is_finished else "add --resume to go on"
-        raise UserError(f"{run.path} holds {state} run already: {hint}")
+        hint = "choose another folder" if run.is_finished else "add --resume to continue it"
+        raise UserError(f"{run.path} already holds {state} run: {hint}")
     if not run.is_run and not run.is_vacant:
         raise UserError(f"expected an empty or new folder for the run, got one with other files: {run.path}")
     there = next(folder for folder in (run.path.absolute(), *run.path.absolute().parents) if folder.exists())
     if not os.access(there, os.W_OK):
-        raise UserError(f"expected a folder that can be written for the run, got one that cannot: {there}")
+        raise UserError(f"expected a writable folder for the run, got one that is not: {there}")
 
 
 def _check_same(request: TrainRequest, record: RunRecord) -> None:
     """A run goes on as it began, or not at all: anything else would not be repeatable."""
     if not record.clip.is_of(request.clip_path):
         raise UserError(
-            f"cannot resume: the run began with another clip, or the clip has changed: {request.clip_path}"
+            "cannot resume: expected the clip the run was started with, got another or a "
+            f"changed one: {request.clip_path}"
         )
     began = {"input": record.input} | vars(record.clip.options) | vars(record.clip.part) | vars(record.config)
     asked = {"input": request.input} | vars(request.clip_options) | vars(request.part) | vars(request.config)
@@ -227,7 +228,7 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
         asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
     for name, value in began.items():
         if asked[name] != value:
-            raise UserError(f"cannot resume: the run began with {name} {value}, got {asked[name]}")
+            raise UserError(f"cannot resume: expected the run's {name} {value}, got {asked[name]}")
 
 
 def _finished_before(run: RunFolder) -> Finished:

@@ -9,10 +9,10 @@ from typing import Final, TypeVar
 
 Event = TypeVar("Event")
 
-STEPS: Final = "seconds of training steps alone, of all parts of a run that was interrupted"
+STEPS: Final = "seconds of training steps alone, summed over all parts of an interrupted run"
 WALL: Final = (
-    "seconds of all work on the run: reading and looking at the clip, compiling kernels, steps, checkpoints, "
-    "previews, held-out frames and writing the model, of all parts of a run that was interrupted; without "
+    "seconds of all work on the run: reading and analysing the clip, compiling kernels, steps, checkpoints, "
+    "previews, held-out frames and writing the model, summed over all parts of an interrupted run; without "
     "pauses, and without the start of the program itself; null: not recorded, by an earlier version"
 )
 """What `train_seconds` and `wall_seconds` are."""
@@ -42,6 +42,6 @@ class WallClock:
 
 def in_all(wall: float | None, steps: float | None, form: str = ".1f") -> str:
     """Both times in words: "7.7 s in all, 1.4 s of them steps"."""
-    whole = f"in all: {NOT_RECORDED}" if wall is None else f"{wall:{form}} s in all"
-    own = f"steps: {NOT_RECORDED}" if steps is None else f"{steps:{form}} s of steps"
+    whole = f"in total: {NOT_RECORDED}" if wall is None else f"{wall:{form}} s in total"
+    own = f"training: {NOT_RECORDED}" if steps is None else f"{steps:{form}} s training"
     return f"{whole}, {own}"

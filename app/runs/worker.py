@@ -96,7 +96,7 @@ def _run(
                 pipe.send(event)
             if not _may_go_on(pipe):
                 return Cancelled()
-    return Failed("training ended before it was finished")
+    return Failed("the training process ended before training was finished")
 
 
 def _may_go_on(pipe: Connection) -> bool:

@@ -21,14 +21,14 @@ def drawer(renderer: Renderer) -> tuple[Draw, str]:
         return _gl()
     if renderer == "reference":
         if not has_torch():
-            raise UserError(f"the float64 reference draws by torch: {NO_TORCH}. Or draw with --with cpu.")
+            raise UserError(f"the float64 reference needs torch: {NO_TORCH}. Or use --with cpu.")
         return _reference, "float64 reference"
     return draw_on_cpu, ON_CPU
 
 
 def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
     if shape != "soft":
-        raise UserError(f"the reference draws no {shape}s: expected --with cpu or gl for them")
+        raise UserError(f"--with: expected cpu or gl for {shape}s, got reference")
     import torch
 
     from renderer.rasterize.reference import rasterize_reference
@@ -58,7 +58,7 @@ def _gl() -> tuple[Draw, str]:
     try:
         context = standalone_context()
     except OpenGLUnavailable as error:
-        raise UserError(f"{error} Or draw with --with cpu.") from error
+        raise UserError(f"{error} Or use --with cpu.") from error
     offscreen = Offscreen(context)
 
     def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
@@ -67,6 +67,6 @@ def _gl() -> tuple[Draw, str]:
             return Drawn(layers.color, layers.depth, layers.alpha)
         except Error as error:
             size = f"{camera.width}x{camera.height}"
-            raise UserError(f"OpenGL cannot draw {size} here ({error}): choose a smaller --size") from error
+            raise UserError(f"OpenGL cannot render {size} here ({error}): choose a smaller --size") from error
 
     return draw, f"OpenGL, {renderer_name(context)}"

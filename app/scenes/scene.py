@@ -154,7 +154,7 @@ def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
     if edits is None:
         return scene
     said = (
-        f"edited by hand: {edits.count - len(edits.visible)} of {edits.count} Gaussians are left out "
+        f"edited: {edits.count - len(edits.visible)} of {edits.count} Gaussians are removed "
         "(--as-trained keeps them)"
     )
     return replace(scene.edited(edits), notices=(said,))
@@ -168,7 +168,7 @@ def splat_scene(path: Path) -> Scene:
         raise UserError(str(error)) from error
     model = DynamicGaussians(file.raw, Still())
     camera = framing(model)
-    notices = (*file.notices, *(() if len(model) else ("no splats to draw: pictures stay black",)))
+    notices = (*file.notices, *(() if len(model) else ("no splats to render: images stay black",)))
     return Scene(
         name=path.name,
         model=model,

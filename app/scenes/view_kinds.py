@@ -28,13 +28,13 @@ SHAPES: Final[Mapping[ViewKind, Shape]] = MappingProxyType(
 EXPLAINED: Final[Mapping[ViewKind, str]] = MappingProxyType(
     {
         "color": "The reconstruction as it looks.",
-        "depth": "Distance along the optical axis, averaged over the Gaussians that a pixel shows.",
-        "normals": "Where the surface faces: red right, green up, blue to the camera.",
-        "opacity": "How much of the background the Gaussians cover.",
+        "depth": "Distance along the optical axis, averaged over the Gaussians seen in a pixel.",
+        "normals": "Orientation of the surface: red right, green up, blue towards the camera.",
+        "opacity": "How much of the background the Gaussians hide.",
         "ellipsoids": "Every Gaussian of 10 % opacity or more as a solid of 1.5 standard deviations.",
-        "points": "The middle of every Gaussian.",
-        "motion": "How far each place has moved since the start of the clip.",
-        "difference": "Mean over the channels of the distance to the photo, in grey levels of 255.",
+        "points": "The centre of every Gaussian.",
+        "motion": "How far each point has moved since the start of the clip.",
+        "difference": "Difference to the frame, averaged over the channels, in grey levels of 255.",
     }
 )
 SCENE_UNITS = "scene units"

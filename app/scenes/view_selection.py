@@ -41,44 +41,43 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
     )
-    parser.add_argument(
-        "--as-trained", action="store_true", help="without what was edited by hand in the app"
-    )
-    parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to draw (default all)")
-    parser.add_argument("--time", type=float, metavar="T", help="one moment in [0, 1] in place of frames")
+    parser.add_argument("--as-trained", action="store_true", help="ignore edits made in the app")
+    parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to render (default all)")
+    parser.add_argument("--time", type=float, metavar="T", help="one time in [0, 1] instead of frames")
     parser.add_argument(
         "--camera",
         type=Path,
         metavar="FILE",
-        help="to see it from: JSON of a camera; or of several, a picture each: cameras.json, transforms.json "
+        help="camera to render from: JSON of one camera, or of several, one image each: "
+        "cameras.json, transforms.json "
         "or a folder with COLMAP's images.txt",
     )
     parser.add_argument(
         "--path",
         type=Path,
         metavar="FILE",
-        help="along a camera path of the window, with its poses and times, in place of frames",
+        help="along a camera path saved in the window, with its poses and times, instead of frames",
     )
     parser.add_argument(
         "--frames-per-second",
         type=float,
         default=FRAMES_PER_SECOND,
         metavar="F",
-        help="of videos and paths (15)",
+        help="for videos and paths (15)",
     )
     parser.add_argument(
         "--size",
         type=int,
         nargs=2,
         metavar=("W", "H"),
-        help="pixels (default the clip's); another shape shows more, and stretches nothing",
+        help="pixels (default the clip's); another shape shows more of the scene, without stretching",
     )
     parser.add_argument(
         "--supersampling",
         type=int,
         default=1,
         choices=FACTORS,
-        help="draw so many times as many pixels each way, and average them (default 1)",
+        help="render this many times the pixels along each axis and average them (default 1)",
     )
     parser.add_argument(
         "--with", dest="renderer", choices=("gl", "cpu", "reference"), default="cpu", help="default cpu"
@@ -94,7 +93,7 @@ def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     wanted = [replace(one, camera=_resized(one.camera, flags.size)) for one in asked]
     most = flags.supersampling * max(max(one.camera.width, one.camera.height) for one in wanted)
     if most > MOST_PIXELS:
-        raise UserError(f"--supersampling: expected up to {MOST_PIXELS} pixels each way, got {most}")
+        raise UserError(f"--supersampling: expected up to {MOST_PIXELS} pixels along each axis, got {most}")
     # A file of splats has no camera of its own, and a difference is refused in another shape.
     of_own = (scene.facts.get("splats") is None or flags.camera or flags.path) and flags.view != "difference"
     for notice in (*scene.notices, *(_reshaped(asked, wanted) if of_own else ())):
@@ -110,7 +109,7 @@ def _moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
     given = _read_cameras(flags.camera) if flags.camera else ()
     fixed = given[0].camera if len(given) == 1 else None
     if flags.time is not None and (flags.frames or not 0 <= flags.time <= 1):
-        raise UserError(f"expected --time in [0, 1] and then no --frames, got {flags.time}")
+        raise UserError(f"expected --time in [0, 1] without --frames, got {flags.time}")
     if len(given) > 1:
         yield from _views(given, flags)
         return
@@ -128,7 +127,9 @@ def _frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
         return range(count)
     if frames == ["test"]:
         if not scene.test_indices:
-            raise UserError(f"--frames test: {scene.name} has none held out, use --frames all")
+            raise UserError(
+                f"--frames test: expected held-out frames, got none in {scene.name}; use --frames all"
+            )
         return scene.test_indices
     for text in frames:
         if not text.isdecimal() or int(text) >= count:
@@ -149,7 +150,7 @@ def _along(flags: argparse.Namespace) -> Iterator[Moment]:
     """Evenly along a path. Raises UserError for an empty path, or flags that say otherwise."""
     for name in ("frames", "time", "camera"):
         if getattr(flags, name) is not None:
-            raise UserError(f"expected --path without --{name}: it says when and from where")
+            raise UserError(f"expected --path without --{name}, got both: the path sets times and poses")
     try:
         path = read_views(flags.path).path
     except CameraFileError as error:
@@ -171,7 +172,7 @@ def _resized(camera: Camera, size: list[int] | None) -> Camera:
     """Raises UserError for a size, of the flag or the camera file, that no renderer draws."""
     width, height = size or (camera.width, camera.height)
     if min(width, height) < 1 or max(width, height) > MOST_PIXELS:
-        raise UserError(f"--size: expected 1 to {MOST_PIXELS} pixels each way, got {width} {height}")
+        raise UserError(f"--size: expected 1 to {MOST_PIXELS} pixels along each axis, got {width} {height}")
     return camera.shaped(width, height) if size else camera
 
 
@@ -183,6 +184,6 @@ def _reshaped(asked: Sequence[Moment], wanted: Sequence[Moment]) -> Iterator[str
             where = "beside" if new.width * old.height > old.width * new.height else "above and below"
             yield (
                 f"--size {new.width} {new.height} has another shape than {old.width} {old.height}: "
-                f"nothing is stretched, and more is seen {where} the camera's own picture"
+                f"nothing is stretched, and more of the scene is seen {where} the camera's view"
             )
             return

@@ -21,7 +21,9 @@ def spline_taps(time: float, n_controls: int) -> tuple[int, NDArray[np.float32]]
         ValueError: fewer than four control values.
     """
     if n_controls < MIN_CONTROLS:
-        raise ValueError(f"a cubic spline needs at least {MIN_CONTROLS} control values, got {n_controls}")
+        raise ValueError(
+            f"expected at least {MIN_CONTROLS} control values for a cubic spline, got {n_controls}"
+        )
     segments = n_controls - 3
     position = min(max(time, 0.0), 1.0) * segments
     first = min(int(position), segments - 1)

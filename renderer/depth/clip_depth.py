@@ -14,7 +14,7 @@ from renderer.depth.stereo_pairs import right_files, right_pictures, with_stereo
 from renderer.readers.clip_options import ClipOptions, DepthSource
 
 BY_BRIGHTNESS: Final = (
-    "depth is guessed from brightness (a lamp at the camera): shapes are coarse and lengths have no scale"
+    "depth is estimated from brightness (a lamp at the camera): shapes are coarse and lengths have no scale"
 )
 BY_MAPS: Final = "depth is taken from monocular maps: lengths have no scale"
 
@@ -58,16 +58,14 @@ def _measured(clip: Clip, options: ClipOptions) -> Clip:
 def _stereo(clip: Clip, options: ClipOptions) -> Clip:
     rights = right_pictures(clip)
     if not rights:
-        raise ClipError(f"expected right pictures beside the left ones, got none: {clip.path}")
+        raise ClipError(f"expected right images beside the left ones, got none: {clip.path}")
     return with_stereo_depth(clip, rights, options.baseline)
 
 
 def _monocular(clip: Clip, options: ClipOptions) -> Clip:
     maps = monocular_maps(clip)
     if not maps:
-        raise ClipError(
-            f"expected a folder {' or '.join(FOLDERS)} beside the pictures, got none: {clip.path}"
-        )
+        raise ClipError(f"expected a folder {' or '.join(FOLDERS)} beside the images, got none: {clip.path}")
     guessed = with_guessed_depth(clip, monocular_guess(clip, maps), BY_MAPS)
     return replace(guessed, depth_origin="monocular")
 

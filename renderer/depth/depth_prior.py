@@ -60,13 +60,14 @@ def with_guessed_depth(clip: Clip, guess: Guess, notice: str) -> Clip:
     """
     if not clip.camera_is_fixed:
         raise ClipError(
-            f"guessed depth has no scale: expected a fixed camera, got one that moves: {clip.path}"
+            "expected a fixed camera for estimated depth, which has no scale, got one that "
+            f"moves: {clip.path}"
         )
     chosen = np.linspace(0, len(clip.train_indices) - 1, min(_SAMPLES, len(clip.train_indices)))
     frames = (clip.read_frame(clip.train_indices[round(place)]) for place in chosen)
     compression = Compression.of(np.where(frame.tissue_mask, guess(frame), 0) for frame in frames)
     if compression is None:
-        raise ClipError(f"expected tissue to guess depth from, got none that is lit: {clip.path}")
+        raise ClipError(f"expected lit tissue to estimate depth from, got none: {clip.path}")
 
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)

@@ -25,8 +25,8 @@ from renderer.readers.pictures import is_picture, is_visible, natural_key, read_
 from renderer.readers.tool_masks import marked_pixels
 
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
-USES_BYTES: Final = "of 8 bits, which may be inverse or stretched: --depth measured takes them as distances"
-USES_NAMES: Final = "named _depth or _disparity, they are taken for that"
+USES_BYTES: Final = "8-bit maps may be inverse or stretched: --depth measured reads them as distances"
+USES_NAMES: Final = "name them _depth or _disparity to have them read as such"
 
 Plane = NDArray[np.float32]
 
@@ -70,9 +70,7 @@ def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
     if not offers:
         return clip
     kept = tuple(
-        said
-        for said in clip.notices
-        if not said.startswith("left out, ") or " beside the pictures" not in said
+        said for said in clip.notices if not said.startswith("left out, ") or " beside the images" not in said
     )
     depth, used = _chosen(offers, clip, options) if options.depth in ("auto", "measured") else (None, [])
     masks = _chosen_masks(offers, clip) if options.mask_polarity != "auto" else None
@@ -167,7 +165,7 @@ def _chosen(offers: list[_Offer], clip: Clip, options: ClipOptions) -> tuple[_Of
     first = usable[0]
     if len(usable) > 1 and (len(usable[1].files), usable[1].kind) == (len(first.files), first.kind):
         return None, [
-            f"{first.told} and {usable[1].told} are both {first.kind} of the pictures: neither is used"
+            f"{first.told} and {usable[1].told} are both {first.kind} of the images: neither is used"
         ]
     return first, _assumed(first, clip, options)
 
@@ -175,20 +173,21 @@ def _chosen(offers: list[_Offer], clip: Clip, options: ClipOptions) -> tuple[_Of
 def _assumed(offer: _Offer, clip: Clip, options: ClipOptions) -> list[str]:
     lacking = [label for place, label in enumerate(clip.labels) if place not in offer.files]
     some = (
-        [f"{len(lacking)} of {len(clip)} pictures have no depth map, such as {lacking[0]}"] if lacking else []
+        [f"{len(lacking)} of {len(clip)} images have no depth map, such as {lacking[0]}"] if lacking else []
     )
     if offer.kind == "depth":
-        unit = "taken in mm" if _unit(offer, options) == "mm" else "of unknown unit: lengths have no scale"
-        return [f"depth is that of {offer.told}, {unit}", *some]
+        unit = "read as mm" if _unit(offer, options) == "mm" else "of unknown unit: lengths have no scale"
+        return [f"depth is read from {offer.told}, {unit}", *some]
     step = _steps(offer)
     pixels = f"1/{step:g} px" if step != 1 else "px"
     if _unit(offer, options) == "mm":
         return [
-            f"depth is by the disparity of {offer.told}, taken in {pixels}, {options.baseline:g} mm apart",
+            f"depth is computed from the disparity in {offer.told}, read in {pixels}, with a "
+            f"baseline of {options.baseline:g} mm",
             *some,
         ]
     scale = "lengths have no scale (--baseline gives it in mm where they are pixels)"
-    return [f"depth is by the disparity of {offer.told}, taken in {pixels}: {scale}", *some]
+    return [f"depth is computed from the disparity in {offer.told}, read in {pixels}: {scale}", *some]
 
 
 def _way(offer: _Offer, clip: Clip, options: ClipOptions) -> str:
@@ -198,15 +197,15 @@ def _way(offer: _Offer, clip: Clip, options: ClipOptions) -> str:
     if offer.kind == "map":
         return USES_NAMES if offer.files else ""
     if not offer.files:
-        return "they belong to none of the pictures"
+        return "they belong to none of the images"
     bytes_of = ""
     for path in offer.files.values():
         kind, (width, height) = stored_kind(path)
         if kind == "colour":
-            return f"{path.name} is of colours, not of distances"
+            return f"{path.name} holds colours, not distances"
         if abs(width * clip.size[1] - height * clip.size[0]) > 0.01 * width * clip.size[1]:
-            pictures = f"the pictures of {clip.size[0]}x{clip.size[1]}"
-            return f"{path.name} is of {width}x{height}, another shape than {pictures}"
+            pictures = f"the images of {clip.size[0]}x{clip.size[1]}"
+            return f"{path.name} is {width}x{height}, another shape than {pictures}"
         bytes_of = USES_BYTES if kind == "bytes" else bytes_of
     return bytes_of if options.depth != "measured" else ""
 
@@ -267,7 +266,7 @@ def _with_masks(clip: Clip, offer: _Offer, *, marked_is_tissue: bool) -> Clip:
 
     marks = "tissue" if marked_is_tissue else "tool"
     return replace(
-        clip, read_frame=read_frame, notices=(*clip.notices, f"{offer.told} is taken to mark {marks}")
+        clip, read_frame=read_frame, notices=(*clip.notices, f"{offer.told} is assumed to mark {marks}")
     )
 
 

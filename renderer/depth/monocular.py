@@ -42,9 +42,7 @@ def monocular_maps(clip: Clip) -> tuple[Path, ...]:
     numbers = [number_of(Path(label)) for label in clip.labels]
     known = [number for number in numbers if number is not None]
     if len(known) < len(numbers):
-        raise ClipError(
-            f"expected pictures with numbers in their names for the maps, got others: {clip.path}"
-        )
+        raise ClipError(f"expected images with numbers in their names for the maps, got others: {clip.path}")
     return beside(known, folder, _is_map)
 
 

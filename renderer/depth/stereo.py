@@ -62,7 +62,7 @@ def disparity(left: ByteImage, right: ByteImage) -> Float32Image:
         ValueError: two sizes.
     """
     if left.shape != right.shape:
-        raise ValueError(f"expected two pictures of one size, got {left.shape} and {right.shape}")
+        raise ValueError(f"expected two images of one size, got {left.shape} and {right.shape}")
     first, second = _grey(left), _grey(right)
     limits = disparity_limits(first, second)
     if limits is None:

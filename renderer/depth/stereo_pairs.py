@@ -91,7 +91,7 @@ def right_pictures(clip: Clip) -> tuple[Path, ...]:
     found = tuple(path for path in partners if path is not None)
     if found and len(found) < len(partners):
         lacking = [name for name, path in zip(clip.labels, partners, strict=True) if path is None]
-        counts = f"{len(found)} right pictures for {len(partners)} left ones"
+        counts = f"{len(found)} right images for {len(partners)} left ones"
         raise ClipError(f"expected stereo pairs, got {counts}, none for {listed(lacking)}: {folder}")
     return found
 
@@ -116,7 +116,7 @@ def with_stereo_depth(clip: Clip, rights: tuple[Path, ...], baseline: float | No
     size = common_size(rights)
     if size != clip.size:
         wanted = f"{clip.size[0]}x{clip.size[1]} as the left one"
-        raise ClipError(f"expected a right picture of {wanted}, got {size[0]}x{size[1]}: {rights[0]}")
+        raise ClipError(f"expected a right image of {wanted}, got {size[0]}x{size[1]}: {rights[0]}")
     _judge(clip, rights[0])
     rig = _rig(clip, baseline)
 
@@ -149,10 +149,10 @@ def _rig(clip: Clip, baseline: float | None) -> _Rig:
 
 
 def _said(rig: _Rig) -> str:
-    by = "depth is matched between left and right pictures"
+    by = "depth is matched between left and right images"
     if rig.unit == "mm":
         return f"{by}, {rig.baseline:.4g} mm apart"
-    return f"{by} that are an unknown way apart: lengths have no scale (--baseline gives it in mm)"
+    return f"{by} with an unknown baseline: lengths have no scale (--baseline gives it in mm)"
 
 
 def _judge(clip: Clip, right: Path) -> None:
@@ -160,18 +160,16 @@ def _judge(clip: Clip, right: Path) -> None:
     shifts = feature_shifts(clip.read_image(0), read_rgb(right))
     where = f"{clip.labels[0]} and {right.name}: {clip.path}"
     if len(shifts) < _FEWEST_FEATURES:
-        raise ClipError(
-            f"expected a stereo pair, got pictures with {len(shifts)} features in common, {where}"
-        )
+        raise ClipError(f"expected a stereo pair, got images with {len(shifts)} features in common, {where}")
     across, down = np.median(shifts[:, 0]), np.median(np.abs(shifts[:, 1]))
     if down > LARGEST_VERTICAL_OFFSET:
         limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
-        way = "rectify them by their calibration"
+        way = "rectify them with their calibration"
         where = f"{clip.labels[0]} and {right.name}; {way}: {clip.path}"
         raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:
-        shift = f"the right one shows things {-across:.0f} px farther right"
-        raise ClipError(f"expected a left and a right picture, got them swapped, {shift}, {where}")
+        shift = f"the right one shows objects {-across:.0f} px farther right"
+        raise ClipError(f"expected a left and a right image, got them swapped, {shift}, {where}")
 
 
 def _left_folder(path: Path) -> Path | None:
@@ -191,7 +189,7 @@ def _left_half(clip: Clip) -> Clip:
     lefts = _paired_names(clip.labels)
     places = [clip.labels.index(name) for name in clip.labels if name in lefts]
     strays = sorted({*clip.labels} - {*lefts} - {right_name(name) for name in lefts})
-    said = (f"left out, of no stereo pair: {listed(strays)}",) if strays else ()
+    said = (f"left out, not part of a stereo pair: {listed(strays)}",) if strays else ()
 
     def read_frame(index: int) -> Frame:
         index = range(len(places))[index]

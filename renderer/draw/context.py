@@ -40,7 +40,7 @@ def standalone_context() -> moderngl.Context:
         return moderngl.create_context(require=330, standalone=True, **settings)
     except Exception as error:  # moderngl and its backends raise plain Exception
         raise OpenGLUnavailable(
-            f"expected OpenGL 3.3 or later for drawing, got: {error}. "
+            f"expected OpenGL 3.3 or later for rendering, got: {error}. "
             "On Debian or Ubuntu install libegl1, libgl1 and libgl1-mesa-dri."
         ) from error
 

@@ -107,7 +107,7 @@ def exact(splats: Splats, camera: Camera, near: float) -> NDArray[np.float64]:
 
 def _works(splats: Splats, camera: Camera, near: float) -> Iterator[_Work]:
     size = camera.width, camera.height
-    yield _Work("whole", "as it is", Rasterizer(*size), splats, camera, near)
+    yield _Work("whole", "unchanged", Rasterizer(*size), splats, camera, near)
     for cut in CUTS:
         trimmed = _Trimmed(*size, cut=cut / 255)
         yield _Work("extent", f"to alpha {cut}/255", trimmed, splats, camera, near)

@@ -42,7 +42,7 @@ _READ_SHARE = 0.36  # Of the noise variance at full brightness; the rest is shot
     config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
 )
 class PhantomParams:
-    """What the phantom shows. Equal parameters give equal pictures.
+    """What the phantom shows. Equal parameters give equal frames.
 
     Raises:
         pydantic.ValidationError: (a ValueError) a value out of its range.
@@ -56,13 +56,13 @@ class PhantomParams:
     n_frames: Annotated[int, Interval(ge=1, le=5000)] = 24
     """Length of the clip."""
     width: Annotated[int, Interval(ge=16, le=4096), Unit("px")] = 320
-    """Width of the pictures."""
+    """Width of the frames."""
     height: Annotated[int, Interval(ge=16, le=4096), Unit("px")] = 256
-    """Height of the pictures."""
+    """Height of the frames."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
-    """Chooses shape, vessels and noise."""
+    """Random seed of shape, vessels and noise."""
     camera: Literal["fixed", "moving"] = "fixed"
-    """A fixed endoscope, or one that circles while it looks at the same place."""
+    """A fixed endoscope, or one that circles around a fixed point of view."""
     tissue: Literal["moving", "static"] = "moving"
     """Breathing and a local pull, or no motion."""
     tools: Annotated[int, Interval(ge=0, le=2)] = 2

@@ -1,4 +1,4 @@
-"""What a person may have to say about a clip, as its files do not."""
+"""Options for what the files of a clip do not state."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Deinterlacing = Literal["frame", "field", "off"]
     config=ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True),
 )
 class ClipOptions:
-    """How to read what a folder itself does not say; what a layout has no use for is left alone.
+    """How to read a clip where its files do not say. Options that a layout does not use are ignored.
 
     Raises:
         pydantic.ValidationError: (a ValueError) a value out of its range.
@@ -33,32 +33,32 @@ class ClipOptions:
     """
 
     pose_convention: Literal["opencv", "opengl", "llff"] = "opencv"
-    """Axes of the camera-to-world matrices of an EndoNeRF folder; all agree for the identity poses of a
-    fixed endoscope."""
+    """Axes of the camera-to-world matrices of an EndoNeRF folder; all are equivalent for the identity poses
+    of a fixed endoscope."""
     mask_polarity: Literal["auto", "tool", "tissue"] = "auto"
-    """What the non-zero pixels of the masks mark; auto takes what the layout says, which for EndoNeRF is
-    tool, and refuses what looks inverted."""
+    """What the non-zero pixels of the masks mark. Auto: the layout's convention, for EndoNeRF tool; masks
+    that look inverted are refused."""
     evaluation_masks: Literal["masks", "gt_masks"] = "masks"
-    """Which masks the metrics count. The published figures multiply by masks, which also leave out
-    the pixels without stereo depth; gt_masks count everything but the tools."""
+    """Masks used for the metrics. The published figures use masks, which also leave out the pixels without
+    stereo depth; gt_masks leave out the tools only."""
     bottom_rows: Annotated[int, Interval(ge=0, le=256), Unit("px")] | None = None
-    """Burned-in rows at the bottom, not supervised; auto: detected."""
+    """Rows of burned-in text at the bottom, not trained on; auto: detected."""
     field_of_view: Annotated[float, Interval(ge=5.0, le=170.0)] = 60.0
-    """Horizontal, in degrees: taken for pictures and videos without calibration."""
+    """Horizontal field of view in degrees, for images and videos without calibration."""
     depth: DepthSource = "auto"
-    """Where depth comes from: measured with the clip; matched between left and right pictures; or, without
-    a scale, taken from monocular maps beside the pictures or guessed from brightness. Auto: the first of
-    these that the clip has, but never a guess."""
+    """Where depth comes from: measured with the clip; matched between left and right images; or, without a
+    scale, read from monocular maps beside the images or estimated from brightness. Auto: the first of
+    these that the clip has, but never an estimate."""
     baseline: Annotated[float, Interval(ge=0.01, le=1000.0), Unit("mm")] | None = None
-    """Between left and right eye, for stereo depth; auto: from the calibration, else lengths are in units
-    of it."""
+    """Distance between the left and right camera, for stereo depth. Auto: from the calibration; without one,
+    lengths are in units of the baseline."""
     frame_step: Annotated[int, Interval(ge=1, le=1000)] | None = None
-    """Keep every n-th frame; auto: all, and for SCARED what the field takes for the dataset."""
+    """Keep every n-th frame. Auto: all, and for SCARED the step usual for the dataset."""
     deinterlacing: Deinterlacing = "frame"
-    """Of interlaced video: one picture a frame, one a field (twice as many), or off, as stored."""
+    """For interlaced video: one image per frame, one per field (twice as many), or off, as stored."""
     split: Split = "field"
-    """Frames held out of training: every eighth from the second on, as the field does, or the odd ones, as
-    it does for Hamlyn."""
+    """Frames held out of training: every eighth from the second on, as is usual, or the odd ones, as is usual
+    for Hamlyn."""
 
 
 DEFAULTS: Final = ClipOptions()

@@ -64,7 +64,9 @@ def open_converted_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Cli
         depth = None if frame.depth is None else within(frame.depth, 0, FARTHEST)
         return replace(frame, camera=cameras[frame.index], depth=depth)
 
-    said = f"{POSES} holds a principal point, as StereoMIS when converted: masks are taken to mark {polarity}"
+    said = (
+        f"{POSES} holds a principal point, as converted StereoMIS does: masks are assumed to mark {polarity}"
+    )
     others = [notice for notice in clip.notices if not notice.startswith(POSES)]
     return replace(clip, format="stereomis", cameras=cameras, read_frame=read_frame, notices=(*others, said))
 

@@ -72,9 +72,9 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     mask_notices = _judge_masks(path, samples, options) if files.masks else []
     dead = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
     if dead >= size[1]:
-        raise ClipError(f"bottom_rows is {dead}, the pictures have {size[1]} rows: {path}")
+        raise ClipError(f"expected bottom_rows below {size[1]}, the rows of the images, got {dead}: {path}")
     if dead:
-        mask_notices.append(f"the last {dead} rows are burned in and not supervised")
+        mask_notices.append(f"the last {dead} rows are burned-in text and not trained on")
     reader = _Reader(files, cameras, reader.marked_is_tissue, dead)
     return Clip(
         name=path.resolve().name,
@@ -158,14 +158,14 @@ def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:
     notices = _stray_notices(path)
     images = _numbered(path / "images")
     if not images:
-        raise ClipError(f"expected numbered pictures in images/, got none: {path}")
+        raise ClipError(f"expected numbered images in images/, got none: {path}")
     fine = _paired(path, "depth_fine", images)
     depth = fine or _paired(path, "depth", images)
     masks = _paired(path, "masks", images) or _paired(path, "gt_masks", images)
     if not depth:
-        notices.append("no depth/: the shape is not measured")
+        notices.append("no depth/: no measured depth")
     if not masks:
-        notices.append("no masks/: every pixel is taken for tissue")
+        notices.append("no masks/: every pixel is treated as tissue")
     evaluation = masks
     if options.evaluation_masks == "gt_masks":
         evaluation = _paired(path, "gt_masks", images)
@@ -194,7 +194,7 @@ def _numbered(folder: Path) -> dict[int, Path]:
             continue
         if number in found:
             both = f"{found[number].name} and {entry.name}"
-            raise ClipError(f"expected one file a frame, got two for number {number}, {both}: {folder}")
+            raise ClipError(f"expected one file per frame, got two for number {number}, {both}: {folder}")
         found[number] = entry
     return found
 
@@ -224,7 +224,7 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
 def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:
     """Refuses masks whose polarity cannot be meant; returns what is worth saying."""
     share = marked_share(samples)
-    percent = f"{100 * share:.0f} % of the picture"
+    percent = f"{100 * share:.0f} % of the image"
     if options.mask_polarity == "auto" and share > 0.999:
         raise ClipError(
             f"masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "
@@ -255,7 +255,7 @@ def _read_cameras(
     lens, notices = _lens(matrices[0, :, 4], size, path / POSES)
     notices += [f"{POSES}: {said}" for said in spins.notices]
     if np.abs(poses - _to_opencv(np.eye(3, 4)[None], convention)).max() > 1e-9:
-        notices.append(f"the camera moves or is turned: poses read as {convention} camera-to-world")
+        notices.append(f"the camera moves or is rotated: poses read as {convention} camera-to-world")
     square = np.tile(np.eye(4), (count, 1, 1))
     square[:, :3] = poses
     return tuple(lens.moved(np.linalg.inv(pose).astype(np.float64)) for pose in square), notices
@@ -263,8 +263,8 @@ def _read_cameras(
 
 def _load_poses(path: Path) -> Matrix:
     if not path.is_file():
-        way = f"copy it there, or name {path.parent / 'images'}, pictures without depth"
-        raise ClipError(f"expected {POSES}, which says what the camera is, got no such file; {way}: {path}")
+        way = f"copy it there, or name {path.parent / 'images'}, images without depth"
+        raise ClipError(f"expected {POSES} with the camera poses, got no such file; {way}: {path}")
     try:
         rows = read_npy(path)
     except (OSError, ValueError) as error:
@@ -296,7 +296,7 @@ def _lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list
     camera = Camera(focal, focal, width / 2, height / 2, width, height)
     if (said_height, said_width) == (height, width):
         return camera, []
-    text = f"{POSES} says {said_width:g}x{said_height:g}, the pictures are {width}x{height}"
+    text = f"{POSES} says {said_width:g}x{said_height:g}, the images are {width}x{height}"
     across, down = width / said_width, height / said_height
     whole = said_height.is_integer() and said_width.is_integer()
     if whole and abs(across / down - 1) < 0.005:
@@ -305,7 +305,7 @@ def _lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list
     if 1.5 < across < 3 and 1.5 < down < 3:
         # The StereoMIS converter writes (cy, cx, focal) where the layout has (H, W, focal).
         centred = Camera(focal, focal, said_width, said_height, width, height)
-        return centred, [f"{text}: taken for the principal point"]
+        return centred, [f"{text}: used as the principal point"]
     raise ClipError(f"{text}: {path}")
 
 

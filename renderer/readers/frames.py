@@ -37,14 +37,14 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
         inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
         hint = f"; it holds the {inside}: open one of these" if inside else ""
-        raise ClipError(f"expected pictures in the folder, got none{hint}: {path}")
+        raise ClipError(f"expected images in the folder, got none{hint}: {path}")
     _check_names(paths, path)
     told = {*paths, *kinds.others}
     strays = sorted(entry.name for entry in files if entry not in told)
     lost = sorted(entry.name for entry in visible if not entry.exists())
     said = (
-        *((f"left out, no numbered pictures: {listed(strays)}",) if strays else ()),
-        *((f"left out, links that lead nowhere: {listed(lost)}",) if lost else ()),
+        *((f"left out, not numbered images: {listed(strays)}",) if strays else ()),
+        *((f"left out, broken links: {listed(lost)}",) if lost else ()),
     )
     return without_depth(
         path,
@@ -82,7 +82,7 @@ def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
         other = first.setdefault(path.stem, path)
         if other != path:
             both = f"{other.name} and {path.name}"
-            raise ClipError(f"expected one picture a name, got {both}: move one kind elsewhere: {folder}")
+            raise ClipError(f"expected one image per name, got {both}; move one of them elsewhere: {folder}")
 
 
 def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:

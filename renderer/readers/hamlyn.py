@@ -57,7 +57,7 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     depth = beside(images, path / folder) if folder else ()
     width, height = common_size((*images.values(), *masks, *depth))
     if width <= LEFT_COLUMNS:
-        raise ClipError(f"expected pictures wider than {LEFT_COLUMNS} px, got {width}x{height}: {path}")
+        raise ClipError(f"expected images wider than {LEFT_COLUMNS} px, got {width}x{height}: {path}")
     camera = _camera(path / INTRINSICS, width, height)
     reader = _Reader(tuple(images.values()), masks, depth, camera, options.mask_polarity == "tissue")
     if masks and options.mask_polarity == "auto":
@@ -65,9 +65,9 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     parts = ["images", *([_MASKS] if masks else []), *([folder] if folder else [])]
     said = [stray for part in parts for stray in strays(images, path / part)]
     if not depth:
-        said.append("no gt_depth/ and no depth/: the shape is not measured")
+        said.append("no gt_depth/ and no depth/: no measured depth")
     if not masks:
-        said.append("no gt_masks/: every pixel is taken for tissue")
+        said.append("no gt_masks/: every pixel is treated as tissue")
     return Clip(
         name=path.resolve().name,
         path=path,

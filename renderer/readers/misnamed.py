@@ -12,8 +12,8 @@ from renderer.regular_files import require_regular
 HEAD: Final = 256
 """Bytes that tell."""
 VIDEO: Final = "a video: rename it to its own suffix, such as .mp4"
-HEIC: Final = "a HEIC picture"
-BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF picture"})
+HEIC: Final = "a HEIC image"
+BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF image"})
 """Of ISO media files that are pictures."""
 STARTS: Final = MappingProxyType(
     {
@@ -22,10 +22,10 @@ STARTS: Final = MappingProxyType(
         b"\x00\x00\x01\xba": VIDEO,
         b"\x00\x00\x01\xb3": VIDEO,
         b"\x30\x26\xb2\x75\x8e\x66\xcf\x11": VIDEO,
-        b"%PDF": "a PDF document: export its pictures first",
+        b"%PDF": "a PDF document: export its images first",
         b"PK\x03\x04": "a zip archive: unpack it first",
         b"Rar!": "a RAR archive: unpack it first",
-        b"\x1f\x8b": "a file zipped by gzip: unzip it first",
+        b"\x1f\x8b": "a gzip file: unzip it first",
     }
 )
 """First bytes of what is met under names of pictures and videos."""
@@ -42,7 +42,7 @@ def what_it_is(path: Path) -> str | None:
     if not head:
         return "an empty file"
     if head[128:132] == b"DICM":
-        return "a DICOM file: export it as pictures or video first"
+        return "a DICOM file: export it as images or video first"
     if head[4:8] == b"ftyp":
         picture = BRANDS.get(head[8:12])
         return VIDEO if picture is None else f"{picture}: convert it to PNG or JPEG first"
@@ -54,5 +54,5 @@ def what_it_is(path: Path) -> str | None:
 def neither(path: Path) -> str:
     """The refusal of a file that is neither a picture nor a video."""
     kind = what_it_is(path)
-    got = "a file that is neither, or damaged" if kind in (None, VIDEO) else kind
-    return f"expected a picture or a video, got {got}: {path}"
+    got = "a file that is neither, or a damaged one" if kind in (None, VIDEO) else kind
+    return f"expected an image or a video, got {got}: {path}"

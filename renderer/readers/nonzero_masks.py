@@ -41,7 +41,7 @@ def require_shapes(paths: Iterable[Path], size: tuple[int, int]) -> None:
 def _require_shape(found: tuple[int, int], size: tuple[int, int], path: Path) -> None:
     (width, height), (wide, high) = found, size
     if abs(width * high - height * wide) > 0.005 * width * high:
-        wanted = f"a mask of the shape of the pictures, {wide}x{high}"
+        wanted = f"a mask of the shape of the images, {wide}x{high}"
         raise ClipError(f"expected {wanted}, got {width}x{height}: {path}")
 
 

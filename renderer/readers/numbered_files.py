@@ -26,7 +26,7 @@ def numbered(folder: Path, accepts: Accepts = is_picture) -> dict[int, Path]:
         number = number_of(entry) if accepts(entry) else None
         if number in found:
             both = f"{found[number].name} and {entry.name}"
-            raise ClipError(f"expected one file a frame, got {both}, both number {number}: {folder}")
+            raise ClipError(f"expected one file per frame, got {both}, both number {number}: {folder}")
         if number is not None:
             found[number] = entry
     if not found:

@@ -15,7 +15,7 @@ from renderer.utf8_paths import not_utf8
 
 STEP_LIMIT = 32
 """Frames that are cheaper to decode in passing than to seek over."""
-MORE = "an installation with PyAV reads more"
+MORE = "install PyAV to read more"
 SAMPLES = 8
 """Frames that are compared with each other at opening."""
 LOST = 0.5
@@ -140,7 +140,7 @@ class OpenCvVideo:
         frames = [self.read(number) for number in spread]
         if len(frames) > 1 and all(np.array_equal(frame, frames[0]) for frame in frames[1:]):
             raise ClipError(
-                "expected a video whose frames differ, got the same picture throughout, as OpenCV reads "
+                "expected a video whose frames differ, got the same frame throughout, as OpenCV reads "
                 f"interlaced video; {MORE}, or deinterlace it first: {self._path}"
             )
 

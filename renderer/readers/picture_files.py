@@ -89,7 +89,7 @@ def read_npy(path: Path) -> NDArray[Any]:
     try:
         mapped = np.load(path, mmap_mode="r", allow_pickle=False)
     except UNREADABLE_ARRAY as error:
-        raise ValueError(f"it is damaged, or no array: {path}") from error
+        raise ValueError(f"it is damaged or not an array: {path}") from error
     if not isinstance(mapped, np.ndarray):
         raise ValueError(f"it holds several arrays: {path}")
     budget().require(pixels=math.prod(mapped.shape[:2]))

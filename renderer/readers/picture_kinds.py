@@ -74,7 +74,7 @@ class PictureKinds:
 
 def left_out(kind: Kind, names: Sequence[str], why: str = "") -> str:
     """The sentence about files that are no photos; `why`, and what would help, where that is known."""
-    return f"left out, {PLURAL[kind]} beside the pictures: {listed(names)}" + (f" ({why})" if why else "")
+    return f"left out, {PLURAL[kind]} beside the images: {listed(names)}" + (f" ({why})" if why else "")
 
 
 def kinds_of(pictures: Iterable[Path]) -> PictureKinds:

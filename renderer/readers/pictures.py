@@ -112,7 +112,7 @@ def read_rgb(path: Path) -> ByteImage:
         raise _unreadable(path, error) from error
     grey = read_stored(path)
     if grey.dtype.kind == "f" or grey.min() < 0 or grey.max() > 65535:
-        raise ClipError(f"expected a picture of 8 or 16 bits, got {grey.dtype} values: {path}")
+        raise ClipError(f"expected an image of 8 or 16 bits, got {grey.dtype} values: {path}")
     byte = ((grey.astype(np.uint32) + 128) // 257).astype(np.uint8)
     return np.repeat(byte[:, :, None], 3, axis=2)
 
@@ -132,7 +132,7 @@ def common_size(paths: Iterable[Path]) -> tuple[int, int]:
         except BROKEN as error:
             raise _unreadable(path, error) from error
     if not found:
-        raise ClipError("expected at least one picture, got none")
+        raise ClipError("expected at least one image, got none")
     (size, usual), *others = sorted(found.items(), key=lambda each: -len(each[1]))
     if others:
         raise SeveralSizes(_differing(size, usual, others))
@@ -145,9 +145,9 @@ def _differing(
     """The sentence about pictures of several sizes: which differ, and what to do."""
     odd = [path for _, paths in others for path in paths]
     sizes = " and ".join(f"{width}x{height}" for (width, height), _ in others)
-    count = f"{len(odd)} of {len(odd) + len(usual)} pictures ({listed([path.name for path in odd])})"
+    count = f"{len(odd)} of {len(odd) + len(usual)} images ({listed([path.name for path in odd])})"
     wanted = f"expected one size, {size[0]}x{size[1]} as {usual[0].name}"
-    return f"{wanted}, got {sizes}: {count}; move these elsewhere, or make all of one size: {odd[0]}"
+    return f"{wanted}, got {sizes}: {count}; move these elsewhere or resize all to one size: {odd[0]}"
 
 
 def _upright_size(picture: ImageFile.ImageFile, path: Path) -> tuple[int, int]:
@@ -178,11 +178,13 @@ def _tells_more_after_pixels(path: Path) -> bool:
 
 def _unreadable(path: Path, error: Exception) -> ClipError:
     if not path.exists():
-        return ClipError(f"expected a picture, got no such file: {path}")
+        return ClipError(f"expected an image, got no such file: {path}")
     if isinstance(error, OverBudget):
         return ClipError(f"{error}: {path}")
     if not path.is_file():
-        return ClipError(f"expected a picture, got {what_else(path)}: {path}")
+        return ClipError(f"expected an image, got {what_else(path)}: {path}")
     if isinstance(error, UnidentifiedImageError):
-        return ClipError(f"expected a picture, got {what_it_is(path) or 'a file that is none'}: {path}")
-    return ClipError(f"expected a whole picture, got a damaged or truncated file ({error}): {path}")
+        return ClipError(
+            f"expected an image, got {what_it_is(path) or 'a file that is not an image'}: {path}"
+        )
+    return ClipError(f"expected an intact image, got a damaged or truncated file ({error}): {path}")

@@ -49,7 +49,9 @@ def nearest_rotations(given: FloatArray, names: Sequence[str]) -> Rotations:
     left, _, right = np.linalg.svd(given)
     mended = np.where(odd[:, None, None], left @ right, given)
     said = f"{np.count_nonzero(odd)} of {len(given)} poses are not quite rotations, R R^T differs from 1"
-    return Rotations(mended, (f"{said} by up to {away[worst]:.2g} in {names[worst]}: mended to the nearest",))
+    return Rotations(
+        mended, (f"{said} by up to {away[worst]:.2g} in {names[worst]}: replaced by the nearest rotations",)
+    )
 
 
 def pose_matrix(position: FloatArray, xyzw: FloatArray) -> FloatArray:

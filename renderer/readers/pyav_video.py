@@ -28,9 +28,9 @@ RECENT = 4
 HDR = {16: "PQ", 18: "HLG"}
 """Transfer characteristics of ITU-T H.273 that call for tone mapping."""
 INTERLACED = {
-    "frame": "interlaced video: deinterlaced, one picture a frame",
-    "field": "interlaced video: deinterlaced, one picture a field",
-    "off": "interlaced video: not deinterlaced, as asked; edges in motion look like combs",
+    "frame": "interlaced video: deinterlaced, one image per frame",
+    "field": "interlaced video: deinterlaced, one image per field",
+    "off": "interlaced video: not deinterlaced, as requested; moving edges show combing",
 }
 SMOOTH = 8
 """Units of time in a frame from which on a difference of one unit is rounding."""
@@ -186,6 +186,6 @@ class PyAvVideo:
             yield INTERLACED[self._deinterlacing]
         if self.pixel_aspect != 1:
             ratio = f"{self.pixel_aspect:.3g}"
-            yield f"pixels are {ratio} times as wide as high; exported pictures have them as stored"
+            yield f"pixels are {ratio} times as wide as high; exported images keep the stored pixels"
         if transfer := HDR.get(first.color_trc):
             yield f"the video is HDR ({transfer}); it is read without tone mapping and looks flat"

@@ -52,10 +52,10 @@ def read_rectified(path: Path, size: tuple[int, int]) -> Rectified:
         raise ClipError(f"expected a stereo calibration, got one without {error}: {path}") from error
     width, height = left.size
     if not shift.any() or min(width, height, left.matrix[0, 0], right.matrix[0, 0]) <= 0:
-        raise ClipError(f"expected sizes and focal lengths above 0 and eyes apart, got others: {path}")
+        raise ClipError(f"expected sizes, focal lengths and a baseline above 0, got others: {path}")
     if abs(width * size[1] - height * size[0]) > 0.005 * width * size[1]:
-        of = f"{width}x{height}, the pictures are {size[0]}x{size[1]}"
-        raise ClipError(f"expected the calibration of such pictures, got one of {of}: {path}")
+        of = f"{width}x{height}, the images are {size[0]}x{size[1]}"
+        raise ClipError(f"expected the calibration of such images, got one of {of}: {path}")
     lenses = left.matrix, left.distortion, right.matrix, right.distortion
     flags = cv2.CALIB_ZERO_DISPARITY
     new_left, new_right = cv2.stereoRectify(*lenses, left.size, turn, shift, flags=flags, alpha=0)[2:4]

@@ -160,8 +160,8 @@ def _name(data: Path) -> str:
 def _said_of_depth(folder: str | None) -> list[str]:
     return {
         _DISPARITY: [],
-        _POINTS: ["depth is that of scene_points/, projected without the rectifying rotation"],
-        None: ["no disparity/ and no scene_points/: the shape is not measured"],
+        _POINTS: ["depth is read from scene_points/, projected without the rectifying rotation"],
+        None: ["no disparity/ and no scene_points/: no measured depth"],
     }[folder]
 
 
@@ -196,7 +196,7 @@ def _poses(paths: Sequence[Path]) -> tuple[FloatArray, tuple[str, ...]]:
     if last.max() > 1e-6:
         worst = paths[int(np.argmax(last))]
         raise ClipError(
-            f"expected camera-pose to be a rotation and a shift above 0 0 0 1, got another: {worst}"
+            f"expected camera-pose to be a rotation and a translation above 0 0 0 1, got another: {worst}"
         )
     try:
         spins = nearest_rotations(poses[:, :3, :3], [path.name for path in paths])
@@ -221,7 +221,7 @@ def _left_points(path: Path, height: int) -> FloatArray:
         or stored.shape[2] != 3
         or stored.shape[0] not in (height, 2 * height)
     ):
-        got = "no picture" if stored is None else f"shape {stored.shape}"
+        got = "no image" if stored is None else f"shape {stored.shape}"
         raise ClipError(f"expected points of shape ({2 * height}, width, 3), got {got}: {path}")
     return stored[:height, :, ::-1].astype(np.float64)  # OpenCV hands over the channels in reverse.
 

@@ -54,7 +54,7 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     masks = numbered(path / "masks", _is_left) if (path / "masks").is_dir() else {}
     kept = [number for number in images if number in masks or not masks]
     if not kept:
-        raise ClipError(f"expected a mask of the number of a picture, got none: {path / 'masks'}")
+        raise ClipError(f"expected a mask numbered as an image, got none: {path / 'masks'}")
     size = common_size(images[number] for number in kept)
     require_shapes((masks[number] for number in kept if masks), size)
     rectified = read_rectified(path / CALIBRATION, size)
@@ -111,7 +111,7 @@ def _photo_folder(path: Path) -> Path:
 
 def _lefts(folder: Path) -> dict[int, Path]:
     if not any(_is_left(entry) for entry in folder.iterdir()):
-        wanted = "pictures NNNNNNl.png, as the preprocessing takes them from the video"
+        wanted = "images NNNNNNl.png, as the preprocessing extracts them from the video"
         raise ClipError(f"expected {wanted}, got none: {folder}")
     return numbered(folder, _is_left)
 
@@ -144,7 +144,7 @@ def _notices(images: dict[int, Path], kept: list[int], masks: bool, poses: bool)
     if len(kept) < len(images):
         said.append(f"{len(images) - len(kept)} of {len(images)} frames have no mask and are left out")
     if not masks:
-        said.append("no masks/: every pixel is taken for tissue")
+        said.append("no masks/: every pixel is treated as tissue")
     if not poses:
-        said.append(f"no {TRAJECTORY}: the camera is taken to stand still")
+        said.append(f"no {TRAJECTORY}: the camera is assumed fixed")
     return tuple(said)

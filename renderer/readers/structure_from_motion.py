@@ -104,7 +104,7 @@ class _Reader:
 def _pictures_of(pictures: dict[int, Path], numbers: list[int], path: Path) -> tuple[Path, ...]:
     missing = [str(number) for number in numbers if number not in pictures]
     if missing:
-        raise ClipError(f"expected a picture of every view in {VIEWS}, got none of {listed(missing)}: {path}")
+        raise ClipError(f"expected an image of every view in {VIEWS}, got none of {listed(missing)}: {path}")
     return tuple(pictures[number] for number in numbers)
 
 
@@ -113,20 +113,20 @@ def _seen(
 ) -> tuple[BoolImage, tuple[str, ...]]:
     """(H, W), where the endoscope sees, and what is to be said of it."""
     if mask_file is None:
-        return np.ones(shape, dtype=bool), (f"no {MASK}: every pixel is taken for tissue",)
+        return np.ones(shape, dtype=bool), (f"no {MASK}: every pixel is treated as tissue",)
     mask = marked_pixels(read_stored(mask_file))
     places = np.linspace(0, len(images) - 1, min(LOOKED_AT, len(images))).round().astype(int)
     field = lit_field([read_rgb(images[place]) for place in places])
     if not is_displaced(mask, field):
         return mask, ()
-    beyond = f"{np.mean(~mask[field]):.0%} of what the pictures show is beyond it"
-    return field, (f"{mask_file.name} does not lie on the pictures, {beyond}: their lit part is taken",)
+    beyond = f"{np.mean(~mask[field]):.0%} of what the images show is outside it"
+    return field, (f"{mask_file.name} does not match the images, {beyond}: their lit part is used instead",)
 
 
 def _loose(pictures: dict[int, Path], numbers: list[int]) -> tuple[str, ...]:
     known = set(numbers)
     loose = [entry.name for number, entry in pictures.items() if number not in known]
-    return (f"left out, of views without a pose: {listed(loose)}",) if loose else ()
+    return (f"left out, views without a pose: {listed(loose)}",) if loose else ()
 
 
 def _poses(path: Path, count: int) -> list[FloatArray]:

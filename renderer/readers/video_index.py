@@ -77,12 +77,12 @@ def video_stream(container: InputContainer, path: Path) -> VideoStream:
 
     found = [one for one in container.streams.video if not one.disposition & Disposition.attached_pic]
     if not found:
-        holds = "sound alone" if container.streams.audio else "no moving pictures"
+        holds = "only sound" if container.streams.audio else "no video track"
         raise ClipError(f"expected a video, got a file with {holds}: {path}")
     best = container.streams.best("video")
     stream = next((one for one in found if one is best), found[0])
     if stream.codec_context is None:
-        raise ClipError(f"expected a video that FFmpeg decodes, got a codec that it does not know: {path}")
+        raise ClipError(f"expected a video that FFmpeg decodes, got an unknown codec: {path}")
     if stream.codec_context.name in NO_VIDEO:
         raise ClipError(neither(path))
     try:

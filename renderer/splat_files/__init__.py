@@ -51,7 +51,7 @@ def read_splats(path: Path) -> SplatFile:
         return _read(read_whole(path), path.name)
     except OSError as error:
         why = f" ({error.strerror})" if error.strerror else ""
-        raise SplatFileError(f"expected a file of splats, got none that can be read{why}: {path}") from error
+        raise SplatFileError(f"expected a readable splat file{why}: {path}") from error
     except (PlyError, SplatFileError, OverBudget) as error:
         raise SplatFileError(f"{error}: {path}") from error
 
@@ -120,5 +120,5 @@ def _read_ply(content: bytes) -> SplatFile:
     file = packed_ply.splats_of(ply) if packed_ply.is_packed(ply) else inria_ply.splats_of(ply)
     if not ply.surplus:
         return file
-    said = f"{ply.surplus} bytes after the last of {len(file.raw)} splats are left alone"
+    said = f"{ply.surplus} bytes after the last of {len(file.raw)} splats are ignored"
     return replace(file, notices=(*file.notices, said))

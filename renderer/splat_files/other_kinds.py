@@ -14,7 +14,7 @@ from renderer.json_files import parsed, read_text
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
 SOG: Final = f"SOG: {CONVERT}"
 SPLAT_SUFFIXES: Final = MappingProxyType(
-    {".ksplat": f"a .ksplat file: {CONVERT}", ".sog": "a .sog file that is damaged: no zip archive"}
+    {".ksplat": f"a .ksplat file: {CONVERT}", ".sog": "a damaged .sog file: not a zip archive"}
 )
 """Of splats, told by their names alone."""
 SUFFIXES: Final = MappingProxyType({**SPLAT_SUFFIXES, ".safetensors": "a model: give the folder of its run"})
@@ -24,9 +24,9 @@ ZIP: Final = b"PK\x03\x04"
 STARTS: Final = MappingProxyType(
     {
         **ANYWHERE,
-        b"\x89PNG\r\n\x1a\n": "a PNG picture",
-        b"\xff\xd8\xff": "a JPEG picture",
-        b"\x28\xb5\x2f\xfd": "a file zipped by zstd: unzip it first",
+        b"\x89PNG\r\n\x1a\n": "a PNG image",
+        b"\xff\xd8\xff": "a JPEG image",
+        b"\x28\xb5\x2f\xfd": "a zstd file: decompress it first",
         b"glTF": f"a glTF file: {CONVERT}",
     }
 )
@@ -43,7 +43,7 @@ def named_kind(content: bytes, name: str) -> str | None:
         return f"the list of an unpacked {SOG}"
     start = next((start for start in STARTS if content.startswith(start)), None)
     if start is None and content[:4] == b"RIFF" and content[8:12] == b"WEBP":
-        return "a WebP picture"
+        return "a WebP image"
     return SUFFIXES.get(PurePath(name).suffix.lower()) if start is None else STARTS[start]
 
 
@@ -70,7 +70,7 @@ def _zip_kind(content: bytes) -> str:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             names = archive.namelist()
     except (zipfile.BadZipFile, ValueError, NotImplementedError):
-        return "a zip archive that is damaged"
+        return "a damaged zip archive"
     if any(name.endswith(SOG_LIST) for name in names):
         return SOG
     inside = next((name for name in names if name.lower().endswith(".ply")), None)

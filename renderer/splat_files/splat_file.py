@@ -78,7 +78,7 @@ def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
             "and are left out"
         )
     if count := int(np.count_nonzero(lost & good)):
-        notices.append(f"{count} of {len(raw)} splats have no rotation and are taken as they lie")
+        notices.append(f"{count} of {len(raw)} splats have no rotation and are read as unrotated")
     return SplatFile(raw if good.all() else raw.rows(np.flatnonzero(good)), mode, tuple(notices))
 
 

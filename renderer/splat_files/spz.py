@@ -75,12 +75,12 @@ def _other_version(content: bytes) -> str:
 
 def _head(content: bytes) -> _Head:
     if content.startswith(ZIPPED_PLY):
-        raise SplatFileError("expected a PLY file as it is, got one zipped by gzip: unzip it first")
+        raise SplatFileError("expected an uncompressed PLY file, got a gzip file: unzip it first")
     if len(content) < HEAD.size:
         raise SplatFileError("expected a header of splats, got a file that is cut off")
     magic, version, count, degree, bits, flags, _ = HEAD.unpack(content)
     if magic != MAGIC:
-        raise SplatFileError("expected an SPZ file, got another one zipped by gzip: unzip it first")
+        raise SplatFileError("expected an SPZ file, got another gzip file: unzip it first")
     if version not in (1, 2, 3):
         raise SplatFileError(_other_version(content))
     if count > MOST or degree >= len(BANDS) or bits > 24:

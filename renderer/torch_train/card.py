@@ -18,18 +18,18 @@ TOLERANCE = 1e-3
 def trouble(device: str = "cuda") -> str | None:
     """What keeps the card from drawing, in one line; None when a Gaussian comes out right, with its slope."""
     if device == "cuda" and not torch.cuda.is_available():
-        return (
-            f"torch {torch.__version__} finds no card: it needs a build for CUDA, as on https://pytorch.org"
-        )
+        return f"torch {torch.__version__} finds no GPU: install a CUDA build from https://pytorch.org"
     try:
         # gsplat says on stdout that it compiles.
         with redirect_stdout(sys.stderr):
             alpha, slope = _centre(torch.device(device))
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
-        return f"gsplat cannot draw here, it compiles its kernels with the CUDA toolkit, nvcc ({reason})"
+        return (
+            f"gsplat cannot render here; it needs the CUDA toolkit (nvcc) to compile its kernels ({reason})"
+        )
     if abs(alpha - OPACITY) > TOLERANCE or abs(slope - 1) > TOLERANCE:
-        return f"gsplat draws wrongly here: alpha {alpha:.4f} in place of {OPACITY}"
+        return f"gsplat renders incorrectly here: expected alpha {OPACITY}, got {alpha:.4f}"
     return None
 
 

@@ -45,7 +45,7 @@ def picture_loss(
         ValueError: a term that only the kernels for the processor have.
     """
     if weights.dissimilarity > 0:
-        raise ValueError("expected a loss without dissimilarity: on a card it is not available")
+        raise ValueError("expected a loss without dissimilarity, which is not available on a GPU")
     target = Target.of(frame, picture.image.device)
     per_color = 1.0 / max(3 * frame.n_colors, 1)
     errors = (picture.image - target.colors) * target.mask[:, :, None]

@@ -59,25 +59,25 @@ class TrainConfig:
     """vesselsplat: tissue moves by a shared-knot B-spline in time; deform3dgs: by bumps in time;
     endogaussian: by a HexPlane over space and time; static: nothing moves."""
     iterations: Annotated[int, Interval(ge=1, le=100_000)] = 3000
-    """Training steps, one frame each."""
+    """Training steps of one frame each."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
-    """Decides the sampled points and the order of the frames."""
+    """Random seed of the sampled points and the order of the frames."""
     n_gaussians: Annotated[int, Interval(ge=1, le=1_000_000)] = 30_000
-    """Gaussians sampled from the depth of the training frames; fewer are faster and less sharp."""
+    """Gaussians sampled from the depth of the training frames; fewer are faster but less sharp."""
     n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
     """Control values in time; empty: one per 3.7 frames. More follow faster motion and overfit sooner."""
     node_columns: Annotated[int, Interval(ge=2, le=200)] = 20
-    """Motion nodes across the view that neighbours share."""
+    """Number of motion nodes across the view, shared by neighbouring Gaussians."""
     half_resolution_share: Annotated[float, Interval(ge=0, le=1)] = 1 / 3
-    """Share of the steps at half resolution, first."""
+    """Share of the steps, at the start, that train at half resolution."""
     initial_spacing: Annotated[float, Interval(ge=0.05, le=5)] = 0.8
-    """Initial standard deviation of a Gaussian, in mean spacings of its neighbours."""
+    """Initial standard deviation of a Gaussian, as a multiple of the mean distance to its neighbours."""
     initial_opacity: Annotated[float, Interval(ge=0.01, le=0.99)] = 0.9
-    """Opacity that every Gaussian starts with."""
+    """Initial opacity of every Gaussian."""
     depth_weight: Annotated[float, Interval(ge=0, le=100)] = 0.2
-    """Weight of the mean relative depth error beside the mean colour error."""
+    """Weight of the mean relative depth error in the loss, against the mean colour error."""
     smoothing: Annotated[float, Interval(ge=0, le=0.5)] = 0.004
-    """Share by which a control value is pulled to the mean of its neighbours in time, each step."""
+    """Share by which each step pulls a control value towards the mean of its neighbours in time."""
     mean_rate: Annotated[float, Interval(ge=0, le=1)] = 3e-5
     """Learning rate of the canonical positions, in scene sizes."""
     motion_rate: Annotated[float, Interval(ge=0, le=1)] = 1e-3
@@ -95,15 +95,15 @@ class TrainConfig:
     rate_decay: Annotated[float, Interval(ge=1, le=1000)] = 10.0
     """All rates fall by this factor, log-linearly, over the run."""
     sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
-    """Degree of the spherical harmonics, by which colours depend on the view; auto: as the clip needs."""
+    """Degree of the spherical harmonics for view-dependent colour; auto: as the clip needs."""
     render_mode: RenderMode = "default"
-    """How splats narrower than a pixel are drawn, see RenderMode; a run is drawn as it was trained."""
+    """How splats narrower than a pixel are rendered, see RenderMode; a run is rendered as it was trained."""
     keep: Annotated[tuple[Part, ...], Len(0, 10)] = ()
-    """Parts that stay in although the clip does not need them, to measure what they cost."""
+    """Parts to keep although the clip does not need them, to measure what they cost."""
     leave_out: Annotated[tuple[Literal["deformation", "color_curves"], ...], Len(0, 2)] = ()
-    """Parts that stay out whatever the clip needs."""
+    """Parts to leave out whatever the clip needs."""
     hold_out: bool = False
-    """Keep every seventh training frame out and evaluate on it: for choosing settings."""
+    """Hold every seventh training frame out and evaluate on it, for choosing settings."""
     checkpoint_every: Annotated[int, Interval(ge=1, le=1_000_000)] = 500
     """Steps between checkpoints."""
 

@@ -68,7 +68,7 @@ class FrameStore(Sequence[Item], Generic[Item]):
             return [self[place] for place in range(*index.indices(len(self)))]
         found = self._items[index]
         if found is None:
-            raise LookupError(f"expected a frame that has not been taken out, got {index}")
+            raise LookupError(f"expected a frame that is still stored, got {index}")
         if not isinstance(found, _Elsewhere):
             return found
         arrays: dict[str, Any] = {name: self._read(place) for name, place in found.places.items()}

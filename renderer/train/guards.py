@@ -35,9 +35,9 @@ class Trouble:
     def notices(self) -> Iterable[str]:
         """A sentence for each kind."""
         if self.not_finite:
-            yield f"{self.not_finite} gradients were no numbers, or too large to square, and were left out"
+            yield f"{self.not_finite} gradients were not finite, or too large to square, and were left out"
         if self.held:
-            yield f"{self.held} times a Gaussian ran away in size and was held"
+            yield f"{self.held} times the size of a Gaussian diverged and was clamped"
 
 
 def leave_out_broken(by: RawGaussians, seen: NDArray[np.bool_]) -> int:

@@ -55,7 +55,7 @@ def require_resolved(clip: Clip, size: float) -> None:
     most = RESOLVED * pixel / float(np.finfo(np.float32).eps)
     farthest = max(float(np.abs(camera.position).max()) for camera in clip.cameras)
     if not farthest <= most:
-        expected = f"expected cameras within {most:.3g} of the origin: beyond, float32 tells no pixels apart"
+        expected = f"expected cameras within {most:.3g} of the origin, where float32 resolves pixels"
         raise ClipError(f"{expected}; got one at {farthest:.3g}: {clip.path}")
 
 

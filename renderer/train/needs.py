@@ -97,28 +97,28 @@ def _omitted(
     """In words and numbers."""
     harmonics = 3 * (BANDS[-1] - BANDS[needs.sh_degree])
     if harmonics:
-        saves = f"{harmonics} of {RAW_NUMBERS + 3 * BANDS[-1]} numbers a Gaussian"
+        saves = f"{harmonics} of {RAW_NUMBERS + 3 * BANDS[-1]} numbers per Gaussian"
         part: Part | None = "harmonics" if config.sh_degree is None else None
         yield Omission("harmonics", _why_no_harmonics(clip, config), saves, part)
-    curve = f"{3 * needs.n_controls} numbers a Gaussian"
+    curve = f"{3 * needs.n_controls} numbers per Gaussian"
     if not needs.moves:
         asked = config.method == "static" or "deformation" in config.leave_out
         why, saves = _why_no_deformation(clip, config, measured), _motion_of(config, curve)
         yield Omission("deformation", why, saves, None if asked else "deformation")
     if not needs.recolors and config.method == "vesselsplat":
         asked = "color_curves" in config.leave_out
-        why = "as asked" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
+        why = "as requested" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
         yield Omission("colour curves", why, curve, None if asked else "color_curves")
     if needs.recolors or (needs.moves and config.method == "vesselsplat"):
         yield from _of_curves(clip, config, needs)
     if not needs.has_depth:
         yield Omission("depth loss", "no depth is measured", "a term of the loss", "depth")
     if not needs.has_masks:
-        yield Omission("mask maths", "no pixel is masked", "weights in halving frames", "masks")
+        yield Omission("masking", "no pixel is masked", "weights when halving frames", "masks")
     share = 1 - float(np.mean([tissue_tiles(frame.tissue_mask).mean() for frame in frames]))
     if share > 0 and "tiles" not in config.keep:
         yield Omission(
-            "tiles without tissue", "no photo to compare with", f"{share:.0%} of the tiles", "tiles"
+            "tiles without tissue", "no tissue to compare with", f"{share:.0%} of the tiles", "tiles"
         )
 
 
@@ -126,17 +126,17 @@ def _of_curves(clip: Clip, config: TrainConfig, needs: Needs) -> Iterator[Omissi
     """Most numbers of a curve do not count at any one time."""
     fewer = len(clip) - needs.n_controls
     if fewer > 0:
-        why = f"a curve needs one each {len(clip) / needs.n_controls:.1f} frames"
+        why = f"a curve needs one per {len(clip) / needs.n_controls:.1f} frames"
         part: Part | None = "controls" if config.n_controls is None else None
-        yield Omission("control values", why, f"{fewer} of {len(clip)} a curve", part)
+        yield Omission("control values", why, f"{fewer} of {len(clip)} per curve", part)
     if needs.n_controls > MIN_CONTROLS and "moments" not in config.keep:
-        saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} a curve and step"
+        saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} per curve and step"
         yield Omission("moments of far controls", "they have no gradient", saves, "moments")
 
 
 def _why_no_harmonics(clip: Clip, config: TrainConfig) -> str:
     if config.sh_degree is not None:
-        return f"degree {config.sh_degree} was asked for"
+        return f"degree {config.sh_degree} was requested"
     return "the camera is fixed" if clip.camera_is_fixed else "colour curves follow the lamp"
 
 
@@ -144,7 +144,7 @@ def _why_no_deformation(clip: Clip, config: TrainConfig, measured: Stillness) ->
     if config.method == "static":
         return "the method is static"
     if "deformation" in config.leave_out:
-        return "as asked"
+        return "as requested"
     moved = f"tissue moves by {measured.displacement:.2f} px"
     n_frames, *size = measured.compared
     return f"{moved} (all {n_frames} training frames compared, at {size[0]}x{size[1]})" if n_frames else moved
@@ -152,5 +152,5 @@ def _why_no_deformation(clip: Clip, config: TrainConfig, measured: Stillness) ->
 
 def _motion_of(config: TrainConfig, curve: str) -> str:
     """What the motion of a method consists of."""
-    kinds = {"deform3dgs": "510 numbers a Gaussian", "endogaussian": "the planes and their heads"}
+    kinds = {"deform3dgs": "510 numbers per Gaussian", "endogaussian": "the planes and their heads"}
     return kinds.get(config.method, curve)

@@ -69,7 +69,7 @@ class TrainingError(RuntimeError):
         ...             last = list(train(clip, config, folder=run, resume=True))[-1]
         ...         except TrainingError as error:
         ...             print(error)
-        the checkpoint belongs to another clip or configuration: run
+        expected a checkpoint of this clip and configuration, got another: run
     """
 
 
@@ -156,7 +156,7 @@ def train(
     if "unseen" not in config.keep:
         gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
     if not len(gaussians):
-        raise TrainingError("no training frame shows any Gaussian: depth and poses do not fit together")
+        raise TrainingError("no training frame shows any Gaussian: depth and poses are inconsistent")
     if "hidden" not in config.keep and (needs.has_masks or not clip.camera_is_fixed):
         gaussians, resting = smooth_occluded_motion(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
@@ -172,7 +172,7 @@ def train(
 def require_depth(clip: Clip) -> None:
     """Raises ClipError before any frame is read in vain."""
     if not clip.has_depth and clip.points is None:
-        way = "--depth brightness guesses it, without a scale"
+        way = "--depth brightness estimates it, without a scale"
         if clip.why_no_depth:
             raise ClipError(f"reconstruction expects depth; {clip.why_no_depth} ({way})")
         raise ClipError(f"reconstruction expects depth, and this clip has none ({way}): {clip.path}")
@@ -207,7 +207,9 @@ def _resumed(
     if checkpoint is None:
         return 0, 0.0
     if checkpoint.fingerprint != identity:
-        raise TrainingError(f"the checkpoint belongs to another clip or configuration: {folder.name}")
+        raise TrainingError(
+            f"expected a checkpoint of this clip and configuration, got another: {folder.name}"
+        )
     # Checkpoints of earlier versions have no state of the watch.
     arrays = {LOSSES: watch.state, **checkpoint.arrays}
     try:
@@ -217,7 +219,7 @@ def _resumed(
         model.restore(arrays)
         watch.state[:] = arrays[LOSSES]
     except ValueError as error:
-        raise TrainingError(f"the checkpoint cannot be gone on from ({error}): {folder}") from error
+        raise TrainingError(f"training cannot continue from the checkpoint ({error}): {folder}") from error
     return checkpoint.iteration, checkpoint.seconds
 
 

@@ -194,7 +194,7 @@ def test_a_folder_of_folders_says_which_it_holds(tmp_path: Path, vesselsplat: Cl
 
 
 def with_maps(folder: Path) -> Path:
-    """Depth and masks beside the pictures of a folder."""
+    """Depth and masks beside the images of a folder."""
     for index in range(3):
         depth = np.full((40, 60), 1000 + index, np.uint16)
         assert cv2.imwrite(str(folder / f"depthmap_{index}.png"), depth)
@@ -208,8 +208,8 @@ def test_maps_beside_pictures_are_not_enhanced_and_it_is_said(
     call = vesselsplat("enhance", with_maps(folder), tmp_path / "out")
     assert call.code == 0
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["0.png", "1.png", "2.png"]
-    assert "left out, depth maps beside the pictures: depthmap_0.png, depthmap_1.png" in call.error
-    assert "left out, masks beside the pictures: 0_mask.png" in call.error
+    assert "left out, depth maps beside the images: depthmap_0.png, depthmap_1.png" in call.error
+    assert "left out, masks beside the images: 0_mask.png" in call.error
 
 
 def test_train_and_enhance_take_the_same_pictures(folder: Path, vesselsplat: Cli) -> None:
@@ -234,7 +234,7 @@ def test_a_batch_passes_over_folders_of_maps(folder: Path, tmp_path: Path, vesse
     assert call.code == 0
     written = [path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*.png")]
     assert sorted(written) == ["one/input/0.png", "one/input/1.png", "one/input/2.png"]
-    assert "left out, masks beside the pictures: mask/" in call.error
+    assert "left out, masks beside the images: mask/" in call.error
     alone = vesselsplat("enhance", case / "mask", tmp_path / "alone")
     assert (alone.code, alone.error) == (0, "")
 
@@ -246,7 +246,7 @@ def test_a_video_of_several_sizes_is_refused_before_it_is_begun(
     call = vesselsplat("enhance", folder, tmp_path / "out.mp4")
     assert call.code == 2
     assert "60x40" in call.error
-    assert "1 of 4 pictures (9.png)" in call.error
+    assert "1 of 4 images (9.png)" in call.error
 
 
 def test_a_folder_of_videos_says_what_to_do(tmp_path: Path, vesselsplat: Cli) -> None:
@@ -290,12 +290,12 @@ def test_flags_of_the_preset_reach_it(folder: Path, tmp_path: Path, vesselsplat:
 @pytest.mark.parametrize(
     ("flags", "says"),
     [
-        (("--method", "vessel", "--z", "0.3"), "--z does nothing with --method vessel"),
-        (("--strength", "1"), "--strength does nothing with --method paper"),
-        (("--method", "clahe", "--d-factor", "1"), "--d-factor does nothing with --method clahe"),
-        (("--method", "clahe", "--statistics", "clip"), "--statistics clip does nothing"),
-        (("--method", "clahe", "--pixels", "tissue"), "--pixels tissue does nothing"),
-        (("--method", "vessel", "--omit-below", "1"), "--omit-below does nothing with --method vessel"),
+        (("--method", "vessel", "--z", "0.3"), "--z has no effect with --method vessel"),
+        (("--strength", "1"), "--strength has no effect with --method paper"),
+        (("--method", "clahe", "--d-factor", "1"), "--d-factor has no effect with --method clahe"),
+        (("--method", "clahe", "--statistics", "clip"), "--statistics clip has no effect"),
+        (("--method", "clahe", "--pixels", "tissue"), "--pixels tissue has no effect"),
+        (("--method", "vessel", "--omit-below", "1"), "--omit-below has no effect with --method vessel"),
         (("--pixels", "some"), "--pixels"),
         (("--method", "vessel", "--strength", "9"), "--strength: .*4"),
         (("--method", "tao"), "tao"),

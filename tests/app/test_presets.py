@@ -46,7 +46,7 @@ def test_a_run_on_frames_of_the_preset_goes_through_every_command(
     assert resumed.code == 0
     refused = vesselsplat("train", clip_path, "--run", run, "--input", "enhanced", *steps, "--resume")
     assert (refused.code, refused.error.count("\n")) == (2, 1)
-    assert "began with preset vessel, got paper" in refused.error
+    assert "expected the run's preset vessel, got paper" in refused.error
 
 
 def test_a_preset_without_enhanced_frames_is_refused(
@@ -54,7 +54,7 @@ def test_a_preset_without_enhanced_frames_is_refused(
 ) -> None:
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run", "--preset", "vessel")
     assert (call.code, call.error.count("\n")) == (2, 1)
-    assert "--preset does nothing with --input original" in call.error
+    assert "--preset has no effect with --input original" in call.error
     assert not (tmp_path / "run").exists()
 
 

@@ -205,7 +205,7 @@ def test_a_transparent_picture_has_straight_alpha(
         (("--time", "1.5"), "--time"),
         (("--time", "0.5", "--frames", "1"), "--time"),
         (("--size", "0", "5"), "--size"),
-        (("--size", "40", "40", "--view", "difference"), "the photos' shape"),
+        (("--size", "40", "40", "--view", "difference"), "the shape of the frames"),
         (("--size", "100000", "100000"), "1 to 16384"),
         (("--camera", "{tmp}/huge.json"), "1 to 16384"),
         (("--camera", "{tmp}/infinite.json"), "infinite.json"),

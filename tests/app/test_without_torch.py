@@ -195,7 +195,7 @@ def test_the_report_keeps_the_stability_rows_that_need_no_oracle(
     assert any(NO_TORCH in line for line in section.not_measured)
     hazards = {row[0] for table in section.tables for row in table.rows}
     assert "overlap" in hazards
-    assert "blending (16): picture" not in hazards
+    assert "blending (16): image" not in hazards
 
 
 @pytest.mark.usefixtures("hidden")

@@ -23,7 +23,7 @@ def picture(path: str | None, width: int, height: int) -> NDArray[np.uint8]:
         return vessels(height, width)
     read = cv2.imread(path)
     if read is None:
-        raise SystemExit(f"expected a picture, got {path}")
+        raise SystemExit(f"expected an image, got {path}")
     smaller = read.shape[0] > height
     scaled = cv2.resize(read, (width, height), None, 0, 0, cv2.INTER_AREA if smaller else cv2.INTER_CUBIC)
     return np.ascontiguousarray(scaled[..., ::-1], dtype=np.uint8)

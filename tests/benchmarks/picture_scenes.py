@@ -25,8 +25,8 @@ from tests.benchmarks.soak_deeds import K, Person
 
 STEPS = 3000
 OMITTED = (
-    Omission("spherical harmonics above degree 0", "the camera does not move.", "45 numbers a Gaussian"),
-    Omission("the mask of tools", "no tool is in any frame.", "a pass over each picture"),
+    Omission("spherical harmonics above degree 0", "the camera does not move.", "45 numbers per Gaussian"),
+    Omission("the mask of tools", "no tool is in any frame.", "a pass over each frame"),
 )
 REPORT = Path(__file__).parents[2] / "assets" / "pictures" / "report.json"
 Scene = Callable[[Person, "Model"], Iterator[str]]
@@ -185,7 +185,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: state.reconstruction.status == "failed", "the failure")
     yield "reconstruction failed"
     state.banner = None
-    person.click("//Reconstruction/Look at it")
+    person.click("//Reconstruction/View model")
     person.ctx.window_focus("//3D view")
     person.wait(lambda: state.view is not None, "the model as it was last seen")
     yield "reconstruction unfinished"
@@ -297,7 +297,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.open(REPORT)
     yield "report"
     part = "Enhancement: error against run time"
-    for item in (part, f"Every knob##{part}0"):
+    for item in (part, f"Every parameter##{part}0"):
         person.ctx.item_open(f"//Report/{item}")
     person.ctx.scroll_to_bottom("//Report")
     yield "report table"
@@ -305,7 +305,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.press(chord("Ctrl+Shift+B"))
     yield "files and folders"
     person.press(chord("Ctrl+Shift+B"))
-    for menu in ("File", "Picture", "Compare", "Clip", "Reconstruct", "Camera", "View", "Help"):
+    for menu in ("File", "Image", "Compare", "Clip", "Reconstruct", "Camera", "View", "Help"):
         person.ctx.set_ref("//##MainMenuBar")
         person.ctx.menu_click(menu)
         person.ctx.set_ref("")

@@ -155,7 +155,7 @@ Deed = Callable[[Person], None]
 def slide(person: Person) -> None:
     for _ in range(4):
         name = person.rng.choice(["d_factor"] * 2 + ["z", "p"])
-        person.choose("//Enhancement", "##preset", "Paper, d 1 (pictures)")
+        person.choose("//Enhancement", "##preset", "Paper, d 1 (2D)")
         if name != "d_factor":
             person.click(f"//Enhancement/Auto##{name}")
         for _ in range(5):
@@ -170,7 +170,9 @@ def slide(person: Person) -> None:
 
 
 def compare(person: Person) -> None:
-    sides = person.rng.sample(["Method: CLAHE", "Stored setting A", "Enhanced (this setting)", "Original"], 2)
+    sides = person.rng.sample(
+        ["Method: CLAHE", "Stored settings A", "Enhanced (current settings)", "Original"], 2
+    )
     person.press(chord("Shift+A"))
     for side, entry in zip(("left", "right"), sides, strict=True):
         person.choose("//Pictures", f"##{side}", entry)

@@ -71,7 +71,7 @@ def main() -> None:
     name = f"work-precision-{clip.name}-{flags.input}"
     write_bytes(flags.out / f"{name}.json", strict_json(facts, indent=1).encode())
     where = "held-out training" if flags.held_out else "test"
-    title = f"{clip.name}, {flags.input} photos: {where} frames"
+    title = f"{clip.name}, {flags.input} frames: {where} frames"
     write_diagrams(flags.out / f"{name}.png", diagrams(rows, TrainConfig()), title)
 
 
@@ -100,7 +100,7 @@ def measured(path: Path, config: TrainConfig, truth: Phantom | None, flags: argp
 def show(runs: Sequence[Run]) -> None:
     """Means over the seeds, and half the distance of the extremes."""
     heads = "".join(f"{name:>18}" for name in COLUMNS)
-    print(f"{'':44}seeds{heads}{'s, steps':>9}{'s in all':>9}{'MB':>8}{'Gaussians':>11}")
+    print(f"{'':44}seeds{heads}{'s, steps':>9}{'s in total':>9}{'MB':>8}{'Gaussians':>11}")
     for group in grouped(runs):
         cells = "".join(f"{spread(group, column, form):>18}" for column, form in COLUMNS.items())
         keys = ("seconds", "wall_seconds", "megabytes", "n_gaussians")

@@ -66,7 +66,7 @@ def _line(method: Method, found: list[Outcome]) -> str:
         for times in ([one.seconds for one in found], [one.wall_seconds for one in found])
     )
     psnr, depth = spread([one.psnr for one in found]), spread([one.depth_rmse for one in found])
-    return f"{method:12} {psnr} dB  depth {depth}  {steps:.1f} s of steps, {wall:.1f} s in all"
+    return f"{method:12} {psnr} dB  depth {depth}  {steps:.1f} s training, {wall:.1f} s in total"
 
 
 if __name__ == "__main__":

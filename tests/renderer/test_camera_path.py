@@ -158,7 +158,11 @@ def test_outside_it_stands_still() -> None:
 
 @pytest.mark.parametrize(
     ("changes", "words"),
-    [({"seconds": 1.0}, "after"), ({"seconds": math.nan}, "finite"), ({"time": 1.5}, r"\[0, 1\]")],
+    [
+        ({"seconds": 1.0}, "expected more than"),
+        ({"seconds": math.nan}, "finite"),
+        ({"time": 1.5}, r"\[0, 1\]"),
+    ],
 )
 def test_what_is_no_path_is_refused(changes: dict[str, float], words: str) -> None:
     broken = replace(PATH.keyframes[2], **changes)

@@ -168,7 +168,7 @@ def damaged(folder: Path) -> dict[str, Path]:
     wrong: dict[str, tuple[Arrays, Arrays]] = {
         "shape": (NETWORK | {layer: torch.zeros(192, 64, 3, 3)}, HEADS),
         "missing": ({name: array for name, array in NETWORK.items() if name != layer}, HEADS),
-        "no array": (NETWORK | {layer: "words"}, HEADS),
+        "not an array": (NETWORK | {layer: "words"}, HEADS),
         "nan": (NETWORK | {layer: torch.full_like(NETWORK[layer], torch.nan)}, HEADS),
         "negative": (NETWORK, HEADS | {"lin2.model.1.weight": -HEADS["lin2.model.1.weight"]}),
         "a list": ([1, 2], HEADS),
@@ -192,7 +192,7 @@ def damaged(folder: Path) -> dict[str, Path]:
 WORDS = {
     "shape": r"features.3.weight of shape \(192, 64, 5, 5\), got \(192, 64, 3, 3\)",
     "missing": r"features.3.weight of shape .*, got none",
-    "no array": r"features.3.weight of shape .*, got none",
+    "not an array": r"features.3.weight of shape .*, got none",
     "nan": "finite numbers in features.3.weight",
     "negative": "linear weights of 0 or more",
     "a list": "expected named arrays, got list",

@@ -89,14 +89,14 @@ def test_pulled_tissue_moves_before_a_fixed_camera() -> None:
 def test_what_is_left_out_is_told_in_numbers() -> None:
     needs = needs_of(plane_clip(masked=True), SMALL)
     told = {omission.what: (omission.why, omission.saves) for omission in needs.omitted}
-    assert told["harmonics"] == ("the camera is fixed", "45 of 59 numbers a Gaussian")
-    assert told["deformation"][1] == told["colour curves"][1] == "18 numbers a Gaussian"
+    assert told["harmonics"] == ("the camera is fixed", "45 of 59 numbers per Gaussian")
+    assert told["deformation"][1] == told["colour curves"][1] == "18 numbers per Gaussian"
     assert told["tiles without tissue"][1] == "13% of the tiles"  # 2 x 2 of 6 x 5
-    assert "mask maths" not in told
-    assert "mask maths" in what(needs_of(plane_clip(), SMALL))
+    assert "masking" not in told
+    assert "masking" in what(needs_of(plane_clip(), SMALL))
     assert "moments of far controls" in what(needs_of(moving_sheet(), replace(SMALL, n_controls=7)))
     degree_1 = needs_of(plane_clip(), replace(SMALL, sh_degree=1))
-    assert "36 of 59 numbers a Gaussian" in {omission.saves for omission in degree_1.omitted}
+    assert "36 of 59 numbers per Gaussian" in {omission.saves for omission in degree_1.omitted}
 
 
 def test_without_depth_there_is_no_depth_loss() -> None:
@@ -113,7 +113,7 @@ def test_without_depth_there_is_no_depth_loss() -> None:
         ("deformation", "deformation"),
         ("color_curves", "colour curves"),
         ("depth", "depth loss"),
-        ("masks", "mask maths"),
+        ("masks", "masking"),
     ],
 )
 def test_each_part_is_forced_back_by_its_name(part: Any, name: str) -> None:

@@ -73,7 +73,7 @@ def test_a_missing_path_is_refused(tmp_path, name):
 
 
 def test_an_empty_folder_and_a_text_file_are_refused(tmp_path):
-    with pytest.raises(ClipError, match="expected pictures"):
+    with pytest.raises(ClipError, match="expected images"):
         open_clip(tmp_path)
     for name in ("video.mp4", "notes.txt", "picture.png"):
         (tmp_path / name).write_text("hello\n" * 30)

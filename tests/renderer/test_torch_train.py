@@ -167,5 +167,5 @@ def test_a_run_ends_alike() -> None:
 def test_a_missing_card_is_told_in_one_line() -> None:
     said = trouble()
     assert said is not None
-    assert "finds no card" in said
+    assert "finds no GPU" in said
     assert "\n" not in said

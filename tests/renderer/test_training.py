@@ -97,7 +97,7 @@ def test_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, stop_after: in
 def test_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
     clip = moving_sheet()
     list(train(clip, replace(SMALL, iterations=40), folder=tmp_path))
-    with pytest.raises(TrainingError, match="another clip or configuration"):
+    with pytest.raises(TrainingError, match="this clip and configuration"):
         list(train(clip, replace(SMALL, iterations=80), folder=tmp_path, resume=True))
 
 

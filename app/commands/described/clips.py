@@ -41,14 +41,14 @@ def of_clip(path: Path) -> tuple[Fact, ...]:
             raise
         found = len(photos_in(path).photos)
         return (
-            Fact("what", "pictures of several sizes: no clip to train on", {"kind": "pictures"}),
-            Fact("frames", count(found, "picture"), {"count": found}),
+            Fact("what", "images of several sizes: not a clip to train on", {"kind": "pictures"}),
+            Fact("frames", count(found, "image"), {"count": found}),
             Fact("missing", str(error), [str(error)]),
             next_steps(path, ("enhance", "PATH", "OUT")),
         )
 
 
-INTERLACED = "interlaced; deinterlaced when read (--deinterlacing field or off: otherwise)"
+INTERLACED = "interlaced; deinterlaced on reading (change with --deinterlacing field or off)"
 
 
 def of_video(path: Path) -> tuple[Fact, ...]:
@@ -57,10 +57,10 @@ def of_video(path: Path) -> tuple[Fact, ...]:
     rate, frames = header.frames_per_second, header.frames
     length = f", {header.seconds:.1f} s" if header.seconds else ""
     width, height = header.size
-    shape = "square" if header.pixel_aspect == 1 else f"{header.pixel_aspect:.3g} times as wide as high"
+    shape = "square" if header.pixel_aspect == 1 else f"{header.pixel_aspect:.3g} (width to height)"
     return (
         Fact("what", "clip: video", "video"),
-        Fact("frames", f"{frames or 'unknown number'}, as announced{length}", {"count": frames}),
+        Fact("frames", f"{frames or 'unknown number'}, as the file states{length}", {"count": frames}),
         Fact("frame rate", f"{rate:g} a second" if rate else "unknown", {"frames_per_second": rate}),
         Fact("size", f"{width}x{height}", [width, height]),
         Fact("pixels", shape, header.pixel_aspect),
@@ -155,9 +155,9 @@ def _depth(clip: Clip, frames: Sequence[Frame]) -> Fact:
         return Fact("depth", f"none{why}", {"origin": None, "why": clip.why_no_depth or None})
     origin = clip.depth_origin
     told = {
-        "measured": "measured, of the clip's files",
-        "beside": "of files beside the pictures",
-        "stereo": "matched between left and right pictures",
+        "measured": "measured, from the clip's files",
+        "beside": "from files beside the images",
+        "stereo": "matched between left and right images",
         "monocular": BY_MAPS,
         "brightness": BY_BRIGHTNESS,
     }[origin]
@@ -169,8 +169,12 @@ def _depth(clip: Clip, frames: Sequence[Frame]) -> Fact:
 def _masks(clip: Clip, frames: Sequence[Frame]) -> Fact:
     share = _share([frame.tissue_mask for frame in frames])
     if share is None:
-        return Fact("masks", "not looked at", {"tissue_share": None})
-    text = "none used: every pixel counts as tissue" if share == 1 else f"tissue is {share:.0%} of the pixels"
+        return Fact("masks", "not checked", {"tissue_share": None})
+    text = (
+        "none used: every pixel is treated as tissue"
+        if share == 1
+        else f"tissue is {share:.0%} of the pixels"
+    )
     return Fact("masks", text, {"tissue_share": share})
 
 
@@ -190,10 +194,10 @@ def _camera(clip: Clip) -> Fact:
         "assumed": clip.format in UNCALIBRATED,
     }
     if clip.camera_is_fixed:
-        still = "no poses: taken to stand still" if clip.format in UNCALIBRATED else "stands still"
+        still = "no poses: assumed fixed" if clip.format in UNCALIBRATED else "fixed"
         return Fact("camera", f"{still}, {lens}", value)
     way = _way(clip.cameras)
-    return Fact("camera", f"moves along {way:.3g} {clip.unit}, with poses; {lens}", value | {"way": way})
+    return Fact("camera", f"moves {way:.3g} {clip.unit}, with poses; {lens}", value | {"way": way})
 
 
 def _way(cameras: Sequence[Camera]) -> float:

@@ -43,7 +43,7 @@ def of_run(path: Path) -> Facts:
         Fact("what", f"run, {state}", {"kind": "run", "state": state}),
         Fact(
             "clip",
-            clip.path if there else f"{clip.path}, which is not there any more",
+            clip.path if there else f"{clip.path}, which no longer exists",
             {"path": clip.path, "there": there},
         ),
         Fact(
@@ -69,7 +69,7 @@ def of_run(path: Path) -> Facts:
     if quality is not None:
         facts.append(Fact("quality", f"{quality:.2f} dB on held-out frames", {"psnr": quality}))
     if run.edits_path.exists():
-        facts.append(Fact("edits", "edited by hand in the app", True))
+        facts.append(Fact("edits", "edited in the app", True))
     warnings = [event["message"] for event in events if event["event"] == "Warned"]
     if warnings:
         facts.append(Fact("notices", tuple(dict.fromkeys(warnings)), list(dict.fromkeys(warnings))))
@@ -111,11 +111,9 @@ def of_splats(path: Path) -> Facts:
         told = f"{count(number, 'Gaussian')}, harmonics of {file.raw.harmonics.shape[1]} functions"
     else:
         found = _announced(path)
-        number, told = found, f"{found} Gaussians, as announced"
+        number, told = found, f"{found} Gaussians, as the file states"
     return (
-        Fact(
-            "what", f"splats: {path.suffix.lower()} file", {"kind": "splats", "format": path.suffix.lower()}
-        ),
+        Fact("what", f"splat file: {path.suffix.lower()}", {"kind": "splats", "format": path.suffix.lower()}),
         Fact("model", told, {"gaussians": number}),
         Fact("size", f"{size / 1e6:.1f} MB", size),
         Fact("unit", "scene units"),
@@ -131,7 +129,7 @@ def _announced(path: Path) -> int:
     with path.open("rb") as file:
         found = re.search(rb"element vertex (\d+)", file.read(1 << 16))
     if found is None:
-        raise UserError(f"expected a file of splats of less than {READ_WHOLE >> 20} MB, or a PLY: {path}")
+        raise UserError(f"expected a splat file of less than {READ_WHOLE >> 20} MB, or a PLY: {path}")
     return int(found[1])
 
 
@@ -160,7 +158,7 @@ def of_session(path: Path) -> Facts:
 
 def _place(name: str, source: SessionSource, path: Path) -> Fact:
     found = source.found(path)
-    text = str(found) if found else f"{source.path}, which is not there any more"
+    text = str(found) if found else f"{source.path}, which no longer exists"
     return Fact(name, text, {"path": source.path, "there": found is not None})
 
 
@@ -187,7 +185,7 @@ def of_json(path: Path) -> Facts:
         facts = None
     if not isinstance(facts, dict) or facts.get("app") != "VesselSplat":
         raise UserError(f"expected a report or a provenance, got another JSON file: {path}")
-    there = f"of {export.name}" if export.is_file() else f"of {export.name}, which is not there any more"
+    there = f"of {export.name}" if export.is_file() else f"of {export.name}, which no longer exists"
     return (
         Fact("what", f"provenance {there}", {"kind": "provenance"}),
         *_told(facts),
@@ -229,7 +227,7 @@ def _told(facts: dict[str, Any]) -> Facts:
     if isinstance(params, dict):
         text = ", ".join(f"{name} {value}" for name, value in params.items() if value is not None)
         found.append(Fact("parameters", text, params))
-    when = facts.get("utc", "at an hour that is not recorded")
+    when = facts.get("utc", "at an unrecorded time")
     found.append(
         Fact(
             "made",

@@ -28,7 +28,7 @@ def described(path: Path) -> tuple[Fact, ...]:
     """
     if not path.exists():
         raise UserError(
-            f"expected a clip, picture, video, run, splat file or session, got no such path: {path}"
+            f"expected a clip, image, video, run, splat file or session, got no such path: {path}"
         )
     if path.is_dir():
         return Fact("path", str(path)), *_folder(path)
@@ -78,11 +78,13 @@ def _other(path: Path) -> tuple[Fact, ...]:
     videos = [entry for entry in inside if entry.is_file() and entry.suffix.lower() in VIDEOS]
     if not folders and not videos:
         files = f", with {listed([entry.name for entry in inside])}" if inside else ", which is empty"
-        raise UserError(f"expected pictures, videos or folders of them, got a folder of none{files}: {path}")
+        raise UserError(
+            f"expected images, videos or folders of them, got a folder without any{files}: {path}"
+        )
     parts = [count(len(each), one) for each, one in ((folders, "folder"), (videos, "video")) if each]
     first = (videos or folders)[0]
     return (
-        Fact("what", f"folder of {' and '.join(parts)}, no clip itself", {"kind": "folder"}),
+        Fact("what", f"folder of {' and '.join(parts)}, not itself a clip", {"kind": "folder"}),
         *(
             (Fact("folders", listed([entry.name for entry in folders]), [entry.name for entry in folders]),)
             if folders

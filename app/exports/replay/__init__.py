@@ -29,8 +29,9 @@ renderer that drew it, or None."""
 def refuse_window(facts: Facts, sources: Sources, target: Path) -> None:
     """Raises UserError: menus, panels and text are no pictures of the data."""
     raise UserError(
-        f"expected panes or a 3D view, which are made again from their sources, got the whole window as it "
-        f"stood on a screen: {sources.file}"
+        "expected panes or a 3D view, which can be reproduced from their sources, got a "
+        "capture of the whole window "
+        f"as on screen: {sources.file}"
     )
 
 
@@ -66,7 +67,7 @@ class Replayed:
         """Identical, or by how much not and why."""
         if self.difference.is_none:
             return "identical"
-        why = "; ".join(self.reasons) or "the file, or what it says of itself, has been changed since"
+        why = "; ".join(self.reasons) or "the file or its provenance has been changed since"
         return f"{self.difference.text}: {why}"
 
 
@@ -84,7 +85,7 @@ def replay(path: Path, given: tuple[Path, ...], target: Path) -> Replayed:
     try:
         drawn_by = KINDS[kind](facts, Sources(path, given), target)
     except ValidationError as error:
-        raise UserError(f"what {path.name} says of itself does not do: {problem(error)}") from error
+        raise UserError(f"{path.name} has invalid provenance: {problem(error)}") from error
     return Replayed(kind, difference(path, target), tuple(_reasons(facts, drawn_by)))
 
 

@@ -45,7 +45,7 @@ class Difference:
         if self.unlike:
             return f"differs, {self.unlike}"
         most = f"{self.largest:.4g}" + (f" of {self.scale:.0f}" if self.scale else "")
-        return f"differs in {100 * self.share:.3g} % of its values, by {most} at most"
+        return f"differs in {100 * self.share:.3g} % of its values, by at most {most}"
 
 
 def difference(first: Path, second: Path) -> Difference:

@@ -107,9 +107,7 @@ def _whole(named: SceneFacts, sources: Sources) -> Scene:
         return open_scene(sources.find_run(named.run).path, as_trained=True)
     if named.splats is not None:
         return open_scene(sources.find(named.splats))
-    raise UserError(
-        f"expected the run or the file of splats that it was made of, got neither: {sources.file}"
-    )
+    raise UserError(f"expected the run or splat file it was made from, got neither: {sources.file}")
 
 
 def drawer_of(facts: Facts) -> tuple[Draw, str]:
@@ -199,7 +197,7 @@ def remake_splats(facts: Facts, sources: Sources, target: Path) -> None:
         scene = of_degree(scene_of(facts, sources), said.sh_degree)
     except ValueError as error:
         got = f"{said.sh_degree} for {error}: {sources.file}"
-        raise UserError(f"expected a degree that holds all of the model, got {got}") from error
+        raise UserError(f"expected a degree that holds the whole model, got {got}") from error
     write_bytes(target, splat_file(scene, said.time, again(facts)))
 
 

@@ -163,7 +163,7 @@ def _shot(pane: PaneFacts, clip: Clip, frame: int, sources: Sources) -> Shot:
         return replace(shot, by=_scene(pane.view, sources))
     by = pane.params if pane.shows == "setting" else pane.method
     if by is None or (isinstance(by, str) and by not in METHODS):
-        raise UserError(f"expected a setting or a method for {pane.title}, got neither: {sources.file}")
+        raise UserError(f"expected settings or a method for {pane.title}, got neither: {sources.file}")
     return replace(shot, by=by)
 
 

@@ -43,7 +43,9 @@ def _in_comment(path: Path) -> Facts:
 
 def _beside(path: Path) -> Facts:
     if path.suffix.lower() == ".json" and path.with_suffix("").is_file():
-        raise UserError(f"expected the export itself, {path.with_suffix('').name}; this tells of it: {path}")
+        raise UserError(
+            f"expected the export itself, {path.with_suffix('').name}, got its provenance: {path}"
+        )
     sidecar = path.with_name(f"{path.name}.json")
     if not sidecar.is_file():
         raise UserError(f"expected {sidecar.name} beside {path.name}, which holds its provenance: {path}")

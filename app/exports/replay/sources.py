@@ -45,9 +45,7 @@ class Sources:
     def find_run(self, run: NamedRun) -> RunFolder:
         """The run with this model. Raises UserError: missing, with another model, or never finished."""
         if run.model_sha256 is None:
-            raise UserError(
-                f"{self.file.name} shows {run.name} while it was being trained: that model is gone"
-            )
+            raise UserError(f"{self.file.name} shows {run.name} during training: that model no longer exists")
         return RunFolder(self._found(run.name, run.model_sha256, _digests_of_model))
 
     def _found(self, name: str, sha256: str, digests_of: Callable[[Path], Iterable[str]]) -> Path:
@@ -57,10 +55,11 @@ class Sources:
                 return path
         if not candidates and not _is_bare(name):
             said = f"{self.file.name} names its source by a path, {name}"
-            raise UserError(f"{said}, which is not looked up: give it by --source")
+            raise UserError(f"{said}, which is not looked up: give it with --source")
         if not candidates:
             raise UserError(
-                f"expected the source {name} beside {self.file.name}, in the current folder or by --source, "
+                f"expected the source {name} beside {self.file.name}, in the current folder or "
+                "given with --source, "
                 "found none"
             )
         shown = candidates[0]

@@ -70,7 +70,7 @@ def _save(state: AppState) -> None:
     try:
         save_settings(state.places.settings_file, state.settings)
     except (OSError, UserError) as error:
-        say(state, f"settings cannot be kept: {error}")
+        say(state, f"settings cannot be saved: {error}")
 
 
 # ---- clip and time
@@ -92,7 +92,7 @@ def open_path(state: AppState, path: Path) -> None:
 def stop_opening(state: AppState) -> None:
     """Wait no longer for what is being opened: its answer, should one come, is of no use."""
     for request in filter(None, (state.opening, state.second.opening)):
-        say(state, f"{request.path} was not waited for")
+        say(state, f"stopped waiting for {request.path}")
     state.opening = state.second.opening = state.banner = None
 
 

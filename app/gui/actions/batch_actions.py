@@ -44,14 +44,14 @@ def results_folder(state: AppState) -> Path:
 
 def summary(state: AppState) -> str:
     """The present setting in a line."""
-    measured = "each clip as a whole" if state.scope == "clip" else "each picture on its own"
-    return f"{worded(state.params)} · {measured}{' · without the surround' if state.tissue_only else ''}"
+    measured = "each clip as a whole" if state.scope == "clip" else "each image on its own"
+    return f"{worded(state.params)} · {measured}{' · surround left out' if state.tissue_only else ''}"
 
 
 def why_not_start(state: AppState) -> str:
     """What a batch still lacks, in a sentence; empty when it can start."""
     if state.batches.under_way is not None:
-        return "A batch is under way."
+        return "A batch is already running."
     return "" if state.batches.inputs else "Add files or folders first."
 
 
@@ -92,13 +92,13 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
         actions.announce(state, f"{count} of {count} enhanced into {folder}")
         return
     for one in answer.failed:
-        actions.say(state, f"{one.item.name} was not enhanced: {one.reason}")
+        actions.say(state, f"{one.item.name} could not be enhanced: {one.reason}")
     state.batches.shown = True
     done = count - len(answer.failed)
-    actions.fail(state, f"{done} of {count} enhanced into {folder}: the reasons for the others are listed")
+    actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for why the others failed")
 
 
 def cancelled(state: AppState) -> None:
     """What is whole stays; of the one under way nothing does."""
     state.batches.under_way = None
-    actions.announce(state, "batch cancelled: what was whole stays")
+    actions.announce(state, "batch cancelled; finished files are kept")

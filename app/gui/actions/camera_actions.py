@@ -98,7 +98,7 @@ def take_point(state: AppState, request: PickRequest, picked: Picked) -> None:
     if all(request.view.scene.cameras != model.cameras for model in models):
         return
     if picked.point is None:
-        state.toast = Toast("No surface is there", state.now + TOAST_SECONDS)
+        state.toast = Toast("No surface under the pointer", state.now + TOAST_SECONDS)
     elif request.purpose == "measure":
         viewer = state.viewer
         view = request.view

@@ -51,7 +51,7 @@ def round_view(state: AppState) -> None:
         return
     circle = enclosing(inside([state.pictures.photo]))
     if circle is None:
-        actions.announce(state, "this picture has no black surround")
+        actions.announce(state, "this frame has no black surround")
         return
     set_mask(state, replace(state.clip_settings.mask, view=circle))
     state.overlay = True
@@ -84,4 +84,4 @@ def keep_settings(state: AppState) -> None:
     try:
         save_clips(state.places.config, state.known_clips)
     except (OSError, UserError) as error:
-        actions.say(state, f"the clip's settings cannot be kept: {error}")
+        actions.say(state, f"the clip's settings cannot be saved: {error}")

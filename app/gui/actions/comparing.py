@@ -54,7 +54,7 @@ def toggle_zebra(state: AppState) -> None:
 def store(state: AppState, slot: Slot) -> None:
     """Keep the present setting, to be compared with and gone back to."""
     state.stored = state.stored | {slot: state.params}
-    actions.announce(state, f"stored as setting {slot}; it can be chosen above the pictures")
+    actions.announce(state, f"settings stored as {slot}; choose them above the panes")
 
 
 def recall(state: AppState, slot: Slot) -> None:

@@ -153,7 +153,7 @@ def take_selected(state: AppState, request: SelectRequest, answer: Selected) -> 
         mask = answer.mask
         change(state, lambda edits: edits.selecting(mask, request.how))
     elif request.wish is not None:
-        actions.announce(state, "No surface is there")
+        actions.announce(state, "No surface under the pointer")
     for later in drained(editing.waiting):
         change(state, later)
 
@@ -235,16 +235,16 @@ def save(state: AppState) -> bool:
         if editing.is_of_run:
             if (other := saved_since(RunFolder(editing.run_path), editing.saved)) is not None:
                 editing.saved = other
-                raise UserError("another window has saved its own meanwhile; save again to replace those")
+                raise UserError("another window has saved edits meanwhile; save again to replace them")
             save_edits(RunFolder(editing.run_path), editing.edits)
             actions.announce(
-                state, f"edits saved beside {editing.run_path.name}; the trained model is as it was"
+                state, f"edits saved beside {editing.run_path.name}; the trained model is not changed"
             )
         else:
             path = write_splats(state, editing.run_path)
-            actions.announce(state, f"edited splats saved as {path.name}; the file opened is as it was")
+            actions.announce(state, f"edited splats saved as {path.name}; the opened file is not changed")
     except (OSError, UserError) as error:
-        actions.fail(state, f"the edits are not saved: {error}")
+        actions.fail(state, f"the edits were not saved: {error}")
         return False
     editing.saved = editing.edits
     return True

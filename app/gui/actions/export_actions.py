@@ -55,16 +55,16 @@ class Offer:
 
 OFFERS: dict[What, Offer] = {
     "panes and 3D view": Offer(
-        "All as shown", "picture", "S: the panes as they are compared, and the 3D view, on one page.",
+        "All as shown", "picture", "S: the panes as shown and the 3D view, on one page.",
         SIDES, True, "still",
     ),
     "panes as shown": Offer(
-        "Panes as shown", "picture", "Side by side, wipe, one of the two, or their difference.", SIDES, True
+        "Panes as shown", "picture", "Side by side, wipe, one pane, or the difference.", SIDES, True
     ),
     "left pane": Offer("Left pane", "picture", "What the left side shows.", ("left",)),
     "right pane": Offer("Right pane", "picture", "What the right side shows.", ("right",)),
     "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", SIDES),
-    "3D view": Offer("3D view", "picture", "As it is seen now, and the second one beside it.", sees="still"),
+    "3D view": Offer("3D view", "picture", "The 3D view as shown, with the second one.", sees="still"),
     "video of the panes": Offer(
         "Panes as shown", "panes video", "Every frame from In to Out, compared as on screen.", SIDES, True
     ),
@@ -72,7 +72,7 @@ OFFERS: dict[What, Offer] = {
         "Both panes", "panes video", "Every frame from In to Out, side by side.", SIDES
     ),
     "video through time": Offer(
-        "3D through time", "view video", "The 3D view as shown, and the second one, through the clip's time.",
+        "3D through time", "view video", "The 3D view as shown, and the second one, through the clip.",
         sees="time",
     ),
     "video along the path": Offer(
@@ -80,7 +80,7 @@ OFFERS: dict[What, Offer] = {
         sees="path",
     ),
     "measures of both panes": Offer(
-        "Table of both panes", "measures", "DV/BV, contrast, noise and more, from In to Out: CSV and JSON.",
+        "Table of both panes", "measures", "DV/BV, contrast, noise and more, from In to Out: CSV, JSON.",
         SIDES,
     ),
 }  # fmt: skip
@@ -93,7 +93,7 @@ def toggle_export(state: AppState) -> None:
 def why_not_export(state: AppState, what: What) -> str:
     """What it still lacks, in a sentence; empty when it can start."""
     if state.exports.under_way is not None:
-        return "Another export is under way."
+        return "Another export is running."
     return _lacks(state, OFFERS[what])
 
 
@@ -104,12 +104,12 @@ def _lacks(state: AppState, offer: Offer) -> str:
     if offer.sees != "no" and (reason := _too_large(state)):
         return reason
     if offer.form == "view video" and state.model is not None and state.model.live:
-        return "The reconstruction is not finished: wait for it, or continue it."
+        return "The reconstruction is not finished: wait for it or continue it."
     if offer.sees == "path" and not state.cameras.views.path.keyframes:
-        return "There is no camera path yet: the panel Cameras makes one."
+        return "There is no camera path yet: create one in the Cameras panel."
     seen = offer.sees == "time" and state.viewer.snapped
     if offer.form == "view video" and state.view_kind == "difference" and not seen:
-        return "A difference is seen through the clip's camera only: C, or choose another view."
+        return "A difference is shown from the clip's camera only: press C or choose another view."
     if not offer.sides or (offer.sees == "still" and state.clip is None):
         return ""
     if state.clip is None:
@@ -129,7 +129,7 @@ def _too_large(state: AppState) -> str:
     drawn, size = camera.width * camera.height * factor**2, f"{camera.width} × {camera.height}"
     if drawn <= MOST_DRAWN:
         return ""
-    return f"{size} at {factor}× draws {drawn / 1e6:.0f} million pixels, more than {MOST_DRAWN / 1e6:.0f}."
+    return f"{size} at {factor}× needs {drawn / 1e6:.0f} million pixels; the limit is {MOST_DRAWN / 1e6:.0f}."
 
 
 def export_request(state: AppState, what: What) -> ExportRequest | None:
@@ -145,7 +145,7 @@ def save_request(state: AppState) -> ExportRequest | None:
     """A picture of what is shown, beside whatever is exported; None, and said why, where it cannot be."""
     offer = OFFERS["panes and 3D view"]
     if reason := _lacks(state, offer):
-        actions.fail(state, f"the picture was not saved: {reason}")
+        actions.fail(state, f"the image was not saved: {reason}")
         return None
     return _request(state, offer)
 
@@ -263,7 +263,7 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         return
     if isinstance(answer, Failure):
         state.exports.under_way = None
-        actions.fail(state, f"the export was not written: {answer.message}")
+        actions.fail(state, f"the export failed: {answer.message}")
     elif answer.path is not None:
         state.exports.under_way = None
         actions.announce(state, f"exported {answer.path.name} in {answer.path.parent.name}/")
@@ -274,7 +274,7 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
 def take_saved(state: AppState, answer: Step | Failure) -> None:
     """The picture of what is shown has been written, or has not."""
     if isinstance(answer, Failure):
-        actions.fail(state, f"the picture was not saved: {answer.message}")
+        actions.fail(state, f"the image was not saved: {answer.message}")
     elif answer.path is not None:
         actions.announce(state, f"saved {answer.path.name} in {answer.path.parent.name}/")
 

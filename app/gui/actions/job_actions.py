@@ -172,7 +172,7 @@ def why_not_reconstruct(state: AppState) -> str:
     if state.clip is None:
         return "Open a clip first."
     if not state.clip.has_depth and state.clip.points is None:
-        way = "Started with --depth brightness, the app guesses it."
+        way = "Start the app with --depth brightness to estimate it."
         why = state.clip.why_no_depth
         return f"{capital(legible(why))}. {way}" if why else f"This clip has no depth to start from. {way}"
     return ""

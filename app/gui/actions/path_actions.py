@@ -112,7 +112,7 @@ def _change_path(state: AppState, keys: list[Keyframe]) -> None:
     try:
         path = CameraPath(tuple(keys))
     except ValueError as error:
-        actions.fail(state, f"the path stays as it is: {error}")
+        actions.fail(state, f"the path is unchanged: {error}")
     else:
         _change(state, path=path)
 

@@ -38,12 +38,12 @@ def keep(state: AppState, name: str) -> None:
     """The present setting under this name, in place of an own preset of the same name."""
     name = name.strip()[:LONGEST_NAME]
     if not is_preset_name(name):
-        actions.fail(state, "expected a name for the preset that is not one of the built-in ones")
+        actions.fail(state, "expected a name other than those of the built-in presets")
         return
     if len(state.presets | {name: state.params}) > MOST_PRESETS:
-        actions.fail(state, f"expected at most {MOST_PRESETS} presets: delete some of them")
+        actions.fail(state, f"expected at most {MOST_PRESETS} presets: delete some first")
         return
-    _save(state, {**state.presets, name: state.params}, f"kept as preset {name}")
+    _save(state, {**state.presets, name: state.params}, f"saved as preset {name}")
 
 
 def forget(state: AppState, name: str) -> None:
@@ -58,7 +58,7 @@ def _save(state: AppState, presets: dict[str, EnhancementSettings], done: str) -
     try:
         save_presets(file, presets)
     except (OSError, UserError) as error:
-        actions.fail(state, f"the presets cannot be kept: {error}")
+        actions.fail(state, f"the presets cannot be saved: {error}")
         return
     state.presets = presets
     actions.announce(state, done)

@@ -27,7 +27,7 @@ def why_held(state: AppState) -> str:
     """Why the next one does not start by itself, in a sentence; empty when it does."""
     editing = state.editing
     if editing.active or editing.is_unsaved or editing.leaving is not None:
-        return "The next one starts when editing has ended and the edits are saved or discarded."
+        return "The next one starts when you leave edit mode and the edits are saved or discarded."
     return ""
 
 
@@ -62,7 +62,7 @@ def take_up(state: AppState) -> None:
     try:
         requests, damage = take_over(state.places.config)
     except (OSError, UserError) as error:
-        actions.say(state, f"what waited in an earlier session cannot be taken up: {error}")
+        actions.say(state, f"the queue of the earlier session cannot be restored: {error}")
         return
     state.queue = tuple(Waiting(None, request, asleep=True) for request in requests)
     if damage:
@@ -112,7 +112,7 @@ def put_back(state: AppState, request: TrainRequest, reason: str) -> None:
     state.queue = tuple(
         replace(each, asleep=True) if each.request == request else each for each in state.queue
     )
-    actions.fail(state, f"{request.run_path.name} is not made, it waits on: {reason}")
+    actions.fail(state, f"{request.run_path.name} was not started; it stays in the queue: {reason}")
 
 
 # ---- closing the window
@@ -121,25 +121,25 @@ def put_back(state: AppState, request: TrainRequest, reason: str) -> None:
 def at_stake(state: AppState) -> str:
     """What closing the window would end, in a sentence; empty when it ends nothing."""
     run, count = state.reconstruction, len(state.queue)
-    waits = "1 more waits" if count == 1 else f"{count} more wait"
+    waits = "1 more is queued" if count == 1 else f"{count} more are queued"
     if run.is_alive:
         name = run.run_path.name if run.run_path else "A reconstruction"
-        return f"{name} is still being made{f', and {waits}' if count else ''}."
+        return f"{name} is still running{f', and {waits}' if count else ''}."
     if state.batches.under_way is not None:
         return "Files and folders are still being enhanced."
     if not count or to_keep(state):
         return ""
-    return "1 reconstruction waits." if count == 1 else f"{count} reconstructions wait."
+    return "1 reconstruction is queued." if count == 1 else f"{count} reconstructions are queued."
 
 
 def what_is_kept(state: AppState) -> str:
     """Of that, in sentences."""
     if not state.reconstruction.is_alive and state.batches.under_way is not None:
-        return "What is whole is kept; the rest is not made."
-    begun = "What is done up to the last checkpoint is kept: Continue goes on from there."
+        return "Finished files are kept; the rest are not written."
+    begun = "The last checkpoint is kept: Continue resumes from it."
     if not state.queue:
         return begun
-    return f"{begun} What waits {'waits at the next start, too' if to_keep(state) else 'is forgotten'}."
+    return f"{begun} The queue is {'kept for the next start' if to_keep(state) else 'discarded'}."
 
 
 def may_close(state: AppState) -> bool:

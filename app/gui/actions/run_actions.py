@@ -21,7 +21,7 @@ def take_found(state: AppState, answer: FoundRuns | Failure) -> None:
         state.found_runs = answer
     elif state.runs_trouble != answer.message:
         state.runs_trouble = answer.message
-        actions.fail(state, f"earlier reconstructions cannot be looked for: {answer.message}")
+        actions.fail(state, f"earlier reconstructions cannot be listed: {answer.message}")
 
 
 def is_present(state: AppState, run: ListedRun) -> bool:
@@ -42,12 +42,12 @@ def open_run(state: AppState, run: ListedRun) -> None:
 def why_not_open(state: AppState, run: ListedRun) -> str:
     """In a sentence; empty when it can be opened."""
     if is_present(state, run):
-        return "This one is being made now: see Reconstruction."
+        return "This one is in training: see Reconstruction."
     if not state.reconstruction.is_alive:
         return ""
     if run.made != "finished" and not run.has_checkpoint:
-        return "It left nothing to show beside the one that is being made."
-    return "" if state.model is not None else "Wait for the first preview of the one that is being made."
+        return "It has no model to show beside the one in training."
+    return "" if state.model is not None else "Wait for the first preview of the one in training."
 
 
 def continue_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
@@ -61,12 +61,12 @@ def why_not_continue(state: AppState, run: ListedRun) -> str:
     """In a sentence; empty when it can go on."""
     if run.made == "finished":
         return "It is finished."
-    if is_present(state, run) or run.made == "being made":
-        return "It is being made now."
+    if is_present(state, run) or run.made == "training":
+        return "It is in training."
     if any(waiting.request.run_path == run.path for waiting in state.queue):
-        return "It is waiting for its turn."
+        return "It is queued."
     if run.request.clip_options != state.opened_options:
-        return "It was begun with the clip read in another way: open it first."
+        return "It was started with other options for reading the clip: open it first."
     return ""
 
 
@@ -74,10 +74,10 @@ def way_out(run: Reconstruction) -> str:
     """What can be done with a run that failed, in a sentence."""
     folder = RunFolder(run.run_path) if run.run_path is not None else None
     if folder is None or not folder.is_run:
-        return "Nothing of it was kept: change what the sentence above names, and start it again."
+        return "Nothing was saved: correct the problem named above and start again."
     if folder.has_checkpoint:
-        return "Continue goes on from its last checkpoint; Look at it shows the model as it was last seen."
-    return "It left no checkpoint: Continue makes it again from the start."
+        return "Continue resumes from the last checkpoint; View model shows the model as last seen."
+    return "There is no checkpoint: Continue starts over."
 
 
 def has_preview(state: AppState, path: Path | None) -> bool:
@@ -89,7 +89,7 @@ def why_not_look(state: AppState, path: Path | None, *, has_checkpoint: bool) ->
     """Why a run that was cut short cannot be looked at, in a sentence; empty when it can."""
     if has_preview(state, path) or (path is not None and has_checkpoint):
         return ""
-    return "It left neither a preview nor a checkpoint."
+    return "It has neither a preview nor a checkpoint."
 
 
 def look(state: AppState, path: Path | None) -> None:

@@ -24,13 +24,15 @@ def take_second(state: AppState, request: OpenRequest, opened: Opened) -> None:
     shown = opened.splats or (opened.run.model if opened.run is not None else None)
     state.second.opening = None
     if shown is None:
-        actions.fail(state, f"expected a finished run or a file of splats beside the first: {request.path}")
+        actions.fail(state, f"expected a finished run or a splat file beside the first: {request.path}")
         return
     state.second = Second(shown=shown)
     if state.model is not None and shown.first != state.model.first:
-        actions.say(state, f"{shown.name} is of another part of the clip: the same time is another moment")
+        actions.say(
+            state, f"{shown.name} covers another part of the clip: the same time is a different moment"
+        )
     elif state.model is not None and shown.cameras != state.model.cameras:
-        actions.say(state, f"{shown.name} is of another clip: the first one's camera need not see it")
+        actions.say(state, f"{shown.name} is of another clip: the first one's camera may not see it")
 
 
 def refuse_second(state: AppState, request: OpenRequest, reason: str) -> None:

@@ -146,16 +146,16 @@ def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
     base = state.editing.base
     count = len(base.model) if base is not None else 0
     if count != kept.gaussians:
-        said = f"they are of {kept.gaussians} Gaussians, the model has {count}"
-        actions.fail(state, f"unsaved edits of the session were left out: {said}")
+        said = f"they are for {kept.gaussians} Gaussians, the model has {count}"
+        actions.fail(state, f"unsaved edits in the session were not restored: {said}")
         return
     try:
         edits = unpacked(kept.deleted, kept.hidden, count, Path("session"))
     except UserError as error:
-        actions.fail(state, f"unsaved edits of the session were left out: {error}")
+        actions.fail(state, f"unsaved edits in the session were not restored: {error}")
         return
     edit_actions.bring_back(state, edits)
-    actions.announce(state, "unsaved edits of the model are there again: Ctrl+Shift+S saves them")
+    actions.announce(state, "unsaved edits of the model were restored: Ctrl+Shift+S saves them")
 
 
 def _restore_views(state: AppState, session: Session) -> None:
@@ -205,7 +205,7 @@ def take_written(state: AppState, request: WriteRequest, answer: Path | Failure)
         state.autosaved = None
         if state.autosave_trouble != answer.message:
             state.autosave_trouble = answer.message
-            actions.fail(state, f"the session cannot be saved in passing: {answer.message}")
+            actions.fail(state, f"the session cannot be autosaved: {answer.message}")
 
 
 def offer_recovery(state: AppState) -> None:
@@ -213,7 +213,7 @@ def offer_recovery(state: AppState) -> None:
     try:
         state.recoverable = recoverable(state.places.config)
     except OSError as error:
-        actions.say(state, f"earlier sessions cannot be looked for: {error}")
+        actions.say(state, f"earlier sessions cannot be listed: {error}")
 
 
 def recover(state: AppState) -> None:
@@ -229,7 +229,7 @@ def decline(state: AppState) -> None:
         kept = state.recoverable.with_name(f"declined{SUFFIX}")
         with suppress(OSError):
             os.replace(state.recoverable, kept)
-            actions.say(state, f"the earlier session was kept as {kept}")
+            actions.say(state, f"the earlier session was saved as {kept}")
     state.recoverable = None
 
 

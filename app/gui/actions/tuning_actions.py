@@ -42,7 +42,7 @@ def start_grid(state: AppState) -> None:
 def _axis(state: AppState, choice: Choice) -> Axis:
     """Raises UserError: chosen while another method was on."""
     if not hasattr(state.params, choice.name):
-        raise UserError(f"{choice.name} is no parameter of this method: choose another one to vary")
+        raise UserError(f"{choice.name} is not a parameter of this method: choose another one to vary")
     return choice.axis(whole=isinstance(getattr(state.params, choice.name), int))
 
 
@@ -62,7 +62,7 @@ def use_setting(state: AppState, setting: Setting) -> None:
     actions.set_params(state, setting.params)
     actions.settle_params(state)
     state.enhancing = True
-    actions.announce(state, f"using {setting.label}")
+    actions.announce(state, f"now using {setting.label}")
 
 
 def take_cell(state: AppState, request: CellRequest, answer: GridCell | Failure) -> None:

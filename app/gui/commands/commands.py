@@ -28,8 +28,8 @@ from app.gui.state.app_state import AppState
 MODE_KEYS = dict(zip(MODES, ("V", "W", "T", "D"), strict=True))
 MODE_TEXTS: dict[Mode, str] = {
     "side by side": "compare side by side",
-    "wipe": "wipe: one picture with a line to drag",
-    "flip": "one picture: flip between left and right",
+    "wipe": "wipe: one pane with a line to drag",
+    "flip": "flip: one pane, left or right",
     "difference": "difference: where left and right differ, and by how much",
 }
 
@@ -64,24 +64,24 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         Command("Open the built-in phantom", start(outside.phantom)),
     )
     remember = Command(
-        "Remember recent",
+        "Remember recent files",
         lambda s: actions.remember_recent(s, not s.settings.remember_recent),
-        text="keep a list of what was opened; ending that also forgets it",
+        text="keep a list of opened files; turning this off clears it",
         ticked=lambda s: s.settings.remember_recent,
     )
     saving = (
         Command(
-            "Save picture",
+            "Save image",
             start(outside.screenshot),
             ("S",),
-            text="save a picture of what is shown",
+            text="save an image of what is shown",
             applies=has_something,
         ),
         Command(
             "Save the whole window",
             window_actions.save_window,
             ("F12",),
-            text="save a picture of the window as it is",
+            text="save an image of the window as it is",
         ),
         Command(
             "Export…",
@@ -94,13 +94,13 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
             "Enhance files and folders…",
             batch_actions.toggle_batches,
             ("Ctrl+Shift+B",),
-            text="enhance many pictures, videos and folders by the present setting",
+            text="enhance many images, videos and folders with the current settings",
         ),
         Command(
             "Save session",
             start(outside.session),
             ("Ctrl+S",),
-            text="save what is open, its settings, views and notes; opened again like a clip",
+            text="save the open files, settings, views and notes; open it like a clip",
             applies=lambda s: s.opened_path is not None,
         ),
     )
@@ -119,7 +119,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             "Enhancement",
             actions.toggle_enhancement,
             ("E",),
-            text="enhancement on and off",
+            text="enhancement on or off",
             applies=has_clip,
             ticked=lambda s: s.enhancing,
         ),
@@ -128,14 +128,14 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             "Freeze",
             actions.toggle_freeze,
             ("F",),
-            text="hold this frame in the pictures",
+            text="hold this frame in both panes",
             applies=has_clip,
             ticked=lambda s: s.frozen_index is not None,
         ),
     )
     zooms = (
-        Command("Fit", fit_pictures, ("0",), text="fit the whole picture", applies=has_clip),
-        Command("1:1", one_to_one, ("1",), text="show one pixel of the picture for one of the screen",
+        Command("Fit", fit_pictures, ("0",), text="fit the whole frame", applies=has_clip),
+        Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)",
                 applies=has_clip),
     )  # fmt: skip
     parameters = (
@@ -143,7 +143,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             history_actions.undo_name(state),
             history_actions.undo,
             ("Ctrl+Z",),
-            text="undo: the last setting back",
+            text="undo the last change",
             applies=lambda s: len(s.past) > 1 and not s.editing.active,
             repeats=True,
         ),
@@ -151,7 +151,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             history_actions.redo_name(state),
             history_actions.redo,
             ("Ctrl+Y",),
-            text="redo: a setting that was undone",
+            text="redo the last undone change",
             applies=lambda s: bool(s.future) and not s.editing.active,
             repeats=True,
         ),
@@ -160,11 +160,11 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             "Tuning grid",
             tuning_actions.toggle_tuning,
             ("Ctrl+T",),
-            text="tuning grid: a range of settings side by side",
+            text="tuning grid: compare a range of settings",
             ticked=lambda s: s.tuning.shown,
         ),
     )
-    return Section("Picture", looks), Section("Picture", zooms), Section("Picture", parameters)
+    return Section("Image", looks), Section("Image", zooms), Section("Image", parameters)
 
 
 def _compare() -> tuple[Section, ...]:
@@ -206,9 +206,9 @@ def _wipe(steps: int) -> Act:
 
 def _slot(slot: Slot) -> tuple[Command, Command]:
     return (
-        Command(f"Store setting {slot}", lambda s: comparing.store(s, slot), (f"Shift+{slot}",)),
+        Command(f"Store settings {slot}", lambda s: comparing.store(s, slot), (f"Shift+{slot}",)),
         Command(
-            f"Use setting {slot}", lambda s: comparing.recall(s, slot), applies=lambda s: slot in s.stored
+            f"Use settings {slot}", lambda s: comparing.recall(s, slot), applies=lambda s: slot in s.stored
         ),
     )
 
@@ -219,24 +219,24 @@ def _clip() -> tuple[Section, ...]:
             "Play",
             actions.toggle_play,
             ("P", "K"),
-            text="play and pause",
+            text="play or pause",
             applies=lambda s: s.clip is not None and len(s.clip) > 1,
             ticked=lambda s: s.playing,
         ),
-        Command("One frame back", partial(actions.step, frames=-1), ("comma",), applies=has_clip,
+        Command("Previous frame", partial(actions.step, frames=-1), ("comma",), applies=has_clip,
                 repeats=True),
-        Command("One frame on", partial(actions.step, frames=1), ("full stop",), applies=has_clip,
+        Command("Next frame", partial(actions.step, frames=1), ("period",), applies=has_clip,
                 repeats=True),
     )  # fmt: skip
     parts = (
-        Command("Begin here", partial(clip_actions.trim_here, start=True), ("Shift+I",),
-                text="the clip begins here", applies=has_clip),
+        Command("Start here", partial(clip_actions.trim_here, start=True), ("Shift+I",),
+                text="start the clip at this frame", applies=has_clip),
         Command("End here", partial(clip_actions.trim_here, start=False), ("Shift+O",),
-                text="the clip ends here", applies=has_clip),
+                text="end the clip at this frame", applies=has_clip),
         Command("Whole clip", clip_actions.untrim, text="from its first frame to its last",
                 applies=lambda s: s.clip_settings.trim is not None),
-        Command("Tint what is left out", clip_actions.toggle_overlay, ("Shift+M",),
-                text="tint tools and what is masked", applies=has_clip, ticked=lambda s: s.overlay),
+        Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),
+                text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.overlay),
     )  # fmt: skip
     return Section("Clip", time), Section("Clip", parts)
 

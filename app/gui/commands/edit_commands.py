@@ -21,7 +21,7 @@ def edit_sections() -> tuple[Section, ...]:
         "Edit mode",
         edit_actions.toggle,
         ("Ctrl+E",),
-        text="edit the reconstruction, and end that",
+        text="edit the reconstruction, or stop editing",
         applies=lambda s: s.editing.base is not None,
         ticked=_active,
     )
@@ -32,7 +32,13 @@ def edit_sections() -> tuple[Section, ...]:
     )
     change = (
         Command("Delete", edit_actions.delete, ("Del",), "delete the selected Gaussians", _some),
-        Command("Crop to selection", edit_actions.crop, ("Shift+Del",), "delete all others", _some),
+        Command(
+            "Crop to selection",
+            edit_actions.crop,
+            ("Shift+Del",),
+            "delete all other visible Gaussians",
+            _some,
+        ),
         Command("Hide", edit_actions.hide, ("H",), "hide the selected Gaussians", _some),
         Command("Show hidden", edit_actions.show_hidden, ("Shift+H",), applies=_active),
     )

@@ -11,29 +11,29 @@ def job_sections(outside: WindowServices) -> tuple[Section, ...]:
     make_job = outside.make_job
     making = (
         Command("Reconstruct", lambda s: job_actions.start_reconstruction(s, make_job), ("Ctrl+R",),
-                text="reconstruct as it is set: at once, or after those before it",
+                text="reconstruct with the current settings: now, or after those in the queue",
                 applies=lambda s: not job_actions.why_not_reconstruct(s)),
         Command("Pause reconstruction", job_actions.toggle_pause, ("Ctrl+P",),
-                text="pause training, and resume it", ticked=lambda s: s.reconstruction.can_resume,
+                text="pause or resume training", ticked=lambda s: s.reconstruction.can_resume,
                 applies=lambda s: s.reconstruction.can_pause or s.reconstruction.can_resume),
         Command("Cancel reconstruction", job_actions.cancel, ("Ctrl+Shift+X",),
-                text="end training; its last checkpoint is kept",
+                text="stop training; the last checkpoint is kept",
                 applies=lambda s: s.reconstruction.is_alive),
     )  # fmt: skip
     ended = (
-        Command("Continue the run cut short", lambda s: job_actions.continue_reconstruction(s, make_job),
+        Command("Continue the interrupted run", lambda s: job_actions.continue_reconstruction(s, make_job),
                 text="from its last checkpoint", applies=job_actions.can_continue),
-        Command("Look at the run cut short", run_actions.look_at_present,
-                text="the model as it was last seen", applies=_can_look),
+        Command("View the interrupted run", run_actions.look_at_present,
+                text="show the model as last seen", applies=_can_look),
     )  # fmt: skip
     waiting = (
-        Command("Start what waits", queue_actions.wake,
-                text="make what waits since an earlier session, each in its turn",
+        Command("Start the queue", queue_actions.wake,
+                text="run the reconstructions queued in an earlier session",
                 applies=queue_actions.sleeps),
         Command("Move the last to the front", queue_actions.last_to_front,
-                text="of those that wait, make the last one next", applies=lambda s: len(s.queue) > 1),
+                text="move the last of the queue to its front", applies=lambda s: len(s.queue) > 1),
         Command("Empty the queue", queue_actions.empty,
-                text="make none of those that wait", applies=lambda s: bool(s.queue)),
+                text="remove all queued reconstructions", applies=lambda s: bool(s.queue)),
     )  # fmt: skip
     return tuple(Section("Reconstruct", commands) for commands in (making, ended, waiting))
 

@@ -20,19 +20,19 @@ FLIGHT = {
     imgui.Key.s: (0, 0, -1), imgui.Key.w: (0, 0, 1),
 }  # fmt: skip
 """Right, down and forward. In flight these keys do nothing else."""
-FLIGHT_TEXT = "in flight: forward and back, left and right, down and up; the wheel sets the speed"
+FLIGHT_TEXT = "when flying: forward and back, left and right, down and up; the wheel sets the speed"
 MOUSE = (
-    ("Wheel", "zoom at the pointer, both pictures or the 3D view"),
-    ("Drag", "move the pictures; turn the 3D view around its centre, in flight on the spot"),
-    ("Right drag", "move the 3D view"),
-    ("Double click", "fit the pictures; turn the 3D view around this point; slider back to its default"),
+    ("Wheel", "zoom at the pointer, in both panes or the 3D view"),
+    ("Drag", "pan the panes; orbit the 3D view, or look around when flying"),
+    ("Right drag", "pan the 3D view"),
+    ("Double click", "fit the panes; orbit the 3D view around this point; reset a slider"),
     ("Ctrl+click on a slider", "type a value"),
 )
 # A sum of two keys is a number: as an enum it is a member that Python 3.11.2, Debian 12's, cannot make.
 SHIFT_SLASH = int(imgui.Key.mod_shift) + int(imgui.Key.slash)
 NAMED = {
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
-    "comma": imgui.Key.comma, "full stop": imgui.Key.period, "?": SHIFT_SLASH,
+    "comma": imgui.Key.comma, "period": imgui.Key.period, "?": SHIFT_SLASH,
     "plus": imgui.Key.equal, "minus": imgui.Key.minus,
     "keypad plus": imgui.Key.keypad_add, "keypad minus": imgui.Key.keypad_subtract,
     "[": imgui.Key.left_bracket, "]": imgui.Key.right_bracket, "0": imgui.Key._0, "1": imgui.Key._1,

@@ -18,20 +18,20 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
             ticked=lambda s, name=name: outside.panel_shown(name),  # type: ignore[misc]
         )
         for name, text in (
-            ("Log", "panel: what happened in this session"),
-            ("Notes", "panel: notes that are saved with the session"),
-            ("Report", "panel: a report of measurements that was opened"),
+            ("Log", "panel: messages of this session"),
+            ("Notes", "panel: notes saved with the session"),
+            ("Report", "panel: an opened report of measurements"),
         )
     )
     path = Command(
         "Camera path",
         path_actions.toggle_path_shown,
-        text="draw the camera path in the 3D view",
+        text="show the camera path in the 3D view",
         applies=lambda s: bool(s.cameras.views.path.keyframes),
         ticked=lambda s: s.cameras.path_shown,
     )
     layout = Command(
-        "Standard layout", start(outside.layout), text="all panels back where they were at first"
+        "Standard layout", start(outside.layout), text="all panels back to their standard places"
     )
     return (
         Section("View", panels),

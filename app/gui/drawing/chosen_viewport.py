@@ -62,7 +62,7 @@ class ChosenViewport:
         state.processor_draws = own <= card
         faster = "the numba rasteriser" if state.processor_draws else "OpenGL"
         self._say(
-            state, f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms a picture: {faster} draws"
+            state, f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms an image: {faster} draws"
         )
 
     def _give_up(self, state: AppState, error: Exception) -> None:

@@ -135,7 +135,7 @@ class Dialogs:
     def _draw_entries(self, browser: Browser) -> None:
         if not browser.entries:
             what = "folder" if browser.kind == "folder" else "file or folder"
-            imgui.text_colored(theme.now().muted, f"No {what} in here.")
+            imgui.text_colored(theme.now().muted, f"No {what} here.")
         for index, entry in enumerate(browser.entries):
             icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
             flags = imgui.SelectableFlags_.no_auto_close_popups | imgui.SelectableFlags_.allow_double_click

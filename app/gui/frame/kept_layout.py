@@ -37,7 +37,9 @@ def put_aside_damaged(layout: Path) -> str:
             return ""
     aside = layout.with_name(f"{layout.name}.damaged")
     os.replace(layout, aside)
-    return f"the layout of the window cannot be read and is as at first; the file is kept as {aside.name}"
+    return (
+        f"the window layout cannot be read, so the standard one is used; the old file is kept as {aside.name}"
+    )
 
 
 def _seal_of(layout: Path) -> Path:

@@ -16,8 +16,8 @@ from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain, floating, row
 
 TEXT = (
-    "Every picture and video of the list, and of all folders below, is enhanced by the present setting into "
-    "a new folder of the same structure. The originals stay as they are."
+    "Enhances every image and video in the list, subfolders included, with the current settings into "
+    "a new folder of the same structure. The originals are not changed."
 )
 LISTED = 6
 """Lines of a list before it scrolls."""
@@ -59,14 +59,14 @@ def draw_batches(state: AppState, asking: Asking) -> None:
 
 def _draw_adding(state: AppState, asking: Asking) -> None:
     button(f"{icons.ICON_FA_PLUS}  Folder…###add folder", asking.folder, width=8)
-    explain("A folder with pictures, videos and folders of them, or a clip.")
+    explain("A folder of images, videos or subfolders, or a clip.")
     imgui.same_line()
     button(f"{icons.ICON_FA_PLUS}  File…###add file", asking.file, width=8)
-    explain("One picture or one video.")
+    explain("One image or one video.")
     imgui.same_line()
     clear, some = lambda: batch_actions.clear_inputs(state), bool(state.batches.inputs)
     button("Clear###clear", clear, enabled=some, width=6)
-    explain("Take all off the list; no file is touched.")
+    explain("Clear the list; no file is touched.")
 
 
 def _draw_inputs(state: AppState) -> None:
@@ -75,23 +75,23 @@ def _draw_inputs(state: AppState) -> None:
     height = lines * imgui.get_text_line_height_with_spacing() + em(1.1)
     with imgui_ctx.begin_child("inputs", ImVec2(0, height), imgui.ChildFlags_.borders):
         if not inputs:
-            imgui.text_colored(theme.now().muted, "Nothing yet: add folders or files.")
+            imgui.text_colored(theme.now().muted, "Nothing to enhance yet: add folders or files.")
         for place, path in enumerate(inputs):
             with imgui_ctx.push_id(str(place)):
                 if imgui.small_button(f"{icons.ICON_FA_TRASH}###remove"):
                     batch_actions.remove_input(state, place)
-                explain("Take it off the list; no file is touched.")
+                explain("Remove from the list; no file is touched.")
                 imgui.same_line()
                 imgui.text_unformatted(legible(path.name))
                 explain(str(path))
 
 
 def _draw_choices(state: AppState, asking: Asking) -> None:
-    row("Setting", "The panel Enhancement changes it. Masks drawn over a clip belong to that clip alone.")
+    row("Settings", "Set in the Enhancement panel. Masks drawn on a clip apply to that clip only.")
     imgui.text_unformatted(batch_actions.summary(state))
-    row("Into", "A new folder is made there for every batch: nothing is overwritten.")
+    row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
     button("Choose…###target", asking.target)
-    explain("Another folder for the results.")
+    explain("Choose another folder for the results.")
     imgui.same_line()
     folder = batch_actions.results_folder(state)
     imgui.text_unformatted(f"{legible(folder.name)}/enhanced-…/")
@@ -103,18 +103,20 @@ def _draw_progress(state: AppState, asking: Asking) -> None:
     if batches.under_way is None:
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             button("Enhance all###start", asking.start, enabled=not reason, width=-1)
-        explain(reason or "In the background; sliders and pictures go on. Each file says how it was made.")
+        explain(
+            reason or "Runs in the background; the window stays usable. Each file records how it was made."
+        )
         return
     step = batches.progressed.step if batches.progressed is not None else None
     if step is None:
-        share, said = 0.0, "looking for pictures…"
+        share, said = 0.0, "looking for images…"
     else:
         share = (step.place + (step.done / step.total if step.total else 0.0)) / step.count
         said = f"{step.place} of {step.count}   {legible(step.name)}   {step.done} / {step.total}"
     imgui.progress_bar(min(share, 1.0), ImVec2(-em(7), 0), said)
     imgui.same_line()
     button("Cancel", asking.cancel, width=6)
-    explain("What is whole stays; nothing is left half-written.")
+    explain("Finished files are kept; no file is left incomplete.")
 
 
 def _draw_failed(failed: tuple[Failed, ...]) -> None:

@@ -23,7 +23,7 @@ def draw_cameras(state: AppState, ask_file: Act) -> None:
     if state.model is None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(
-                theme.now().muted, "Views and camera paths need a reconstruction: make or open one."
+                theme.now().muted, "Views and camera paths need a reconstruction: start or open one."
             )
         return
     _draw_files(state, ask_file)
@@ -45,10 +45,10 @@ def _draw_files(state: AppState, ask_file: Act) -> None:
     imgui.same_line()
     has_some = bool(views.named or views.path.keyframes)
     button("Save###save", lambda: path_actions.save_views(state), enabled=has_some)
-    explain("All views and the path, for this app and for vesselsplat export --path.")
+    explain("Save all views and the path, for this app and for vesselsplat export --path.")
     imgui.same_line()
     button("Export…###export", _open_export)
-    explain("Poses as cameras.json, for other programs.")
+    explain("Export the poses as cameras.json for other programs.")
     with imgui_ctx.begin_popup("export") as popup:
         if popup:
             if imgui.menu_item_simple("The clip's cameras"):
@@ -65,8 +65,8 @@ def _draw_new_view(state: AppState) -> None:
     imgui.set_next_item_width(-em(6))
     _, state.cameras.name = imgui.input_text_with_hint("##name", "name of this view", state.cameras.name)
     imgui.same_line()
-    button(f"{icons.ICON_FA_PLUS} Keep###keep", lambda: path_actions.save_view(state), width=-1)
-    explain("B: keep what the 3D view is seen from under this name.")
+    button(f"{icons.ICON_FA_PLUS} Add###keep", lambda: path_actions.save_view(state), width=-1)
+    explain("B: add this viewpoint under this name.")
 
 
 def _draw_view(state: AppState, index: int) -> None:
@@ -75,7 +75,7 @@ def _draw_view(state: AppState, index: int) -> None:
         width = imgui.get_content_region_avail().x - em(5.2)
         if imgui.selectable(f"{legible(one.name)}###go", False, 0, ImVec2(width, 0))[0]:
             path_actions.go_to(state, one.camera)
-        explain("See the reconstruction from here.")
+        explain("View the reconstruction from here.")
         imgui.same_line()
         if imgui.small_button(f"{icons.ICON_FA_EDIT}###rename"):
             imgui.open_popup("name")
@@ -102,25 +102,25 @@ def _draw_rename(state: AppState, index: int, name: str) -> None:
 def _draw_path(state: AppState, model: Scene) -> None:
     cameras, path = state.cameras, state.cameras.views.path
     button(f"{icons.ICON_FA_PLUS} Keyframe###keyframe", lambda: path_actions.add_keyframe(state))
-    explain("I: this view and this time, at the path's present second or after its end.")
+    explain("I: add this view and time to the path, at its current second or after its end.")
     imgui.same_line()
     icon = icons.ICON_FA_PAUSE if cameras.playing else icons.ICON_FA_PLAY
     enabled = len(path.keyframes) > 1
     button(f"{icon}###path", lambda: path_actions.toggle_path(state), enabled=enabled, width=2.2)
-    explain("L: play the path, and stop. It takes two keyframes.")
+    explain("L: play or stop the path. Needs two keyframes.")
     imgui.same_line()
     changed, loop = imgui.checkbox("Loop", cameras.views.loop)
-    explain("Again from the beginning; without a corner where the last keyframe is the first one's view.")
+    explain("Repeat from the start; smooth where the last keyframe has the view of the first.")
     if changed:
         path_actions.set_loop(state, loop)
     imgui.same_line()
     changed, _ = imgui.checkbox("Show", cameras.path_shown)
-    explain("The path in the 3D view, with a small camera at each keyframe: also in the View menu.")
+    explain("Show the path in the 3D view, with a small camera at each keyframe. Also in the View menu.")
     if changed:
         path_actions.toggle_path_shown(state)
     if not path.keyframes:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, "Move the view, add a keyframe, move on, add the next.")
+            imgui.text_colored(theme.now().muted, "Move the view, add a keyframe, move again, add the next.")
         return
     if enabled:
         imgui.set_next_item_width(-em(0.1))
@@ -148,7 +148,7 @@ def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> 
     imgui.table_next_column()
     imgui.set_next_item_width(-em(0.1))
     changed, seconds = imgui.drag_float("##seconds", key.seconds, 0.02, 0, 3600, "%.2f s")
-    explain("When the path is here. Drag, or Ctrl+click to type.")
+    explain("When the path reaches this keyframe. Drag, or Ctrl+click to type.")
     if changed:
         path_actions.move_keyframe(state, index, seconds)
     imgui.table_next_column()
@@ -156,13 +156,17 @@ def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> 
     first, last = model.start + 1, model.start + len(model.cameras)
     number, form = model.number_at(key.time), model.form(key.time)
     changed, number = imgui.drag_float("##time", number, 0.05, first, last, form)
-    explain("The moment of the clip that is seen: a frame, or between two. Drag, or Ctrl+click to type.")
+    explain("The moment of the clip that is shown: a frame, or between two. Drag, or Ctrl+click to type.")
     if changed:
         path_actions.retime_keyframe(state, index, model.time_of(number))
     imgui.table_next_column()
     acts: tuple[tuple[str, str, Act], ...] = (
-        (icons.ICON_FA_EYE, "See it", lambda: path_actions.seek_path(state, key.seconds)),
-        (icons.ICON_FA_SYNC, "From here and now", lambda: path_actions.replace_keyframe(state, index)),
+        (icons.ICON_FA_EYE, "Go to it", lambda: path_actions.seek_path(state, key.seconds)),
+        (
+            icons.ICON_FA_SYNC,
+            "Set to this view and time",
+            lambda: path_actions.replace_keyframe(state, index),
+        ),
         (icons.ICON_FA_TRASH, "Delete", lambda: path_actions.delete_keyframe(state, index)),
     )
     for icon, text, act in acts:

@@ -22,7 +22,7 @@ from app.gui.style.widgets import beside, beside_of, button, centered, em, expla
 
 MODE_LABELS = [mode.capitalize() for mode in MODES]
 MODE_TEXT = (
-    "V: side by side. W: wipe, with a line to drag. T: one picture that flips between left and right. "
+    "V: side by side. W: wipe, with a line to drag. T: one pane that flips between left and right. "
     "D: where and by how much they differ."
 )
 ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, blue where all are at 0."
@@ -53,25 +53,25 @@ def _draw_toolbar(state: AppState) -> None:
     label = "Enhancement on" if state.enhancing else "Enhancement off"
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.enhancing)):
         button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=8)
-    explain("E: on and off. Esc: plain white light. Hold Space: the original in every pane.")
+    explain("E: on or off. Esc: plain white light. Hold Space: the original in every pane.")
     beside("Frozen")
     freezing = state.frozen_index is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(freezing, caution=True)):
         button("Frozen###freeze" if freezing else "Freeze###freeze", lambda: actions.toggle_freeze(state))
-    explain("F: hold this frame in both pictures while time goes on.")
+    explain("F: hold this frame in both panes while the clip plays on.")
     beside_of(em(7), 1)
     _draw_modes(state)
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit, 1)
     button(fit, lambda: fit_pictures(state))
-    explain("0 or a double click: the whole picture.")
+    explain("0 or double click: fit the whole frame.")
     beside("1:1")
     button("1:1", lambda: one_to_one(state))
-    explain("1: one pixel of the picture for one of the screen.")
+    explain("1: actual pixels (1:1).")
     beside_of(em(4))
     imgui.align_text_to_frame_padding()
     imgui.text_colored(theme.now().muted, f"{100 * state.zoom:.0f} %".rjust(6))
-    explain("Pixels of the screen for one of the picture.")
+    explain("Screen pixels per image pixel.")
     _draw_slots(state)
 
 
@@ -79,7 +79,7 @@ def _draw_slots(state: AppState) -> None:
     for slot, gap in zip(SLOTS, (1.0, 0.5), strict=True):
         beside(f"Store {slot}", gap)
         button(f"Store {slot}", partial(comparing.store, state, slot))
-        explain(f"Shift+{slot}: keep the present setting as {slot}, to compare with and to go back to.")
+        explain(f"Shift+{slot}: store the current settings as {slot}, to compare with or return to.")
 
 
 def _draw_modes(state: AppState) -> None:

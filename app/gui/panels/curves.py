@@ -22,9 +22,9 @@ FLAGS = (
     | implot.Flags_.no_mouse_text
     | implot.Flags_.no_legend
 )
-PSNR = "Line: of the training frames' tissue. Dots: of up to 4 frames held out of training, over all pixels."
-DEPTH = "Root mean square error along z on the same frames, where the clip has a depth and the model, too."
-COUNT = "How many make up the model."
+PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
+DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
+COUNT = "Number of Gaussians in the model."
 
 Line = NDArray[np.float64]
 NO_DOTS: Line = np.empty((2, 0))
@@ -44,7 +44,9 @@ def draw_curves(run: Reconstruction) -> None:
         unit = run.clip.unit if run.clip is not None else SCENE_UNITS
         said = f"{depth[1, -1]:.3g} {unit}"
         _draw("Depth error", said, ink.danger, depth, end, "{:.2g}".format, DEPTH, depth)
-    _draw("Loss", f"{now.loss:.4f}", ink.warning, loss, end, "{:.2g}".format, "Mean since the point before.")
+    _draw(
+        "Loss", f"{now.loss:.4f}", ink.warning, loss, end, "{:.2g}".format, "Mean since the previous point."
+    )
     _draw("Gaussians", grouped(now.n_gaussians), ink.shade(0.75), count, end, "{:,.0f}".format, COUNT)
 
 

@@ -42,9 +42,7 @@ def said(state: AppState) -> str:
     editing = state.editing
     seen, chosen = len(editing.edits.visible), len(editing.edits.selected)
     selected = f"EDIT MODE · {grouped(chosen)} of {grouped(seen)} selected" if editing.active else ""
-    left_out = (
-        f"EDITED · {grouped(editing.edits.count - seen)} left out" if not editing.edits.is_empty else ""
-    )
+    left_out = f"EDITED · {grouped(editing.edits.count - seen)} removed" if not editing.edits.is_empty else ""
     unsaved = "UNSAVED" if editing.is_unsaved else ""
     return " · ".join(part for part in (selected, left_out, unsaved) if part)
 

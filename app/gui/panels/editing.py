@@ -18,21 +18,21 @@ from renderer.editing.sight import Trait
 PANEL = "Edit"
 HOWS: tuple[Combination, ...] = get_args(Combination)
 TOOL_TEXTS: dict[Tool, str] = {
-    "look": "Shift+V: drags turn the view, as outside edit mode. Alt+drag turns it with every tool.",
-    "rectangle": "Shift+R: drag a rectangle. It selects Gaussians whose centres lie in it, at any depth.",
-    "lasso": "Shift+L: drag around what is to be selected, at any depth.",
-    "sphere": "Shift+S: click on the surface; all within the radius is selected.",
-    "box": "Shift+K: click on the surface; all within the box is selected.",
+    "look": "Shift+V: dragging turns the view, as outside edit mode. Alt+drag turns it with any tool.",
+    "rectangle": "Shift+R: drag a rectangle. Selects the Gaussians whose centres are inside, at any depth.",
+    "lasso": "Shift+L: drag around the Gaussians to select, at any depth.",
+    "sphere": "Shift+S: click on the surface. Selects everything within the radius.",
+    "box": "Shift+K: click on the surface. Selects everything inside the box.",
 }
 TRAIT_TEXTS: dict[Trait, tuple[str, str]] = {
-    "opacity": ("Opacity", "From transparent, 0, to solid, 1, at this time."),
-    "size": ("Size", "Largest standard deviation, in the clip's unit, at this time."),
-    "depth": ("Depth", "Along the axis of this view's camera, in the clip's unit, at this time."),
-    "motion": ("Motion", "Largest distance from where it is at the clip's start, in the clip's unit."),
+    "opacity": ("Opacity", "Opacity at this time, from 0 (transparent) to 1 (opaque)."),
+    "size": ("Size", "Largest standard deviation at this time, in the clip's unit."),
+    "depth": ("Depth", "Distance along this view's axis at this time, in the clip's unit."),
+    "motion": ("Motion", "Largest distance from its position at the start of the clip, in the clip's unit."),
 }
 HOW_TEXT = (
-    "What a tool does to the selection. Shift adds, Ctrl subtracts, both together keep what is in both, "
-    "whatever is chosen here."
+    "What a tool does to the selection. Shift adds, Ctrl subtracts, Shift+Ctrl intersects, "
+    "whatever is set here."
 )
 
 
@@ -40,7 +40,7 @@ def draw_editing(state: AppState) -> None:
     """Everything that has a key has a button here."""
     editing = state.editing
     if editing.base is None:
-        imgui.text_colored(theme.now().muted, "There is no finished reconstruction to edit.")
+        imgui.text_colored(theme.now().muted, "No finished reconstruction to edit.")
         return
     _draw_tools(state, editing)
     _draw_counts(editing)
@@ -70,7 +70,7 @@ def _draw_tools(state: AppState, editing: Editing) -> None:
 
 
 def _draw_radius(state: AppState, editing: Editing) -> None:
-    text = "Of the sphere, or half of the box's edge, in the clip's unit. Let go to select with it again."
+    text = "Radius of the sphere, or half the edge of the box, in the clip's unit. Release to select again."
     distance = editing.base.distance if editing.base else 1.0
     row("Radius", text)
     imgui.set_next_item_width(-em(0.1))
@@ -100,36 +100,36 @@ def _draw_changes(state: AppState, editing: Editing) -> None:
     hidden = len(editing.edits.hidden) > 0
     rows = (
         (
-            ("All", edit_actions.select_all, True, "Ctrl+A: select all that can be seen."),
-            ("None", edit_actions.select_none, some, "Ctrl+D: select nothing."),
-            ("Invert", edit_actions.invert, True, "Ctrl+Shift+I: select what is not selected."),
+            ("All", edit_actions.select_all, True, "Ctrl+A: select everything visible."),
+            ("None", edit_actions.select_none, some, "Ctrl+D: clear the selection."),
+            ("Invert", edit_actions.invert, True, "Ctrl+Shift+I: invert the selection."),
         ),
         (
-            ("Delete", edit_actions.delete, some, "Del: remove the selected Gaussians, at all times."),
-            ("Crop", edit_actions.crop, some, "Shift+Del: remove what can be seen and is not selected."),
+            ("Delete", edit_actions.delete, some, "Del: delete the selected Gaussians, at all times."),
+            ("Crop", edit_actions.crop, some, "Shift+Del: delete everything visible that is not selected."),
             (
                 "Hide",
                 edit_actions.hide,
                 some,
-                "H: not drawn nor exported, and safe from changes, until shown.",
+                "H: hide the selection; it is neither rendered, exported nor edited until shown again.",
             ),
-            ("Show", edit_actions.show_hidden, hidden, "Shift+H: show all that is hidden."),
+            ("Show", edit_actions.show_hidden, hidden, "Shift+H: show everything hidden."),
         ),
         (
             (
                 "Undo",
                 edit_actions.undo,
                 bool(history.past),
-                "Ctrl+Z in edit mode: one edit or selection back.",
+                "Ctrl+Z in edit mode: undo an edit or selection.",
             ),
             (
                 "Redo",
                 edit_actions.redo,
                 bool(history.future),
-                "Ctrl+Y in edit mode: one edit or selection on.",
+                "Ctrl+Y in edit mode: redo an edit or selection.",
             ),
-            ("Save", save, editing.is_unsaved, f"Ctrl+Shift+S: keep the edits {_kept(editing)}."),
-            ("Done", edit_actions.toggle, True, "Ctrl+E: leave edit mode; edits stay, also unsaved ones."),
+            ("Save", save, editing.is_unsaved, f"Ctrl+Shift+S: save the edits {_kept(editing)}."),
+            ("Done", edit_actions.toggle, True, "Ctrl+E: leave edit mode. Edits stay, saved or not."),
         ),
     )
     for line in rows:
@@ -157,7 +157,7 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
     )
     ended = imgui.is_item_deactivated_after_edit()
     imgui.end_disabled()
-    explain(f"{text} Drag either end, or double click to type; let go to select." if enabled else text)
+    explain(f"{text} Drag either end, or double click to type; release to select." if enabled else text)
     if changed:
         editing.ranges[trait] = (low, high)
     if ended:
@@ -165,7 +165,7 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
 
 
 def _kept(editing: Editing) -> str:
-    return "beside the run; the trained model stays as it is" if editing.is_of_run else "as a new PLY file"
+    return "beside the run; the trained model is not changed" if editing.is_of_run else "as a new PLY file"
 
 
 def save(state: AppState) -> None:
@@ -188,7 +188,7 @@ def draw_question(state: AppState) -> None:
         with imgui_ctx.push_text_wrap_pos(0):
             left_out = grouped(edits.count - len(edits.visible))
             imgui.text_unformatted(
-                f"{left_out} of {grouped(edits.count)} Gaussians are edited away and not saved."
+                f"{left_out} of {grouped(edits.count)} Gaussians are removed, and this is not saved."
             )
         imgui.spacing()
         width, reply = _share(3, 0.5), ""

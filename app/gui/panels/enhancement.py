@@ -82,7 +82,10 @@ def _change(state: AppState, params: EnhancementSettings) -> None:
 
 
 def _draw_method(state: AppState) -> None:
-    text = "The paper's, or the own preset, which darkens and reddens narrow dark structures as blood would."
+    text = (
+        "The paper's method, or VesselSplat's preset, which darkens and reddens narrow "
+        "dark structures as blood would."
+    )
     now = METHODS.index(type(state.params))
     chosen = _choose("Method", now, METHOD_LABELS, text)
     if chosen != now:
@@ -90,9 +93,9 @@ def _draw_method(state: AppState) -> None:
 
 
 def _draw_presets(state: AppState) -> None:
-    row("Preset", "Settings by name. Keep: the present ones under a name of your own.")
+    row("Preset", "Named settings. Save stores the current ones under a name of yours.")
     imgui.set_next_item_width(-em(4.0))
-    shown = preset_name(state.params, state.presets) or "own setting"
+    shown = preset_name(state.params, state.presets) or "custom"
     if imgui.begin_combo("##preset", legible(shown)):
         for name in BUILT_IN:
             if imgui.selectable(name, name == shown)[0]:
@@ -100,9 +103,9 @@ def _draw_presets(state: AppState) -> None:
         _draw_own(state, shown)
         imgui.end_combo()
     imgui.same_line()
-    if imgui.button("Keep…", ImVec2(-1, 0)):
+    if imgui.button("Save…", ImVec2(-1, 0)):
         imgui.open_popup("keep preset")
-    explain("Under a name of your own, for later sessions.")
+    explain("Save under a name of yours, for later sessions.")
     _draw_keep(state)
 
 
@@ -132,7 +135,7 @@ def _draw_keep(state: AppState) -> None:
     imgui.same_line()
     named = bool(state.preset_draft.strip())
     imgui.begin_disabled(not named)
-    entered |= imgui.button("Keep")
+    entered |= imgui.button("Save")
     imgui.end_disabled()
     if entered and named:
         preset_actions.keep(state, state.preset_draft)
@@ -152,7 +155,7 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
     if not isinstance(params.p, tuple):
         p = sum(used.p) / len(used.p) if used and used.p else None
         return slide_auto(params, "p", "Detail P", p, 0.5)
-    text = "Each window has its own, below under Windows."
+    text = "Each window has its own P, see Windows below."
     row("Detail P", text)
     imgui.align_text_to_frame_padding()
     imgui.text_colored(theme.now().muted, "   ".join(f"{p:.2f}" for p in params.p))
@@ -160,7 +163,7 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
     imgui.same_line()
     made: list[EnhanceParams] = []
     button("One P", lambda: made.append(scales.together(params)), width=-1.0)
-    explain("The same for every window.")
+    explain("Use the same P for every window.")
     return made[0] if made else params
 
 
@@ -178,9 +181,11 @@ def _draw_rest(params: EnhancementSettings, used: Statistics | None) -> Enhancem
 
 def _draw_scope(state: AppState) -> None:
     """What the automatic values are taken from."""
-    text = "Of each frame as in the paper, or pooled over the clip, so that playing does not flicker."
+    text = (
+        "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
+    )
     state.scope = SCOPES[_choose("Statistics", SCOPES.index(state.scope), SCOPE_LABELS, text)]
-    text = "All as in the paper, or without tools and the black surround."
+    text = "Measured on all pixels as in the paper, or without tools and the black surround."
     state.tissue_only = bool(_choose("Pixels", int(state.tissue_only), PIXEL_LABELS, text))
 
 
@@ -202,4 +207,4 @@ def _draw_edits(state: AppState) -> None:
     imgui.same_line(0, em(0.5))
     changed = state.params != type(state.params)()
     button("Reset all", partial(actions.reset_params, state), enabled=changed, width=width)
-    explain("R. One value alone: double click on its slider, or right click.")
+    explain("R. For a single value, double click or right click its slider.")

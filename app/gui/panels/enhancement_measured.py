@@ -41,12 +41,12 @@ ROWS: tuple[tuple[str, str, Callable[[Measures], str]], ...] = (
     ("Saturated", "saturated_share", lambda one: _number(100 * one.saturated_share, ".1f") + " %"),
 )
 DV_TEXT = (
-    "Detail and background variance in grey levels squared; an inferred definition: the paper prints none."
+    "Variance of detail and background, in squared grey levels. Inferred definition: the paper gives none."
 )
 UNUSED = "unused"
 SIGMA_TEXT = (
     "Eq 9: standard deviation of each window's base layer, in grey levels. "
-    "Not measured of a frame while P is set by hand."
+    "Not measured while P is set by hand."
 )
 
 
@@ -66,11 +66,11 @@ def draw_curves(state: AppState) -> None:
     seen = state.measured if _is_of_frame(state.measured, pictures) else None
     spreads = None if seen is None else (seen.photo.value, seen.enhanced.value)
     _draw_plot("V", size, spreads, (made.given, made.value), used.level / 255)
-    explain("Eq 1: V to Vn, at the marked L. Grey: histogram of the photo; blue: of the enhanced picture.")
+    explain("Eq 1: V to Vn, at the marked L. Histograms: grey, the original frame; blue, the enhanced one.")
     imgui.same_line(0, em(0.5))
     spreads = None if seen is None else (seen.photo.saturation, seen.enhanced.saturation)
     _draw_plot("S", size, spreads, (made.given, made.saturation), used.saturation_mean)
-    explain("Eqs 11 and 12: S to S*, at the marked mean S_m. Grey: photo; blue: enhanced picture.")
+    explain("Eqs 11 and 12: S to S*, at the marked mean S_m. Grey: original frame; blue: enhanced.")
     _captions(used, size.x)
 
 
@@ -103,7 +103,7 @@ def _draw_plot(
     implot.setup_axis_limits(implot.ImAxis_.y1, 0, 1.02, implot.Cond_.always)
     ink = theme.now()
     fills = (ink.shade(0.75), ink.accent)
-    for label, color, shares in zip(("photo", "enhanced"), fills, spreads or (), strict=False):
+    for label, color, shares in zip(("original", "enhanced"), fills, spreads or (), strict=False):
         implot.plot_shaded(label, MIDDLES, shares, 0.0, implot.Spec(fill_color=color, fill_alpha=FILL_ALPHA))
     implot.plot_line("same", line[0], line[0], implot.Spec(line_color=ink.shade(0.4), line_weight=em(0.06)))
     implot.plot_line("curve", *line, implot.Spec(line_color=ink.text, line_weight=em(0.12)))
@@ -131,7 +131,7 @@ def _draw_table(seen: Measured) -> None:
             return
         for column, width in enumerate((8.0, 4.4, 4.4)):
             imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        _row("inferred definition:", "photo", "enhanced", DV_TEXT, theme.now().muted)
+        _row("inferred definition:", "original", "enhanced", DV_TEXT, theme.now().muted)
         for name, key, text in ROWS:
             why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
             _row(name, text(seen.before), text(seen.after), why, theme.now().text)
@@ -159,12 +159,12 @@ def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str
     sigmas = "  ".join(f"{sigma:.0f}" for sigma in used.sigmas) or UNUSED
     exponents = "  ".join(f"{p:.2f}" for p in dict.fromkeys(used.p))
     return (
-        ("L", f"{used.level:.0f}", "Eq 2: grey level below which a tenth of the picture lies."),
+        ("L", f"{used.level:.0f}", "Eq 2: grey level below which a tenth of the pixels lie."),
         ("σ", sigmas, SIGMA_TEXT),
-        ("z", f"{used.z:.3f}", "Eq 1: brightness factor in use."),
-        ("P", exponents, "Eq 7: exponent in use at each window."),
+        ("z", f"{used.z:.3f}", "Eq 1: brightness factor used."),
+        ("P", exponents, "Eq 7: exponent used for each window."),
         ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
-        ("time", f"{milliseconds:.0f} ms", "Of the enhancement of this frame, here."),
+        ("time", f"{milliseconds:.0f} ms", "Time to enhance this frame on this computer."),
     )
 
 

@@ -43,13 +43,13 @@ def _draw_scale(params: EnhanceParams, index: int, exponents: tuple[float, ...])
     imgui.same_line(0, em(0.25))
     imgui.set_next_item_width(width - em(0.25))
     moved, value = slider("##p", float(exponents[index]), p, "P %.2f", CLAMPED)
-    explain(f"{p.text} Moved here, each window has its own.")
+    explain(f"{p.text} Changed here, each window has its own P.")
     params = scales.with_exponent(params, index, value, exponents) if moved else params
     imgui.same_line(0, em(0.25))
     imgui.begin_disabled(len(params.radii) < 2)
     removed = imgui.button("–", ImVec2(-1, 0))
     imgui.end_disabled()
-    explain("Leave this window out.")
+    explain("Remove this window.")
     return scales.without_scale(params, index) if removed else params
 
 
@@ -58,11 +58,11 @@ def _draw_counts(params: EnhanceParams) -> EnhanceParams:
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + em(NAMES))
     more = len(params.radii) < scales.MOST_SCALES
     button("Add window", lambda: made.append(scales.with_scale(params)), enabled=more)
-    explain(f"One more, twice as wide; {scales.MOST_SCALES} at most.")
+    explain(f"Add a window twice as wide; at most {scales.MOST_SCALES}.")
     imgui.same_line()
     apart = isinstance(params.p, tuple)
     button("One P for all", lambda: made.append(scales.together(params)), enabled=apart)
-    explain("The mean of the exponents above for every window.")
+    explain("Use the mean of the exponents above for every window.")
     return made[0] if made else params
 
 

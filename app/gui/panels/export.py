@@ -17,16 +17,19 @@ from app.gui.style.widgets import button, em, explain, floating, row
 from app.scenes.supersampling import FACTORS
 
 SCALES = (1, 2, 3, 4)
-SCALE_TEXT = (
-    "Pixels of the file a pixel of the picture, each way; or a width in pixels, to which it is resampled."
-)
+SCALE_TEXT = "File pixels per image pixel along each axis, or a width in pixels to resample to."
 VIEW_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
-VIEW_TEXT = "Pixels of the 3D view. As shown: its shape on screen, no smaller than the clip's photos."
-FACTOR_TEXT = "Supersampling: so many times as many pixels each way, averaged. Smoother edges, slower."
-WINDOW_TEXT = "F12: the whole window as it is on the screen. It cannot be replayed."
+VIEW_TEXT = (
+    "Size of the 3D view in pixels. As shown: its shape on screen, at least as large as the clip's frames."
+)
+FACTOR_TEXT = (
+    "Supersampling: rendered with this many times the pixels along each axis, then "
+    "averaged. Smoother edges, slower."
+)
+WINDOW_TEXT = "F12: the whole window as it is on screen. It cannot be replayed."
 FIRST_WIDTH = 1024
-GROUPS = (("Pictures", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
-REPLAY = "Each carries how it was made: vesselsplat replay FILE makes it again."
+GROUPS = (("Images", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
+REPLAY = "Each file records how it was made: vesselsplat replay FILE reproduces it."
 Start = Callable[[What], None]
 
 
@@ -89,7 +92,7 @@ def _draw_picture_size(state: AppState) -> None:
         state.exports.sizing = chosen
     if state.exports.sizing.width is not None:
         imgui.same_line()
-        width = _pixels("##width", state.exports.sizing.width, "Width of each pane's picture, in pixels.")
+        width = _pixels("##width", state.exports.sizing.width, "Width of each pane, in pixels.")
         imgui.same_line()
         imgui.text_colored(theme.now().muted, "pixels")
         state.exports.sizing = Sizing(width=width)
@@ -108,14 +111,14 @@ def _draw_view_size(state: AppState) -> None:
     if now == len(labels) - 1 and state.exports.view_size is not None:
         width, height = state.exports.view_size
         imgui.same_line()
-        width = _pixels("##view width", width, "Pixels across.")
+        width = _pixels("##view width", width, "Width in pixels.")
         imgui.same_line()
         imgui.text("×")
         imgui.same_line()
-        state.exports.view_size = width, _pixels("##view height", height, "Pixels down.")
+        state.exports.view_size = width, _pixels("##view height", height, "Height in pixels.")
     imgui.same_line()
     imgui.set_next_item_width(em(8))
-    labels = ["Drawn once" if factor == 1 else f"Drawn {factor}× finer" for factor in FACTORS]
+    labels = ["No supersampling" if factor == 1 else f"{factor}× supersampling" for factor in FACTORS]
     _, index = imgui.combo("##supersampling", FACTORS.index(state.exports.supersampling), labels)
     explain(FACTOR_TEXT)
     state.exports.supersampling = FACTORS[index]
@@ -133,13 +136,13 @@ def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
     under_way = state.exports.under_way
     if under_way is None:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, f"Files go to {legible(str(state.places.pictures))}")
+            imgui.text_colored(theme.now().muted, f"Files are saved in {legible(str(state.places.pictures))}")
             imgui.text_colored(theme.now().muted, REPLAY)
         return
     total = max(under_way.request.steps, 1)
     imgui.progress_bar(under_way.done / total, ImVec2(-em(7), 0), f"{under_way.done} of {total}")
     imgui.same_line()
     button("Cancel", cancel, width=6)
-    explain("Nothing is left half-written.")
+    explain("No file is left incomplete.")
     # As high as the two lines in its place, so that no button moves away from the pointer.
     imgui.dummy(ImVec2(0, 2 * imgui.get_text_line_height() - imgui.get_frame_height()))

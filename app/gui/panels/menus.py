@@ -78,9 +78,9 @@ def _facts(state: AppState) -> list[str]:
     if state.pictures is not None and state.pictures.enhanced is not None:
         facts.append(f"enhanced in {_while(state.pictures.milliseconds)}")
     if state.model is not None:
-        who = "by the processor" if state.processor_draws else "by OpenGL"
+        who = "on the CPU" if state.processor_draws else "with OpenGL"
         took = f" in {_while(state.view.milliseconds)}" if state.view and state.processor_draws else ""
-        facts.append(f"3D drawn {who}{took}")
+        facts.append(f"3D rendered {who}{took}")
     return facts
 
 

@@ -18,9 +18,9 @@ from app.gui.style.widgets import button, em, explain, question, within
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
-    "VesselSplat makes vessels easier to see in a picture. It does not find, measure or judge them, "
-    "and enhanced pictures may show structures that are not there. "
-    "Screens and cameras are not calibrated. The responsibility for every use stays with you. "
+    "VesselSplat makes vessels easier to see. It does not detect, measure or assess them, "
+    "and enhanced images may show structures that are not there. "
+    "Screens and cameras are not calibrated. You are responsible for how you use it. "
     "Nothing leaves this computer."
 )
 FIXED = (
@@ -112,7 +112,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
             commands = [command for section in grouped for command in section.commands if command.keys]
             if commands:
                 _draw_keys(menu, [(" or ".join(one.keys), one.about) for one in commands])
-        _draw_keys("Held and moved", [("Space", PEEK_TEXT), ("W S A D Q E", FLIGHT_TEXT), *MOUSE])
+        _draw_keys("Hold", [("Space", PEEK_TEXT), ("W S A D Q E", FLIGHT_TEXT), *MOUSE])
         imgui.spacing()
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().muted, LONG_NOTICE)
@@ -134,10 +134,10 @@ def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
     """What happened in this session, newest last; the newest stays in sight unless one scrolls back."""
     button("Copy all", lambda: copy("\n".join(state.log)), enabled=bool(state.log))
-    explain("All lines to the clipboard. A click on a line copies that one.")
+    explain("Copy all lines to the clipboard. Click a line to copy it alone.")
     with imgui_ctx.begin_child("lines"):
         if not state.log:
-            imgui.text_colored(theme.now().muted, "Nothing has happened yet.")
+            imgui.text_colored(theme.now().muted, "No messages yet.")
         with imgui_ctx.push_text_wrap_pos(0):
             for line in state.log:
                 imgui.text_unformatted(capital(line))

@@ -69,7 +69,7 @@ def _draw_found(found: list[Found], marked: int, moved: bool) -> Found | None:
     height = imgui.get_text_line_height_with_spacing()
     with imgui_ctx.begin_child("found", ImVec2(0, ROWS * height), 0, imgui.WindowFlags_.no_nav):
         if not found:
-            imgui.text_colored(theme.now().muted, "No command has these words.")
+            imgui.text_colored(theme.now().muted, "No command matches.")
         for place, one in enumerate(found):
             if _draw_row(one, place, place == marked):
                 chosen = one

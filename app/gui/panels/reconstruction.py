@@ -31,12 +31,12 @@ STATUS = {
     "paused": "Paused",
     "finished": "Finished",
     "failed": "Stopped",
-    "cancelled": "Cut short",
+    "cancelled": "Interrupted",
 }
 
 PART = (
-    "Trim and mask are set below the pictures (In, Out, All, Mask). What they leave out is neither trained "
-    "on nor evaluated; a run keeps the part that it was begun with."
+    "Trim and mask are set below the panes (In, Out, All, Mask). What they leave out is neither trained "
+    "on nor evaluated; a run keeps the trim and mask it was started with."
 )
 
 
@@ -55,7 +55,7 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     _draw_messages(run)
     if run.is_alive:
         waiting = f" ({len(state.queue)} waiting, see Runs)" if state.queue else ""
-        if imgui.tree_node(f"Another one after it{waiting}###another"):
+        if imgui.tree_node(f"Queue another{waiting}###another"):
             _draw_next(state, run, make_job)
             imgui.tree_pop()
 
@@ -74,19 +74,19 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     text = declared(TrainConfig, "method").text
     method = _choose("Method", "method", METHODS.index(config.method), [*map(named, METHODS)], text)
     frames = (
-        "Reconstruct the photos as they are, or enhanced by the paper's method as set above; "
-        "both in turn makes two reconstructions to compare."
+        "Reconstruct the original frames, or frames enhanced with the settings above; "
+        "both in turn runs two reconstructions to compare."
     )
     run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)]
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
-        row("Colour d", "Of the frames to reconstruct; the paper takes 0.5 there. " + about.text)
+        row("Colour d", "For the frames to reconstruct; the paper uses 0.5. " + about.text)
         imgui.set_next_item_width(-em(0.1))
         _, run.d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
     iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (METHODS.index(config.method), config.iterations):
         run.config = replace(config, method=METHODS[method], iterations=iterations)
-    row("Name", "Folder of the run; empty: the clip's name and the time.")
+    row("Name", "Folder of the run; if empty, the clip's name and the time.")
     imgui.set_next_item_width(-em(0.1))
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
     run.name = name[:LONGEST_NAME]
@@ -97,7 +97,7 @@ def _draw_part(state: AppState) -> None:
     told = "" if state.clip is None else state.part.told(len(state.clip))
     if told:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().warning, f"Of {told}")
+            imgui.text_colored(theme.now().warning, f"Trains on {told}")
         explain(PART)
 
 
@@ -114,10 +114,10 @@ def _quality(run: Reconstruction) -> int:
     now, names = quality_of(run.config.iterations), [*QUALITIES]
     choices = names if now in names else [*names, now]
     steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
-    text = f"Iterations by a word: {steps}. More are slower and better."
+    text = f"Number of iterations: {steps}. More are slower and better."
     took = expected_seconds(run)
     if took is not None:
-        text += f" About {seconds(took)} at the pace of the run shown."
+        text += f" About {seconds(took)} at the speed of the run shown."
     shown = [f"{name}, about {seconds(took)}" if took and name == now else name for name in choices]
     index = _choose("Quality", "quality", choices.index(now), shown, text)
     return QUALITIES.get(choices[index], run.config.iterations)
@@ -142,8 +142,8 @@ def _draw_start(state: AppState, make_job: MakeJob) -> None:
         start = lambda: job_actions.start_reconstruction(state, make_job)  # noqa: E731
         label = "Add to the queue" if run.is_alive else "Reconstruct"
         button(f"{label}###start", start, enabled=not reason, width=-1.0)
-    soon = "Starts when those before it have ended, as it is set now." if run.is_alive else ""
-    explain(reason or soon or "In the background; the pictures stay usable.")
+    soon = "Starts with the current settings when the runs before it have ended." if run.is_alive else ""
+    explain(reason or soon or "Runs in the background; the window stays usable.")
     if reason and state.clip is not None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().muted, reason)
@@ -159,11 +159,15 @@ def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
     onward = lambda: job_actions.continue_reconstruction(state, make_job)  # noqa: E731
     again = job_actions.can_continue(state)
     button("Continue", onward, enabled=again, width=half)
-    explain("From the run's last checkpoint." if again else "It goes on only with its own clip: open that.")
+    explain(
+        "From the run's last checkpoint."
+        if again
+        else "It can continue only on its own clip: open that first."
+    )
     imgui.same_line(0, em(0.5))
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
-    button("Look at it", lambda: run_actions.look_at_present(state), enabled=not reason, width=half)
-    explain(reason or "The model as it was last seen, or last kept, before the run was cut short.")
+    button("View model", lambda: run_actions.look_at_present(state), enabled=not reason, width=half)
+    explain(reason or "The model as last shown, or at the last checkpoint, before the interruption.")
     imgui.separator()
 
 
@@ -174,10 +178,10 @@ def _draw_hold(state: AppState) -> None:
         button("Resume###pause", lambda: job_actions.resume(state), enabled=run.can_resume, width=half)
     else:
         button("Pause###pause", lambda: job_actions.pause(state), enabled=run.can_pause, width=half)
-    explain("Training stands still, and starts no other one.")
+    explain("Paused; the queue waits.")
     imgui.same_line(0, em(0.5))
     button("Cancel", lambda: job_actions.cancel(state), width=half)
-    explain("What is done so far is kept: Continue goes on from the last checkpoint.")
+    explain("The last checkpoint is kept: Continue resumes from it.")
 
 
 def _draw_status(run: Reconstruction) -> None:
@@ -194,9 +198,9 @@ def _draw_status(run: Reconstruction) -> None:
     left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
     imgui.same_line()
     wall = progress.wall_seconds
-    shown = f"{seconds(progress.seconds)} of steps" if wall is None else f"{seconds(wall)} in all"
+    shown = f"{seconds(progress.seconds)} training" if wall is None else f"{seconds(wall)} in total"
     imgui.text_colored(theme.now().muted, f"{shown}{left}")
-    explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses do not count.")
+    explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses are not counted.")
     done = f"{grouped(progress.iteration)} / {grouped(progress.iterations)}"
     imgui.progress_bar(progress.iteration / progress.iterations, ImVec2(-1, em(1.25)), done)
 
@@ -214,15 +218,15 @@ def _draw_preparing(stage: Preparing) -> None:
 def _draw_omissions(state: AppState) -> None:
     """Looked up when it is unfolded: what, and why, before anything is started."""
     state.asks_for_omissions = imgui.tree_node("What will be left out")
-    explain("Training does without what this clip does not need. Looked up from the photos as they are.")
+    explain("Training leaves out what this clip does not need. Judged on the original frames.")
     if not state.asks_for_omissions:
         return
     found, request = state.omissions, state.omissions_request
     # While a part that was just kept or let go is looked at, the lines stay under the hand.
     if found is None or request is None or found.request.unkept != request.unkept:
-        imgui.text_colored(theme.now().muted, "Looking at the clip…")
+        imgui.text_colored(theme.now().muted, "Analysing the clip…")
     elif not found.lines:
-        imgui.text_colored(theme.now().muted, "Nothing: the clip needs all of it.")
+        imgui.text_colored(theme.now().muted, "Nothing: this clip needs every part.")
     else:
         with imgui_ctx.begin_table("omissions", 2) as table:
             if table:
@@ -245,7 +249,7 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
     if (part := omission.part) is None:
         return
     changed, kept = imgui.checkbox(f"Keep###keep {part}", part in state.reconstruction.config.keep)
-    explain(f"Train it all the same, although {omission.why}: it costs {omission.saves}.")
+    explain(f"Train it although {omission.why}: it costs {omission.saves}.")
     if changed:
         job_actions.keep_part(state, part, kept=kept)
 

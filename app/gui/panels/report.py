@@ -20,7 +20,7 @@ def draw_report(state: AppState) -> None:
     """A diagram, which one, and what the report says in words and tables."""
     if state.report is None:
         imgui.dummy(ImVec2(0, em(3)))
-        centered("Open the report.json that the command vesselsplat report wrote: Ctrl+I, or drop it here.")
+        centered("Open a report.json written by vesselsplat report: Ctrl+I, or drop it here.")
         return
     report = state.report
     imgui.text_colored(theme.now().muted, report.about)
@@ -35,7 +35,7 @@ def _chosen(state: AppState, report: Reported) -> int:
     names = [chart.name for chart in report.charts]
     imgui.set_next_item_width(-1)
     changed, place = imgui.combo("##diagram", min(state.report_place, len(names) - 1), names)
-    explain("Which diagram. Each point is a setting; those on the line are beaten by no other.")
+    explain("Which diagram to show. Each point is a setting; the line joins the Pareto-optimal settings.")
     if changed:
         actions.choose_chart(state, place)
     return place
@@ -68,7 +68,7 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
         text = f"Now: {now.setting}, {plain(now.error)} in {plain(1e3 * now.seconds)} ms"
         imgui.text_colored(theme.now().accent, f"{text}, the default" if now.is_default else text)
     elif chart.part == "enhancement":
-        imgui.text_colored(theme.now().muted, "The present setting is not among those that were measured.")
+        imgui.text_colored(theme.now().muted, "The current settings are not among those measured.")
 
 
 def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:

@@ -41,16 +41,16 @@ def draw_runs(state: AppState, make_job: MakeJob) -> None:
 
 
 def _draw_queue(state: AppState) -> None:
-    imgui.text_unformatted("Waiting")
-    explain("One reconstruction is made at a time; these follow by themselves.")
+    imgui.text_unformatted("Queue")
+    explain("Reconstructions run one at a time; these start automatically.")
     if not state.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().warning, reason)
     if queue_actions.sleeps(state):
-        button("Start what waits", lambda: queue_actions.wake(state), width=-1.0)
-        explain("These waited when the window was closed. They are not made until you say so.")
+        button("Start the queue", lambda: queue_actions.wake(state), width=-1.0)
+        explain("These were queued when the window was closed. Press Start the queue to run them.")
     for place, waiting in enumerate(state.queue):
-        with imgui_ctx.push_id(f"waiting {place}"):
+        with imgui_ctx.push_id(f"queued {place}"):
             _draw_waiting(state, waiting, first=place == 0 and not waiting.asleep)
 
 
@@ -62,14 +62,14 @@ def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
     if imgui.selectable(f"{named(config.method)} · {run.request.input} frames###open", shown)[0]:
         run_actions.open_run(state, run)
     imgui.end_disabled()
-    beside = "Open it beside the one that is being made: " if state.reconstruction.is_alive else "Open "
-    part = f" It is of {said}." if (said := run.request.part.told_alone()) else ""
+    beside = "Open it beside the one in training: " if state.reconstruction.is_alive else "Open "
+    part = f" Trained on {said}." if (said := run.request.part.told_alone()) else ""
     explain(reason or f"{beside}{run.path}.{part}")
     if run.psnr is not None:
         psnr = f"{run.psnr:.1f} dB"
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
         imgui.text_colored(theme.now().accent, psnr)
-        explain("PSNR: of frames held out where that was measured, else of the training frames.")
+        explain("PSNR of held-out frames where measured, otherwise of the training frames.")
     steps = f"{config.iterations:,} iterations"
     if run.made != "finished":
         steps = f"{run.iteration:,} of {config.iterations:,}"
@@ -84,18 +84,18 @@ def _draw_unfinished(state: AppState, make_job: MakeJob, run: ListedRun) -> None
     reason = run_actions.why_not_continue(state, run)
     onward = lambda: run_actions.continue_run(state, make_job, run)  # noqa: E731
     button("Continue", onward, enabled=not reason)
-    kept = "From its last checkpoint." if run.has_checkpoint else "It left no checkpoint: from the start."
+    kept = "Continue from the last checkpoint." if run.has_checkpoint else "No checkpoint: starts over."
     explain(reason or kept)
     imgui.same_line(0, em(0.5))
     reason = run_actions.why_not_look(state, run.path, has_checkpoint=run.has_checkpoint)
-    button("Look at it", lambda: run_actions.look(state, run.path), enabled=not reason)
-    explain(reason or "The model as it was last seen, or last kept, before the run was cut short.")
+    button("View model", lambda: run_actions.look(state, run.path), enabled=not reason)
+    explain(reason or "The model as last shown, or at the last checkpoint, before the interruption.")
 
 
 def _made(state: AppState, run: ListedRun) -> str:
-    if run.made == "being made" and not run_actions.is_present(state, run):
-        return "made elsewhere"
-    return "being made" if run_actions.is_present(state, run) else run.made
+    if run.made == "training" and not run_actions.is_present(state, run):
+        return "training elsewhere"
+    return "training" if run_actions.is_present(state, run) else run.made
 
 
 def _when(created: str) -> str:
@@ -113,15 +113,15 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     ink = theme.now().muted if waiting.asleep else theme.now().text
     method, steps = named(request.config.method), request.config.iterations
     imgui.text_colored(ink, f"{method} · {request.input} · {steps:,} iterations")
-    since = " It waits since an earlier session." if waiting.asleep else ""
+    since = " Queued in an earlier session." if waiting.asleep else ""
     explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)
     imgui.begin_disabled(first)
     if imgui.button(f"{icons.ICON_FA_ARROW_UP}###to front"):
         queue_actions.to_front(state, waiting)
     imgui.end_disabled()
-    explain("Move to the front: make this one next.")
+    explain("Move to the front of the queue.")
     imgui.same_line(0, em(0.3))
     if imgui.button(f"{icons.ICON_FA_TIMES}###withdraw"):
         queue_actions.withdraw(state, waiting)
-    explain("Take it out of the queue.")
+    explain("Remove from the queue.")

@@ -16,7 +16,7 @@ def draw_notes(state: AppState) -> None:
     """What a person writes down; kept with the session."""
     space = imgui.get_content_region_avail()
     changed, text = imgui.input_text_multiline("##notes", state.notes, ImVec2(-1, max(space.y, em(3))))
-    explain("Kept with the session (Ctrl+S) and over a crash. Exports do not carry it.")
+    explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
     if changed:
         state.notes = text[:LONGEST_NOTES]
 
@@ -33,9 +33,9 @@ def draw_recovery(state: AppState) -> None:
         if not opened:
             return
         imgui.spacing()
-        imgui.text_unformatted("Restore what was open, its settings, views and notes?")
+        imgui.text_unformatted("Restore the open files, settings, views and notes?")
         imgui.spacing()
-        for label, act in (("Restore", session_actions.recover), ("Start afresh", session_actions.decline)):
+        for label, act in (("Restore", session_actions.recover), ("Start fresh", session_actions.decline)):
             if imgui.button(label, ImVec2(em(12), em(2))):
                 act(state)
                 imgui.close_current_popup()

@@ -17,8 +17,8 @@ from app.gui.work.strip import count_for
 from renderer.clip import ByteImage
 
 STRIP_HEIGHT = 2.5
-EMPTY = "The frames of an open clip are shown here."
-TOOL_LABELS = {"text": "Box over text", "view": "Circle of the view"}
+EMPTY = "The frames of the open clip appear here."
+TOOL_LABELS = {"text": "Text box", "view": "View circle"}
 
 
 def draw_timeline(
@@ -45,32 +45,32 @@ def draw_timeline(
     _draw_mask(state)
     imgui.same_line()
     enabled = has_something(state)
-    button(f"{icons.ICON_FA_CAMERA}  Save picture", screenshot, enabled=enabled, width=-1.0)
-    explain("S: original, enhanced and 3D view side by side, with everything needed to make them again")
+    button(f"{icons.ICON_FA_CAMERA}  Save image", screenshot, enabled=enabled, width=-1.0)
+    explain("S: original, enhanced and 3D view side by side, with everything needed to reproduce them")
 
 
 def _draw_transport(state: AppState) -> None:
     play = icons.ICON_FA_PAUSE if state.playing else icons.ICON_FA_PLAY
     button(f"{icons.ICON_FA_STEP_BACKWARD}##back", lambda: actions.step(state, -1), width=2.2)
-    explain("comma: one frame back")
+    explain("Comma: previous frame")
     imgui.same_line(0, em(0.2))
     button(f"{play}###play", lambda: actions.toggle_play(state), width=3)
-    explain("P or K: play and pause")
+    explain("P or K: play or pause")
     imgui.same_line(0, em(0.2))
     button(f"{icons.ICON_FA_STEP_FORWARD}##on", lambda: actions.step(state, 1), width=2.2)
-    explain("full stop: one frame on")
+    explain("Period: next frame")
 
 
 def _draw_trim(state: AppState) -> None:
     button("In", lambda: clip_actions.trim_here(state, start=True), width=2.2)
-    explain("Shift+I: the clip begins with this frame. Playing, statistics and reconstruction keep to it.")
+    explain("Shift+I: start the clip at this frame, for playback, statistics and reconstruction.")
     imgui.same_line(0, em(0.2))
     button("Out", lambda: clip_actions.trim_here(state, start=False), width=2.6)
-    explain("Shift+O: the clip ends with this frame.")
+    explain("Shift+O: end the clip at this frame.")
     imgui.same_line(0, em(0.2))
     trimmed = state.clip_settings.trim is not None
     button("All", lambda: clip_actions.untrim(state), enabled=trimmed, width=2.4)
-    explain("Take the trim back.")
+    explain("Use the whole clip again.")
 
 
 def _draw_mask(state: AppState) -> None:
@@ -82,7 +82,9 @@ def _draw_mask(state: AppState) -> None:
     if imgui.button(f"{'Drag now' if state.mask_tool else said}###mask", ImVec2(em(5), 0)):
         imgui.open_popup("mask")
     imgui.pop_style_color()
-    explain("Leave burned-in text and surround out of statistics and reconstruction; kept with the clip.")
+    explain(
+        "Leave burned-in text and the surround out of statistics and reconstruction; saved with the clip."
+    )
     imgui.end_disabled()
     if not imgui.begin_popup("mask"):
         return
@@ -91,13 +93,13 @@ def _draw_mask(state: AppState) -> None:
         drawn = getattr(mask, shape) is not None
         if imgui.menu_item_simple(f"{label}: draw", "", drawn, True):
             clip_actions.draw_mask(state, shape)
-        explain("Then drag over a picture: from corner to corner, or from the middle to the rim.")
-    if imgui.menu_item_simple("Circle of the view: find it", "", False, state.pictures is not None):
+        explain("Then drag over the frame: from corner to corner, or from the centre to the rim.")
+    if imgui.menu_item_simple("View circle: detect", "", False, state.pictures is not None):
         clip_actions.round_view(state)
     if imgui.menu_item_simple("Clear", "", False, mask != NO_MASK):
         clip_actions.clear_mask(state)
     imgui.separator()
-    if imgui.menu_item_simple("Tint tools and what is masked", "Shift+M", state.overlay, True):
+    if imgui.menu_item_simple("Tint tools and masked areas", "Shift+M", state.overlay, True):
         clip_actions.toggle_overlay(state)
     imgui.end_popup()
 
@@ -110,7 +112,7 @@ def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgu
     imgui.invisible_button("strip", size)
     if imgui.is_item_active() and state.clip is not None:
         actions.seek(state, int((imgui.get_io().mouse_pos.x - corner.x) / size.x * count))
-    explain("The clip in small: click or drag to go there.")
+    explain("Thumbnails of the clip: click or drag to go to a frame.")
     draw, end = imgui.get_window_draw_list(), ImVec2(corner.x + size.x, corner.y + size.y)
     if state.clip is None:
         _draw_empty(corner, size)

@@ -57,7 +57,7 @@ def draw_tuning(state: AppState, textures: ShowsTiles) -> None:
     """The grid, or one of its cells as it is."""
     if state.clip is None:
         imgui.dummy(ImVec2(0, em(3)))
-        centered("Open a clip, then try a range of settings on one of its frames here.")
+        centered("Open a clip, then try a range of settings on one of its frames.")
         return
     if state.tuning.chosen is not None:
         _draw_one(state, textures, state.tuning.chosen)
@@ -68,7 +68,7 @@ def draw_tuning(state: AppState, textures: ShowsTiles) -> None:
     imgui.separator()
     if state.tuning.grid is None:
         imgui.dummy(ImVec2(0, em(2)))
-        centered("Choose one or two parameters and their range, then Try.")
+        centered("Choose one or two parameters and their ranges, then press Try.")
         return
     with imgui_ctx.begin_child("tiles"):
         _draw_tiles(state, textures)
@@ -78,7 +78,7 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     names = ["", *NAMES[isinstance(state.params, EnhanceParams)]]
     index = names.index(choice.name) if choice.name in names else 0
     imgui.set_next_item_width(em(8))
-    labels = ["Vary nothing", *(LABELS[name] for name in names[1:])]
+    labels = ["None", *(LABELS[name] for name in names[1:])]
     moved, index = imgui.combo(f"##vary{place}", index, labels)
     explain("The parameter of the rows." if place == 0 else "The parameter of the columns.")
     if moved:
@@ -99,7 +99,7 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     _before("in", em(6))
     imgui.set_next_item_width(em(6))
     _, count = imgui.slider_int(f"##count{place}", choice.count, 1, MOST_VALUES, "%d values")
-    explain("How many values, both ends included.")
+    explain("Number of values, both ends included.")
     changed = replace(choice, first=values[0], last=values[1], count=count)
     if changed != choice:
         tuning_actions.choose_axis(state, place, changed)
@@ -125,10 +125,10 @@ def _draw_buttons(state: AppState) -> None:
     tuning = state.tuning
     if tuning.running:
         button(f"{icons.ICON_FA_STOP}  Stop###try", lambda: tuning_actions.stop_grid(state), width=6)
-        explain("What has been tried stays.")
+        explain("Finished results are kept.")
     else:
         button(f"{icons.ICON_FA_PLAY}  Try###try", lambda: tuning_actions.start_grid(state), width=6)
-        explain("Every combination on the frame that is shown, in the background.")
+        explain("Try every combination on the current frame, in the background.")
     _before("Order", em(10))
     imgui.set_next_item_width(em(10))
     index = METRICS.index(tuning.sort) + 1 if tuning.sort else 0
@@ -142,7 +142,7 @@ def _draw_buttons(state: AppState) -> None:
 
 def _why(metric: str) -> str:
     if not metric:
-        return "In the order of their values, or the best first by one measure."
+        return "Sort by value, or by one measure, best first."
     end = "Smallest first." if metric in SMALLER_IS_BETTER else "Largest first."
     what = DEFINITIONS.get(metric, DEFINITIONS["dv_bv"])
     return f"{what}. {end} Visibility only, neither detection nor diagnosis."
@@ -168,7 +168,7 @@ def _draw_tile(state: AppState, textures: ShowsTiles, setting: Setting, size: Im
     key = "-".join(map(str, setting.places))
     if imgui.invisible_button(f"tile{key}", size) and cell is not None:
         tuning_actions.look_at(state, setting)
-    explain("Click: at 100 %.")
+    explain("Click to see it at 100 %.")
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
     if cell is not None:
@@ -192,8 +192,8 @@ def _draw_one(state: AppState, textures: ShowsTiles, setting: Setting) -> None:
     explain("Back to the grid.")
     imgui.same_line()
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-        button("Use this setting###use", lambda: tuning_actions.use_setting(state, setting), width=10)
-    explain("Enhance by it from now on. Ctrl+Z takes it back.")
+        button("Use these settings###use", lambda: tuning_actions.use_setting(state, setting), width=10)
+    explain("Enhance with these settings from now on. Ctrl+Z undoes it.")
     look = state.tuning.look if state.tuning.is_looked_at else None
     words = f"{said(setting)}   {in_words(look.measures) if look is not None else '…'}"
     beside_of(imgui.calc_text_size(words).x)

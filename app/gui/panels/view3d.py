@@ -36,7 +36,7 @@ PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
 FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
 MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
-PHOTO = f"{icons.ICON_FA_CLONE}  Photo###snap"
+PHOTO = f"{icons.ICON_FA_CLONE}  Frame###snap"
 Commands = tuple[Command, ...]
 Tag = tuple[str, ImVec4]
 
@@ -92,22 +92,22 @@ def _draw_pane(
 
 def _draw_empty(state: AppState) -> None:
     imgui.dummy(ImVec2(0, max(imgui.get_content_region_avail().y / 2 - em(2), 0)))
-    centered("The first preview of the reconstruction is on its way…")
+    centered("Waiting for the first preview of the reconstruction…")
 
 
 def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
     button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
-    explain("Home: the view of the clip's own camera.")
+    explain("Home: the clip camera's view.")
     beside(FLY)
     flying = state.viewer.flying
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(flying)):
         button(FLY, lambda: camera_actions.toggle_flight(state))
-    explain("G: fly with W, S, A, D, Q and E, look by dragging, speed by the wheel. Home: back.")
+    explain("G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back.")
     beside(MEASURE)
     measuring = state.viewer.measuring
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(measuring)):
         button(MEASURE, lambda: camera_actions.toggle_measuring(state))
-    explain("M: click two points of the surface. It is the model's own, where its expected depth is.")
+    explain("M: click two points on the surface. Measured on the model, at its expected depth.")
     beside(SECOND)
     _draw_second(state, choices)
     _draw_snap(state)
@@ -117,7 +117,7 @@ def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
         return
     beside_of(em(12))
     changed, _ = imgui.checkbox("Follow the clip's time", state.linked)
-    explain("Off: the 3D view keeps a time of its own.")
+    explain("Off: the 3D view has its own time.")
     if changed:
         actions.toggle_link(state)
     if not state.linked:
@@ -128,7 +128,9 @@ def _draw_second(state: AppState, choices: Callable[[], Commands]) -> None:
     shown = state.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
         button(SECOND, _open_second_menu)
-    explain("A second reconstruction beside this one, with one camera and one time: also in the Camera menu.")
+    explain(
+        "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
+    )
     beside(PHOTO)
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
@@ -143,14 +145,16 @@ def _draw_snap(state: AppState) -> None:
     snapped = state.viewer.snapped
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(snapped)):
         button(PHOTO, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
-    explain("C: the clip's camera to the pixel, its photo over the reconstruction. Moving the view ends it.")
+    explain(
+        "C: align with the clip's camera, with its frame over the reconstruction. Moving the view ends this."
+    )
     if not snapped:
         return
     beside_of(em(8))
     imgui.set_next_item_width(em(8))
     flags = imgui.SliderFlags_.always_clamp
-    changed, percent = imgui.slider_float("##blend", 100 * state.viewer.blend, 0, 100, "photo %.0f %%", flags)
-    explain("[ and ]: from the reconstruction alone, 0, to the photo alone, 100.")
+    changed, percent = imgui.slider_float("##blend", 100 * state.viewer.blend, 0, 100, "frame %.0f %%", flags)
+    explain("[ and ]: from the reconstruction alone (0) to the frame alone (100).")
     if changed:
         camera_actions.blend(state, percent / 100)
 
@@ -162,7 +166,7 @@ def _draw_kind(state: AppState) -> None:
     labels = [kind.capitalize().replace("Color", "Colour") for kind in kinds]
     now = kinds.index(state.view_kind) if state.view_kind in kinds else 0
     changed, chosen = imgui.combo("##kind", now, labels)
-    explain(f"N: the next view. {EXPLAINED[kinds[now]]}")
+    explain(f"N: next view. {EXPLAINED[kinds[now]]}")
     if changed:
         view_actions.choose_view(state, kinds[chosen])
 
@@ -178,7 +182,7 @@ def _draw_time(state: AppState) -> None:
     # Also to moments between frames.
     flags = imgui.SliderFlags_.no_round_to_format
     changed, number = imgui.slider_float("##time", number, first, last, form, flags)
-    explain(f"The moment that is seen, also between frames: time {state.time:.3f} of 0 to 1.")
+    explain(f"The moment that is shown, also between frames: time {state.time:.3f} (0 to 1).")
     if changed:
         actions.seek_view(state, model.time_of(number))
 
@@ -288,19 +292,19 @@ def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     """What the hand does, and from where it is seen."""
     tags: list[Tag] = []
     if state.viewer.flying:
-        tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G ends", theme.TAG_CAUTION))
+        tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G to stop", theme.TAG_CAUTION))
     if state.viewer.measuring:
-        told = "MEASURING on the model, by expected depth"
+        told = "MEASURING on the model, at expected depth"
         tags.append((told, theme.TAG_CAUTION))
     if state.viewer.snapped:
-        share = f"PHOTO {100 * state.viewer.blend:.0f} % over the reconstruction"
+        share = f"FRAME {100 * state.viewer.blend:.0f} % over the reconstruction"
         if state.photo is None:
-            share = "READING THE PHOTO…"
+            share = "READING THE FRAME…"
         elif shown.request.kind == "difference":
-            share = "DIFFERENCE to the photo"
+            share = "DIFFERENCE to the frame"
         tags.append((share, theme.TAG_ENHANCED))
     elif state.view_kind == "difference":
-        tags.append(("DIFFERENCE only through the clip's camera: C", theme.TAG_CAUTION))
+        tags.append(("DIFFERENCE only from the clip's camera: C", theme.TAG_CAUTION))
     if state.viewer.free is not None:
-        tags.append(("FREE VIEW · not the endoscope's", theme.TAG_ORIGINAL))
+        tags.append(("FREE VIEW · not the endoscope's view", theme.TAG_ORIGINAL))
     return tags

@@ -38,7 +38,7 @@ def draw_welcome(state: AppState, openers: Openers) -> None:
     choices = (
         (f"{icons.ICON_FA_FOLDER_OPEN}   Open folder…", openers.folder),
         (f"{icons.ICON_FA_FILM}   Open image or video…", openers.file),
-        (f"{icons.ICON_FA_MAGIC}   Try the built-in phantom###phantom", openers.phantom),
+        (f"{icons.ICON_FA_MAGIC}   Open the built-in phantom###phantom", openers.phantom),
     )
     for label, choose in choices:
         imgui.set_cursor_pos_x((imgui.get_window_width() - em(WIDTH)) / 2)

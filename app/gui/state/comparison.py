@@ -13,9 +13,9 @@ Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = get_args(Side)
 SOURCE_LABELS: Final = {
     ORIGINAL: "Original",
-    ENHANCED: "Enhanced (this setting)",
-    "A": "Stored setting A",
-    "B": "Stored setting B",
+    ENHANCED: "Enhanced (current settings)",
+    "A": "Stored settings A",
+    "B": "Stored settings B",
     RENDER: "Render of the open run",
     PAPER: "Method: Paper, defaults",
     VESSEL: "Method: Vessel (ours), defaults",

@@ -52,11 +52,11 @@ def shown_mode(state: AppState) -> Mode:
 def why_not(state: AppState, source: str) -> str:
     """What a source still lacks, in a sentence; empty when it can be shown."""
     if source in ("A", "B") and source not in state.stored:
-        return f"No setting is stored as {source} yet: Shift+{source} stores the present one."
+        return f"No settings are stored as {source} yet: Shift+{source} stores the current ones."
     if source == RENDER and not _renders(state):
         return "No reconstruction of this clip is open."
     if source == RENDER and state.model is not None and not state.model.has_clip_frame(state.shown_index):
-        return "The reconstruction is of a part of the clip without this frame."
+        return "The reconstruction covers a part of the clip without this frame."
     return ""
 
 

@@ -26,14 +26,14 @@ from renderer.json_files import read_json
 
 BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
     {
-        "Paper, d 1 (pictures)": EnhanceParams(),
+        "Paper, d 1 (2D)": EnhanceParams(),
         "Paper, d 0.5 (3D)": RECONSTRUCTION_PARAMS,
         "Vessel (ours)": VesselParams(),
     }
 )
 OWN: TypeAdapter[dict[str, EnhancementSettings]] = TypeAdapter(dict[str, RecordedSettings])
 MOST_PRESETS: Final = 500
-DAMAGED: Final = "it is damaged"
+DAMAGED: Final = "the file is damaged"
 
 
 def presets_file(places: Places) -> Path:

@@ -132,7 +132,7 @@ def slide_auto(
     reset = wants_default(name)
     imgui.same_line()
     switched, automatic = imgui.checkbox(f"Auto##{name}", automatic)
-    explain("From the picture, as in the paper. Off: set it here.")
+    explain("Automatic: from the image, as in the paper. Off: set by hand.")
     if reset:
         return _with(params, name, about.default)
     if switched:

@@ -45,7 +45,7 @@ def _taken(state: AppState, channel: Bakes, shown: Scene | None, view: str) -> B
     if taken is None or taken[0].shown is not shown:
         return None
     if isinstance(taken[1], Failure):
-        actions.say(state, f"{view} does without keyframes: {taken[1].message}")
+        actions.say(state, f"{view} has no keyframes: {taken[1].message}")
         return None
     if taken[1].said:
         actions.say(state, f"{view} {taken[1].said}")

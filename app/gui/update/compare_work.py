@@ -48,7 +48,7 @@ class CompareWork:
                 state.others[side] = answer
             elif request == other_request(state, side):
                 state.playing = False
-                actions.fail(state, f"the {side} picture cannot be made: {answer.message}")
+                actions.fail(state, f"the {side} pane cannot be shown: {answer.message}")
         if (made := answered(state, self.difference, "the difference cannot be shown")) is not None:
             state.difference = made[1]
 

@@ -63,7 +63,7 @@ def _hear(state: AppState, event: object) -> None:
             )
         case Cancelled():
             run.status = "cancelled"
-            actions.announce(state, "reconstruction cancelled; Continue goes on from its last checkpoint")
+            actions.announce(state, "reconstruction cancelled; Continue resumes from its last checkpoint")
         case Failed():
             run.status, run.failure, run.way_out = "failed", event.reason, run_actions.way_out(run)
-            actions.fail(state, f"the reconstruction stopped: {event.reason}")
+            actions.fail(state, f"the reconstruction failed: {event.reason}")

@@ -37,7 +37,7 @@ class MeasureWork:
         if taken is None:
             return
         if isinstance(taken[1], Failure):
-            actions.say(state, f"the picture cannot be measured: {taken[1].message}")
+            actions.say(state, f"the frame cannot be measured: {taken[1].message}")
         else:
             state.measured = taken[1]
 

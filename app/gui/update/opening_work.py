@@ -34,8 +34,8 @@ class Patience:
                 state.banner = None
             self.request, self.since, self.said = request, state.now, None
         elif request is not None and self.said is None and state.now - self.since > LONG:
-            why = "it is large, or its drive does not answer. Anything else can be opened meanwhile"
-            whole = f"{sentence}, for {LONG:.0f} s now: {why}"
+            why = "it is large, or its drive does not respond. You can open something else meanwhile"
+            whole = f"{sentence} after {LONG:.0f} s: {why}"
             self.said = state.banner = Banner(legible(whole), self.can_stop)
             actions.say(state, whole)
 

@@ -52,7 +52,7 @@ class QueueWork:
                 queue_actions.give_clip(state, request.request, answer.clip, answer.told)
         written = self.kept.take()
         if written is not None and isinstance(written[1], Failure):
-            actions.say(state, f"what waits cannot be kept: {written[1].message}")
+            actions.say(state, f"the queue cannot be saved: {written[1].message}")
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there."""

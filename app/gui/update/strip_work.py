@@ -31,7 +31,7 @@ class StripWork:
                 continue
             match taken[1]:
                 case Failure() as failure:
-                    actions.say(state, f"the clip's small pictures cannot be made: {failure.message}")
+                    actions.say(state, f"the clip's thumbnails cannot be shown: {failure.message}")
                 case Strip() as strip:
                     state.strip = strip
                 case LeftOut() as masked:

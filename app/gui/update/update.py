@@ -185,12 +185,14 @@ def _may_show(state: AppState, pictures: Pictures) -> bool:
 
 
 def _take_pick(state: AppState, channels: Channels) -> None:
-    if (taken := answered(state, channels.picks, "the point cannot be found")) is not None:
+    if (taken := answered(state, channels.picks, "the point cannot be located")) is not None:
         camera_actions.take_point(state, *taken)
 
 
 def _take_omissions(state: AppState, channels: Channels) -> None:
-    if (taken := answered(state, channels.omissions, "what is left out cannot be told")) is not None:
+    if (
+        taken := answered(state, channels.omissions, "what will be left out cannot be determined")
+    ) is not None:
         state.omissions = taken[1]
 
 
@@ -207,7 +209,7 @@ def _take_selected(state: AppState, channels: Channels) -> None:
 
 
 def _take_photo(state: AppState, channels: Channels) -> None:
-    if (taken := answered(state, channels.photos, "the photo cannot be read")) is not None:
+    if (taken := answered(state, channels.photos, "the frame cannot be read")) is not None:
         state.viewer.photo = taken[1]
 
 
@@ -216,7 +218,7 @@ def _take_view(state: AppState, channels: Channels) -> None:
     if taken is None or state.model is None:
         return
     if isinstance(taken[1], Failure):
-        actions.fail(state, f"the 3D view cannot be drawn: {taken[1].message}")
+        actions.fail(state, f"the 3D view cannot be rendered: {taken[1].message}")
     else:
         state.view = taken[1]
 
@@ -226,7 +228,7 @@ def _take_second(state: AppState, channels: Channels) -> None:
     if drawn is None or drawn[0].scene is not state.second.shown:
         return
     if isinstance(drawn[1], Failure):
-        actions.fail(state, f"the second 3D view cannot be drawn: {drawn[1].message}")
+        actions.fail(state, f"the second 3D view cannot be rendered: {drawn[1].message}")
     else:
         state.second.view = drawn[1]
 

@@ -38,8 +38,8 @@ class Baked:
         if kept is None or not kept.offsets or len(kept) == frames:
             return ""
         return (
-            f"holds {len(kept)} of {frames} moments, as many as fit into "
-            f"{kept.n_bytes >> 20} MB: between them Gaussians are up to {kept.error:.3g} units off"
+            f"keeps {len(kept)} of {frames} moments, as many as fit into "
+            f"{kept.n_bytes >> 20} MB; between them Gaussians are off by up to {kept.error:.3g} units"
         )
 
 

@@ -131,7 +131,7 @@ def _open_session(path: Path) -> Opened:
     if wanted is None or place is None:
         named = session.source or session.run
         name = Path(named.path).name if named else "a source"
-        raise UserError(f"expected {name} where it was or beside the session, found it nowhere: {path}")
+        raise UserError(f"expected {name} at its old place or beside the session, found neither: {path}")
     (opened,) = open_path(OpenRequest(place, session.clip_options))
     notices = opened.notices
     if wanted.sha256 is not None and wanted.sha256 not in digests(place):
@@ -159,8 +159,8 @@ def _open_run(folder: RunFolder) -> Opened:
         except UserError as error:
             warning = f"the model is shown as trained: {error}"
     if not finished:
-        shown = "; that is shown" if model is not None else ""
-        onward = f"{folder.path.name} is not finished: Continue goes on from its last checkpoint{shown}"
+        shown = ", shown here" if model is not None else ""
+        onward = f"{folder.path.name} is not finished: Continue resumes from its last checkpoint{shown}"
         notices = (*notices, onward)
     run = OpenedRun(folder.path, record, request_of(folder, record), model, said)
     return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
@@ -200,4 +200,4 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
         clip = open_clip(Path(record.clip.path), record.clip.options)
         return clip, clip.notices
     except ClipError as error:
-        return None, (f"the run's clip cannot be opened, only its model is shown: {error}",)
+        return None, (f"the run's clip cannot be opened; only its model is shown: {error}",)

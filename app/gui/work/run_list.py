@@ -16,7 +16,7 @@ from app.runs.run_lock import holder
 from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
 
-Made = Literal["finished", "unfinished", "being made"]
+Made = Literal["finished", "unfinished", "training"]
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class ListedRun:
     request: TrainRequest
     """What goes on with it, from where the clip lies now."""
     made: Made
-    """"being made": some process trains it at this moment."""
+    """"training": some process trains it at this moment."""
     has_checkpoint: bool
     psnr: float | None
     """dB: of held-out frames where that was measured, else the newest of the training frames."""
@@ -112,7 +112,7 @@ def _key(run: RunFolder) -> tuple[Any, ...]:
 def _made(run: RunFolder) -> Made:
     if run.is_finished:
         return "finished"
-    return "unfinished" if holder(run.path) is None else "being made"
+    return "unfinished" if holder(run.path) is None else "training"
 
 
 def _listed(run: RunFolder) -> tuple[RunRecord, ListedRun]:

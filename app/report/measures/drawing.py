@@ -26,7 +26,7 @@ Row = raster_accuracy.Row | drawing_accuracy.Row
 Group = tuple[str, Sequence[Row], tuple[Column, ...]]
 """Title, rows and columns of a table."""
 COLUMNS: Final = (
-    *(Column(name="what is changed"), Column(name="setting")),
+    *(Column(name="changed"), Column(name="setting")),
     Column(name="mean error, grey levels", best="low"),
     *(Column(name="99.9th percentile"), Column(name="largest")),
     *(Column(name="ms", form=".2f", best="low"), Column(name="± ms", form=".2f")),
@@ -34,7 +34,7 @@ COLUMNS: Final = (
 ENTRIES: Final = Column(name="entries")
 PSNR: Final = Column(name="PSNR, dB", form=".1f", best="high")
 KEPT: Final = (Column(name="MB", form=".2f"), Column(name="baking, s", form=".2f"))
-DEFAULTS: Final = ("as it is", drawing_accuracy.EXPORT, "every frame, 0.02 px")
+DEFAULTS: Final = ("unchanged", drawing_accuracy.EXPORT, "every frame, 0.02 px")
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
@@ -42,25 +42,25 @@ def measure(bench: Bench, clock: Clock) -> Section:
     index = bench.clip.test_indices[0] if bench.clip.test_indices else 0
     model, camera = bench.runs.trained(schedule(bench.clip)).finished.model, bench.clip.cameras[index]
     size, time = f"{camera.width}x{camera.height}", bench.clip.times[index]
-    bench.say(f"drawing of {len(model)} Gaussians at {size} against float64")
+    bench.say(f"rendering of {len(model)} Gaussians at {size} against float64")
     view = _View(model, model.at(time), camera, near_plane(model, camera))
     truth = exact(view.splats, camera, view.near) if has_torch() else None
     groups: list[Group] = []
     missing: list[str] = []
     if truth is None:
-        missing.append(f"drawing against float64: {NO_TORCH}")
+        missing.append(f"rendering against float64: {NO_TORCH}")
     else:
         rows = list(raster_accuracy.accuracy(view.splats, camera, view.near, truth))
         groups.append(("CPU rasteriser", rows, (*COLUMNS, ENTRIES)))
     try:
         groups += _opengl(bench, view, truth)
     except OpenGLUnavailable as error:
-        missing.append(f"drawing with OpenGL: {error}")
+        missing.append(f"rendering with OpenGL: {error}")
     return Section(
-        title="Drawing: error against run time",
+        title="Rendering: error against run time",
         sentences=(
             f"{len(model)} Gaussians of the trained model at {size}, against the float64 reference; "
-            "keyframes against pictures of the model computed for each "
+            "keyframes against images of the model computed for each "
             "moment. An entry is a pair of a tile and a Gaussian.",
         ),
         plates=tuple(
@@ -91,7 +91,7 @@ class _View:
 def _opengl(bench: Bench, view: _View, truth: NDArray[np.float64] | None) -> list[Group]:
     """Keyframes alone where there is no `truth`."""
     context, model, camera = standalone_context(), view.model, view.camera
-    bench.say(f"drawing with {renderer_name(context)}")
+    bench.say(f"rendering with {renderer_name(context)}")
     made: list[Group] = []
     if truth is not None:
         drawn = list(drawing_accuracy.opengl(context, view.splats, camera, view.near, truth))

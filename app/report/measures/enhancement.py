@@ -19,7 +19,7 @@ REPEATS: Final = 61
 WHOLE: Final = " + ".join(map(str, EXACT.radii))
 DEFAULT: Final = ("subsample", "s = 2")
 COLUMNS: Final = (
-    *(Column(name="what is changed"), Column(name="setting")),
+    *(Column(name="changed"), Column(name="setting")),
     *(Column(name="mean error, grey levels"), Column(name="99.9th percentile"), Column(name="largest")),
     *(Column(name="bound"), Column(name="ms", form=".2f"), Column(name="± ms", form=".2f")),
 )
@@ -29,7 +29,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     """On the first photo of the clip; of the phantom, drawn as large as an endoscope's picture."""
     image = photo(bench)
     height, width = image.shape[:2]
-    bench.say(f"enhancement of a picture of {width}x{height} against float64")
+    bench.say(f"enhancement of an image of {width}x{height} against float64")
     rows = list(accuracy(image, REPEATS))
     # All three scales are among the rows of "subsample" already.
     drawn = [row for row in rows if row.group in DRAWN and row.setting != WHOLE]
@@ -37,10 +37,10 @@ def measure(bench: Bench, clock: Clock) -> Section:
     return Section(
         title="Enhancement: error against run time",
         sentences=(
-            f"One picture of {width}x{height} with its statistics, a frame of a stream. The error is against "
-            "the literal float64 reading of Eqs 1-12 with three scales and without subsampling; of "
-            "arithmetic, with the same subsampling; of what the picture does not need, against the same with "
-            "it kept in. "
+            f"One image of {width}x{height} with its statistics, a frame of a stream. The error is against "
+            "a literal float64 implementation of Eqs 1-12 with three scales and without subsampling; for "
+            "arithmetic, with the same subsampling; for omissions, against the same with "
+            "the part kept. "
             "Times are medians.",
         ),
         plates=(
@@ -51,15 +51,15 @@ def measure(bench: Bench, clock: Clock) -> Section:
         ),
         tables=(
             Table(
-                title="Every knob",
+                title="Every parameter",
                 columns=COLUMNS,
                 rows=tuple(
                     (row.group, row.setting, row.mean, row.p999, row.most, row.bound, row.milliseconds,
                      row.spread)
                     for row in rows
                 ),
-                note="± is half of the distance between the quartiles. \"sampling\" is what the product does "
-                "not do. The bound is promised before anything is computed.",
+                note="± is half the interquartile range. \"sampling\" is what the program does "
+                "not do. The bound is known before anything is computed.",
             ),
         ),
     )  # fmt: skip

@@ -62,7 +62,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     series, missing = [], []
     for name, measured in works:
         if clock.is_out:
-            missing.append(f"{name}: the time was used up")
+            missing.append(f"{name}: no time left")
             continue
         bench.say(f"cost of {name} as work grows")
         series += measured(bench)
@@ -70,7 +70,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
         title="Cost as work grows",
         sentences=(
             "Lines are power laws fitted by least squares to the logarithms: an exponent of 1 is in "
-            "proportion. Memory is what the working arrays and models hold.",
+            "proportion. Memory is that of the working arrays and models.",
         ),
         growths=tuple(_growths(series)),
         tables=(Table(title="Exponents", columns=COLUMNS, rows=tuple(_row(one) for one in series)),),

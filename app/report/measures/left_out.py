@@ -37,17 +37,17 @@ MOST_GAUSSIANS: Final = 15_000
 KINDS: Final = tuple((camera, tissue) for camera in ("fixed", "moving") for tissue in ("moving", "static"))
 RECONSTRUCTION: Final = (
     *(Column(name="scene"), Column(name="left out"), Column(name="why"), Column(name="numbers saved")),
-    *(Column(name="ms a step", form=".2f"), Column(name="kept in, ms", form=".2f")),
+    *(Column(name="ms per step", form=".2f"), Column(name="kept, ms", form=".2f")),
     *(Column(name="time saved", form="z.0%"), Column(name="MB", form=".2f")),
-    *(Column(name="kept in, MB", form=".2f"), Column(name="memory saved", form="z.0%")),
-    *(Column(name="PSNR, dB", form=".2f"), Column(name="kept in, dB", form=".2f")),
+    *(Column(name="kept, MB", form=".2f"), Column(name="memory saved", form="z.0%")),
+    *(Column(name="PSNR, dB", form=".2f"), Column(name="kept, dB", form=".2f")),
     Column(name="error added, dB", form="+z.2f"),
 )
 ENHANCEMENT: Final = (
     *(Column(name="scene"), Column(name="setting"), Column(name="left out"), Column(name="why")),
-    *(Column(name="ms", form=".2f"), Column(name="kept in, ms", form=".2f")),
+    *(Column(name="ms", form=".2f"), Column(name="kept, ms", form=".2f")),
     *(Column(name="time saved", form="z.0%"), Column(name="MB", form=".2f")),
-    *(Column(name="kept in, MB", form=".2f"), Column(name="memory saved", form="z.0%")),
+    *(Column(name="kept, MB", form=".2f"), Column(name="memory saved", form="z.0%")),
     *(Column(name="error, largest"), Column(name="bound")),
 )
 
@@ -67,9 +67,9 @@ def measure(bench: Bench, clock: Clock) -> Section:
     enhancement: list[tuple[Cell, ...]] = []
     for scene in _scenes(bench, missing):
         if clock.is_out:
-            missing.append(f"{scene.name}: the time was used up")
+            missing.append(f"{scene.name}: no time left")
             continue
-        bench.say(f"what {scene.name} does without")
+        bench.say(f"omissions of {scene.name}")
         enhancement += _of_enhancement(scene)
         try:
             require_depth(scene.clip)
@@ -77,28 +77,30 @@ def measure(bench: Bench, clock: Clock) -> Section:
         except (ClipError, TrainingError) as error:
             missing.append(f"{scene.name}, reconstruction: {str(error).split(':')[0]}")
     return Section(
-        title="Left out: what a scene does not need",
+        title="Omissions: what a scene does not need",
         sentences=(
-            "Each row is a pair of runs of one seed that differ in one thing. A negative error added says "
-            "that the run that keeps it in is worse.",
+            "Each row is a pair of runs with the same seed that differ in one part. A "
+            "negative added error means "
+            "that the run that keeps the part is worse.",
         ),
         tables=(
             Table(
                 title="Reconstruction",
                 columns=RECONSTRUCTION,
                 rows=tuple(reconstruction),
-                note=f"{STEPS} steps each; the time of a step is the median of some that the models of "
-                "a scene take in turns; PSNR is of training frames held out of the fit, of a single picture "
-                "itself. MB: the model's numbers with their two moments. Guessed depth is from brightness, "
+                note=f"{STEPS} steps each; the time of a step is the median of several, the models of "
+                "a scene taking turns; PSNR is of training frames held out of the fit, of a single image "
+                "itself. MB: the model's parameters with their two moments. Estimated depth is "
+                "from brightness, "
                 "without a scale.",
             ),
             Table(
                 title="Enhancement",
                 columns=ENHANCEMENT,
                 rows=tuple(enhancement),
-                note="What these settings let be left out of the first photo; where that is nothing, the "
-                "time of looking is lost. MB: arrays held after a first picture; no fewer, since a slider "
-                "may ask for what is left out at any moment. Error and bound in grey levels, unrounded.",
+                note="What these settings leave out for the first frame; where that is nothing, the "
+                "time of the check is lost. MB: arrays held after a first image; no fewer, since a slider "
+                "may need an omitted part at any moment. Error and bound in grey levels, unrounded.",
             ),
         ),
         not_measured=tuple(missing),
@@ -130,7 +132,7 @@ def _opened(path: Path, missing: list[str]) -> Scene | None:
         options = ClipOptions(
             frame_step=step if step > 1 else None, depth="brightness" if guessed else "auto"
         )
-        said = (f", one frame in {step}" if step > 1 else "") + (", depth guessed" if guessed else "")
+        said = (f", one frame in {step}" if step > 1 else "") + (", depth estimated" if guessed else "")
         clip = open_clip(path, options)
         return Scene(scene_name(path) + said, replace(clip, read_frame=cache(clip.read_frame)))
     except ClipError as error:
@@ -152,7 +154,7 @@ def _of_reconstruction(scene: Scene, clock: Clock, missing: list[str]) -> Iterat
     without: Side | None = None
     for omission in kept:
         if clock.is_out:
-            missing.append(f"{scene.name}, {omission.what}: the time was used up")
+            missing.append(f"{scene.name}, {omission.what}: no time left")
             continue
         without = without or next(sides)
         yield _row(scene, omission, without, next(sides))

@@ -32,14 +32,14 @@ from renderer.train.trainer import TrainingError
 METHODS: Final[dict[Method, str]] = {
     "endogaussian": "EndoGaussian",
     "deform3dgs": "Deform3DGS",
-    "vesselsplat": "VesselSplat (own)",
+    "vesselsplat": "VesselSplat",
 }
 HEADS: Final = (
-    *(Column(name="clip"), Column(name="table"), Column(name="method"), Column(name="photos")),
+    *(Column(name="clip"), Column(name="table"), Column(name="method"), Column(name="frames")),
     *(Column(name="LPIPS", form=".4f"), Column(name="DV", form=".1f"), Column(name="BV", form=".1f")),
     *(Column(name="DV/BV", form=".3f"), Column(name="vessel contrast", form=".3f")),
     *(Column(name="PSNR, dB", form=".2f"), Column(name="SSIM", form=".4f")),
-    *(Column(name="saturated", form=".2%"), Column(name="noise gain of its photos", form=".2f")),
+    *(Column(name="saturated", form=".2%"), Column(name="noise gain of its frames", form=".2f")),
 )
 PICTURES: Final = 6
 """Of a clip, for Table 3."""
@@ -58,15 +58,15 @@ def measure(bench: Bench, clock: Clock) -> Section:
     sets = {name: rows for name, rows in _sets(bench, missing).items() if rows}
     compared = {name: measured(methods(), samples) for name, samples in sets.items()}
     if find_lpips(None) is None:
-        missing.append(f"LPIPS: {no_lpips('vesselsplat/lpips of the caches of the user')}")
+        missing.append(f"LPIPS: {no_lpips('vesselsplat/lpips in the user cache folder')}")
     return Section(
         title="The paper's tables",
         sentences=(
-            "DV and BV by the inferred definition: variances of grey above and below each picture's own Otsu "
-            "threshold; where nothing else is said, over the evaluated pixels, of photos enhanced with "
-            "statistics of tissue. Their ratio knows nothing of vessels: it falls where bright tissue is "
+            "DV and BV by the inferred definition: variances of grey above and below each image's own Otsu "
+            "threshold; unless stated otherwise, over the evaluated pixels, of frames enhanced with "
+            "statistics of tissue. Their ratio does not consider vessels: it falls where bright tissue is "
             "spread more than dark tissue, though vessels may stand out more, and it depends on the pixels "
-            "and statistics that are taken, which the paper does not name. Renders are of held-out frames, "
+            "and statistics used, which the paper does not state. Renders are of held-out frames, "
             "after fewer steps than published.",
             f"LPIPS: {LPIPS}.",
             *_reading_of_rises(rises),
@@ -75,10 +75,10 @@ def measure(bench: Bench, clock: Clock) -> Section:
         ),
         tables=(
             Table(
-                title="Tables 1 and 2: renders from original and enhanced photos",
+                title="Tables 1 and 2: renders from original and enhanced frames",
                 columns=HEADS,
                 rows=(*(tuple(one.values()) for one in ours), *_published()),
-                note="Rows of the paper are of its own clips. PSNR and SSIM are against the photos that a "
+                note="The paper's rows are of its own clips. PSNR and SSIM are against the frames that a "
                 "run was trained on. Visibility only, neither detection nor diagnosis.",
             ),
             table_of_rises(rises, bench.clip),
@@ -97,12 +97,12 @@ def _renders(bench: Bench, clock: Clock, missing: list[str]) -> Iterator[dict[st
     for method, name in METHODS.items():
         for photos in INPUTS:
             if clock.is_out:
-                missing.append(f"{name}, {photos} photos: the time was used up")
+                missing.append(f"{name}, {photos} frames: no time left")
                 continue
             try:
                 trained = bench.runs.trained(schedule(bench.clip, method), photos)
             except TrainingError as error:
-                missing.append(f"{name}, {photos} photos: {error}")
+                missing.append(f"{name}, {photos} frames: {error}")
                 continue
             evaluation = open_evaluation(trained.folder.path)
             frames = list(evaluation.frames())
@@ -148,9 +148,9 @@ def _reading_of_renders(ours: Sequence[Mapping[str, Cell]]) -> Iterator[str]:
             else f" Vessel contrast is {contrast:.2f} times: it {_moves(contrast)}."
         )
         noise = after["noise"]
-        louder = f" Noise of the enhanced photos is {noise:.2f} times." if isinstance(noise, float) else ""
+        louder = f" Noise of the enhanced frames is {noise:.2f} times." if isinstance(noise, float) else ""
         yield (
-            f"{name}, one seed, from enhanced photos for original ones, over the evaluated pixels: {parts} "
+            f"{name}, one seed, from enhanced instead of original frames, over the evaluated pixels: {parts} "
             f"times.{seen}{louder}"
         )
 
@@ -164,7 +164,7 @@ def _reading_of_rises(rises: Sequence[Rise]) -> Iterator[str]:
             for one in rises
             if one.what == what and one.gains
         ]
-        yield f"DV/BV of {what if what == PHOTOS else f'renders by {what}'}, enhanced for original: " + (
+        yield f"DV/BV of {what if what == PHOTOS else f'renders by {what}'}, enhanced against original: " + (
             f"{'; '.join(told)}."
         )
 
@@ -190,7 +190,7 @@ def _ratio(after: Cell, before: Cell) -> float:
 def _holds(gain: float) -> str:
     if gain > BORDERLINE:
         return "holds"
-    return "does not hold" if gain < 1 / BORDERLINE else "cannot be told from none"
+    return "does not hold" if gain < 1 / BORDERLINE else "not distinguishable from none"
 
 
 def _moves(gain: float) -> str:
@@ -200,13 +200,13 @@ def _moves(gain: float) -> str:
 
 
 def _table_3(name: str, count: int, rows: Mapping[str, np.ndarray]) -> Table:
-    heads = ("DV", "BV", "DV/BV", "DV/BV, whole picture", "DV, local", "BV, local", "DV/BV, local",
+    heads = ("DV", "BV", "DV/BV", "DV/BV, whole image", "DV, local", "BV, local", "DV/BV, local",
              "vessel contrast", "CNR", "saturated %", "noise gain", "blackened %", "ms")  # fmt: skip
     return Table(
         title=f"Table 3: methods of enhancement on {name}",
         columns=(Column(name="method"), *(Column(name=head) for head in heads)),
         rows=tuple((label, *values[:-1].tolist(), _ms(label, values[-1])) for label, values in rows.items()),
-        note=f"Means over {count} pictures; the time is the median, the methods taking turns.",
+        note=f"Means over {count} images; the time is the median, the methods taking turns.",
     )
 
 

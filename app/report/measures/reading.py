@@ -27,8 +27,8 @@ LAPS: Final = 60
 QUALITIES: Final = (95, 75)
 COLUMNS: Final = (
     *(Column(name="clip"), Column(name="layout")),
-    *(Column(name="ms a frame", form=".2f", best="low"), Column(name="± ms", form=".2f")),
-    *(Column(name="ms a photo alone", form=".2f"), Column(name="mean error, grey levels")),
+    *(Column(name="ms per frame", form=".2f", best="low"), Column(name="± ms", form=".2f")),
+    *(Column(name="ms, image only", form=".2f"), Column(name="mean error, grey levels")),
     *(Column(name="depth RMSE, mm"), Column(name="MB on disk", form=".2f")),
 )
 
@@ -62,7 +62,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
         title="Reading clips: error against run time",
         sentences=(
             f"The same {PARAMS.n_frames} frames of {PARAMS.width}x{PARAMS.height} in each layout; a frame is "
-            "photo, masks and depth where the layout has them. No error: every byte is as it was written.",
+            "image, masks and depth where the layout has them. No error: every byte is as written.",
         ),
         plates=(
             Plate(

@@ -25,7 +25,7 @@ COLUMNS = (
         Column(name="bar", form=".3g"),
         Column(name="unit"),
         Column(name="verdict"),
-        Column(name="what is done"),
+        Column(name="remedy"),
     ),
 )
 SMALLER = 2
@@ -36,28 +36,28 @@ def measure(bench: Bench, clock: Clock) -> Section:
     """Of both libraries; of drawing with OpenGL, where there is any."""
     bench.say("stability of the enhancement")
     tables = {"Enhancement": _cells(enhance.stability.stability(photo(bench)[::SMALLER, ::SMALLER].copy()))}
-    bench.say("stability of reconstruction and drawing")
+    bench.say("stability of reconstruction and rendering")
     missing = (
-        [] if has_torch() else [f"pictures, depths, gradients and training steps against float64: {NO_TORCH}"]
+        [] if has_torch() else [f"images, depths, gradients and training steps against float64: {NO_TORCH}"]
     )
     try:
         context = standalone_context()
     except OpenGLUnavailable as error:
-        missing.append(f"drawing with OpenGL: {error}")
+        missing.append(f"rendering with OpenGL: {error}")
         rows = _cells(renderer.measuring.stability.stability())
     else:
         rows = _cells(renderer.measuring.stability.stability(partial(_drawn, context)))
         context.release()
-    tables["Reconstruction and drawing"] = rows
+    tables["Reconstruction and rendering"] = rows
     failed = [row for rows in tables.values() for row in rows if row[5] is False]
     count = sum(len(rows) for rows in tables.values())
     return Section(
         title="Stability: stiff and extreme cases",
         sentences=(
-            f"{count} cases, {len(failed)} failed. Each is float32, as the product computes, against "
-            "float64, against 50 decimal digits (projection), the clip's photos and depth (whole runs) "
-            "or what must hold exactly. Each is a test, too, and is failed by a fault put in on purpose.",
-            *(f"Failed: {row[0]}, {row[1]}. What is done: {row[6] or 'nothing'}." for row in failed),
+            f"{count} cases, {len(failed)} failed. Each is computed in float32, as in use, against "
+            "float64, against 50 decimal digits (projection), the clip's frames and depth (whole runs) "
+            "or an exact requirement. Each is also a test, shown to fail with a deliberate fault.",
+            *(f"Failed: {row[0]}, {row[1]}. Remedy: {row[6] or 'none'}." for row in failed),
         ),
         tables=tuple(Table(title=name, columns=COLUMNS, rows=rows) for name, rows in tables.items()),
         not_measured=tuple(missing),

@@ -31,22 +31,23 @@ def measure(bench: Bench, clock: Clock) -> Section:
         title="Reconstruction: error against run time",
         sentences=(
             f"{bench.clip.name}: {len(bench.clip)} frames of {bench.clip.size[0]}x{bench.clip.size[1]}, "
-            f"measured on {len(bench.clip.test_indices)} held-out frames against the photos that a run was "
-            "trained on. Diagrams and `s of steps` have the seconds of training steps alone, kernels "
-            f"compiled; `s in all`: {WALL}. Settings with several runs "
-            "have as many seeds; a seed gives the same figures again, and what has one seed is timed again.",
+            f"measured on {len(bench.clip.test_indices)} held-out frames against the frames a run was "
+            "trained on. Diagrams and `s training` give the seconds of training steps alone, kernels "
+            f"compiled; `s in total`: {WALL}. Settings with several runs "
+            "have as many seeds; a seed reproduces the same figures, and settings with one "
+            "seed are timed again.",
         ),
         plates=tuple(
-            Plate(title=f"Reconstruction of {name} photos", diagrams=diagrams(those, default))
+            Plate(title=f"Reconstruction of {name} frames", diagrams=diagrams(those, default))
             for name, those in runs.items()
             if those
         ),
         tables=(
             table(
                 [run for those in runs.values() for run in those],
-                "Every method and knob",
-                "Means over the frames and runs; seconds of steps are the median of all times, ± half of "
-                "their range. MB: the model's numbers with their two moments.",
+                "Every method and parameter",
+                "Means over the frames and runs; training seconds are the median of all times, ± half "
+                "their range. MB: the model's parameters with their two moments.",
             ),
         ),
         not_measured=tuple(missing),
@@ -58,9 +59,9 @@ def _finished(bench: Bench, clock: Clock, missing: list[str]) -> dict[Input, lis
     runs: dict[Input, list[Run]] = {name: [] for name in INPUTS}
     for config, photos in _wanted(bench.clip, default, SEEDS if is_short else 1):
         again = f", seed {config.seed}" if config.seed != default.seed else ""
-        name = f"{setting_of(config)}{again}, {photos} photos"
+        name = f"{setting_of(config)}{again}, {photos} frames"
         if clock.is_out:
-            missing.append(f"{name}: the time was used up")
+            missing.append(f"{name}: no time left")
             continue
         try:
             trained = bench.runs.trained(config, photos)

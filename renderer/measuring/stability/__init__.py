@@ -61,4 +61,4 @@ def stability(draw: Draw | None = None) -> Iterator[Row]:
         if name not in BY_TORCH or has_torch():
             yield from part()
     if draw is not None and has_torch():
-        yield from blending.pictures("OpenGL: picture", draw)
+        yield from blending.pictures("OpenGL: image", draw)

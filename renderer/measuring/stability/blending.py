@@ -47,7 +47,7 @@ FAINT: Final = 1e-6
 
 def pictures_on_cpu() -> Iterator[Row]:
     """Of the CPU rasteriser."""
-    return pictures("blending (16): picture", lambda *scene: render(*scene[:2], near=scene[2]).image)
+    return pictures("blending (16): image", lambda *scene: render(*scene[:2], near=scene[2]).image)
 
 
 def pictures(hazard: str, draw: Draw) -> Iterator[Row]:

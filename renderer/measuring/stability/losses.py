@@ -64,8 +64,8 @@ def rows() -> Iterator[Row]:
         "every term, one pixel": (replace(whole, tissue_mask=one), EVERY_TERM),
         "every term, depth of 1e-30": (frame(1e-30), EVERY_TERM),
         "every term, depth of 1e30": (frame(1e30), EVERY_TERM),
-        "every term, black photo": (replace(whole, image=np.zeros_like(whole.image)), EVERY_TERM),
-        "every term, white photo": (replace(whole, image=np.full_like(whole.image, 255)), EVERY_TERM),
+        "every term, black frame": (replace(whole, image=np.zeros_like(whole.image)), EVERY_TERM),
+        "every term, white frame": (replace(whole, image=np.full_like(whole.image, 255)), EVERY_TERM),
     }
     for name, (given, weights) in cases.items():
         yield from _of(name, given, weights, 200)

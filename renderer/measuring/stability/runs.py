@@ -88,7 +88,7 @@ def refused() -> Iterator[Row]:
 def units() -> Iterator[Row]:
     """One clip, in two units."""
     psnrs = [_psnr(clip) for clip in (_whole(), _in_metres())]
-    yield Row(HAZARD, "millimetres and metres give the same picture", abs(psnrs[0] - psnrs[1]), 0.02, "dB")
+    yield Row(HAZARD, "millimetres and metres give the same image", abs(psnrs[0] - psnrs[1]), 0.02, "dB")
 
 
 def _trained(clip: Clip, config: TrainConfig) -> tuple[Quality, str]:

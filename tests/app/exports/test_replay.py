@@ -217,7 +217,7 @@ def test_what_cannot_be_made_again_is_one_line(
     facts = read_provenance(out)
     cases: list[tuple[dict[str, object], str]] = [
         ({"kind": "poster"}, "got kind poster"),
-        ({"params": facts["params"] | {"z": 7}}, "says of itself"),
+        ({"params": facts["params"] | {"z": 7}}, "has invalid provenance"),
         ({"source": {"name": "1.png"}}, "sha256"),
         ({"method": "magic"}, "magic"),
     ]

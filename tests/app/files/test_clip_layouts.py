@@ -187,7 +187,7 @@ LAYOUTS: dict[str, tuple[str, Callable[[Path], Path]]] = {
     "image_02/ image_03/": ("stereo", eyes("image_02/{:06d}.png", "image_03/{:06d}.png")),
     "side by side": ("stereo", eyes("{:06d}l.png", "{:06d}r.png")),
     "pictures": ("images", pictures()),
-    "pictures in images/": ("images", only_images),
+    "images in images/": ("images", only_images),
     "pictures, depth beside": ("images", pictures(depth="{}_depth.png")),
     "pictures, arrays beside": ("images", pictures(depth="{}_depth.npy", mask="{}_mask.png")),
     "pictures, one mask": ("images", pictures(one_mask="mask.png")),
@@ -332,7 +332,7 @@ def test_a_run_goes_on_with_an_equal_copy_and_no_other_clip(
     for path in (files_of(copy)[0], files_of(copy)[-1]):
         content = path.read_bytes()
         path.write_bytes(content + b" ")
-        with pytest.raises(UserError, match="another clip, or the clip has changed"):
+        with pytest.raises(UserError, match="expected the clip the run was started with"):
             list(run_training(request_of(copy, run.path, resume=True, clip_options=ANY)))
         path.write_bytes(content)
 
@@ -375,10 +375,10 @@ def test_a_run_of_before_goes_on(tmp_path: Path, runs: dict[str, Path]) -> None:
         run = began_with(Path(shutil.copytree(runs["original"], tmp_path / name)), recorded, "former")
         assert len(list(run_training(request_of(clip, run.path, resume=True, clip_options=ANY)))) == 1
         began_with(run.path, recorded, "read")
-        with pytest.raises(UserError, match="the clip has changed"):  # Right pictures were added since.
+        with pytest.raises(UserError, match="got another or a changed"):  # Right pictures were added since.
             list(run_training(request_of(clip, run.path, resume=True, clip_options=ANY)))
         began_with(run.path, recorded, "former")
         changed = next(path for path in files_of(clip) if path.suffix == ".png")
         changed.write_bytes(changed.read_bytes() + b" ")
-        with pytest.raises(UserError, match="the clip has changed"):
+        with pytest.raises(UserError, match="got another or a changed one"):
             list(run_training(request_of(clip, run.path, resume=True, clip_options=ANY)))

@@ -79,7 +79,7 @@ def test_grey_and_alpha_are_written_as_colours(tmp_path: Path, encoder: str) -> 
 
 def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path, encoder: str) -> None:
     written = write_video(tmp_path / "odd.mp4", iter(frames(2, 47, 63)), Timing(5.0))
-    assert written.notices == ("the codec holds even sizes: 63x47 was cut to 62x46",)
+    assert written.notices == ("the codec needs even sizes: 63x47 was cut to 62x46",)
     assert read(tmp_path / "odd.mp4")[0][0].shape == (46, 62, 3)
 
 
@@ -88,8 +88,8 @@ def test_odd_sizes_lose_their_last_pixels_and_say_so(tmp_path: Path, encoder: st
     [
         (np.zeros((8, 8, 3), np.uint16), "8-bit"),
         (np.zeros((8, 8), np.float32), "8-bit"),
-        (np.zeros((1, 8, 3), np.uint8), "2x2 pixels or more, got 8x1"),
-        (np.zeros((1, 1, 3), np.uint8), "2x2 pixels or more, got 1x1"),
+        (np.zeros((1, 8, 3), np.uint8), "at least 2x2 pixels, got 8x1"),
+        (np.zeros((1, 1, 3), np.uint8), "at least 2x2 pixels, got 1x1"),
     ],
 )
 def test_what_no_video_holds_is_refused_and_nothing_written(
@@ -192,7 +192,7 @@ def test_sound_is_kept(tmp_path: Path, name: str) -> None:
     series = open_series(given)
     written = write_video(tmp_path / "out.mp4", (series.read(index) for index in range(15)), series.timing)
     copied = SOUNDS[name] != "pcm_s16le"
-    assert written.notices == (() if copied else ("the sound was encoded again, from pcm_s16le to AAC",))
+    assert written.notices == (() if copied else ("the sound was re-encoded from pcm_s16le to AAC",))
     with av.open(str(tmp_path / "out.mp4")) as container:
         blocks = [frame.to_ndarray()[0] for frame in container.decode(audio=0)]
         rate = container.streams.audio[0].rate
@@ -256,7 +256,7 @@ def test_interlaced_video_is_enhanced_and_made_again(tmp_path: Path, vesselsplat
     )
     out = tmp_path / "out.mp4"
     call = vesselsplat("enhance", given, out, "--deinterlacing", "field")
-    assert (call.code, "one picture a field" in call.error) == (0, True)
+    assert (call.code, "one image per field" in call.error) == (0, True)
     assert (len(open_clip(out)), open_clip(out).frames_per_second) == (12, 50.0)
     assert json.loads((tmp_path / "out.mp4.json").read_text())["pictures"][0]["deinterlacing"] == "field"
     assert "identical" in vesselsplat("replay", out).out

@@ -60,9 +60,7 @@ def test_a_software_driver_draws_where_it_is_faster(
     assert looking.processor_draws == (winner != "OpenGL")
     (said,) = looking.log
     assert looking.drawn_by == said
-    assert (
-        said == f"3D view: numba {own:.0f} ms, {renderer_name(ctx)} {card:.0f} ms a picture: {winner} draws"
-    )
+    assert said == f"3D view: numba {own:.0f} ms, {renderer_name(ctx)} {card:.0f} ms an image: {winner} draws"
     assert viewport.show(looking) is not None
     viewport.release()
 

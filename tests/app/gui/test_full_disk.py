@@ -84,14 +84,14 @@ def test_under_the_pictures(disk: Disk, places: Places, clip_path: Path) -> None
     before = contents(app.state.places.pictures)
     disk.fill()
     app.save()
-    assert app.trouble().startswith(f"the picture was not saved: {NO_SPACE}: clip-")
+    assert app.trouble().startswith(f"the image was not saved: {NO_SPACE}: clip-")
     for what in export_actions.OFFERS:
         request = export_actions.export_request(app.state, what)
         if request is None:
             continue
         app.channels.exports.ask(request)
         app.wait(lambda: app.state.exports.under_way is None)
-        assert app.trouble().startswith("the export was not written: ")
+        assert app.trouble().startswith("the export failed: ")
         assert contents(app.state.places.pictures) == before
     assert app.works
     disk.free()
@@ -153,7 +153,7 @@ def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
     app.wait(lambda: not state.reconstruction.is_alive)
     assert state.reconstruction.status == "failed"
     said = app.trouble()
-    assert said.startswith("the reconstruction stopped: ")
+    assert said.startswith("the reconstruction failed: ")
     assert NO_SPACE in said
     assert "Errno" not in said
     assert run.has_checkpoint

@@ -32,7 +32,7 @@ def test_the_notice_stays_until_it_is_acknowledged(ui: Ui, state: AppState) -> N
 
 
 def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
-    actions.fail(state, "expected a clip, got a folder without pictures: " + "a/long/path/" * 20)
+    actions.fail(state, "expected a clip, got a folder without images: " + "a/long/path/" * 20)
     actions.announce(state, "saved clip.png")
     state.help_open = True
 

@@ -86,7 +86,7 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
 @pytest.mark.parametrize("total", [0, 27])
 def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) -> None:
     run, shown = opened.reconstruction, []
-    run.status, run.preparing = "starting", Preparing("match left and right pictures", 3, total, 2.0, None)
+    run.status, run.preparing = "starting", Preparing("match left and right images", 3, total, 2.0, None)
 
     def draw() -> None:
         top = imgui.get_cursor_pos_y()

@@ -79,7 +79,7 @@ def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> 
     state.places.config.write_text("a file where the folder should be")
     preset_actions.keep(state, "mine")
     assert state.banner is not None
-    assert "cannot be kept" in state.banner.message
+    assert "cannot be saved" in state.banner.message
     assert not state.presets
 
 

@@ -137,7 +137,7 @@ def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: App
     assert queue_actions.may_close(state)
     queued(state, jobs, 100, 200)
     assert not queue_actions.may_close(state)
-    assert "1 more waits" in queue_actions.at_stake(state)
+    assert "1 more is queued" in queue_actions.at_stake(state)
     assert "next start" in queue_actions.what_is_kept(state)
     queue_actions.answer_closing(state, close=False)
     assert not queue_actions.may_close(state)

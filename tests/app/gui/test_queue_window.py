@@ -126,7 +126,7 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
         ctx.yield_(20)
         assert len(state.queue) == 2
         assert jobs == []
-        ctx.item_click("//Runs/Start what waits")
+        ctx.item_click("//Runs/Start the queue")
         wait(ctx, lambda: bool(jobs), "the first of them")
         jobs[0].inbox = [Started(0, 100, 30, ())]
         wait(ctx, lambda: state.reconstruction.can_pause, "its start")

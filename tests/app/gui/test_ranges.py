@@ -101,7 +101,7 @@ def session_file(folder: Path, **changes: Any) -> Path:
 def test_a_field_out_of_its_range_is_as_at_first_and_is_said(tmp_path: Path, name: str, value: Any) -> None:
     session, said = mended_session(session_file(tmp_path, **{name: value}))
     assert session == Session(source=SessionSource("clip"))
-    assert said.startswith(f"of the session, {name} cannot be read and is as at first")
+    assert said.startswith(f"in the session, {name} cannot be read, so defaults are used")
     assert "a.vesselsplat.broken" in said
     assert len(said) < 300
 
@@ -241,7 +241,7 @@ def test_a_keyframe_typed_hours_away_is_a_line(state: AppState) -> None:
     path_actions.move_keyframe(state, 1, 1e9)
     assert state.cameras.views is before
     assert state.banner is not None
-    assert "stays as it is" in state.banner.message
+    assert "unchanged" in state.banner.message
 
 
 def test_a_restored_session_is_kept_in_passing_as_it_was(state: AppState, clip: Clip, places: Places) -> None:

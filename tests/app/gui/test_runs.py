@@ -103,7 +103,7 @@ def test_a_run_in_another_process_says_so_and_is_left_alone(
 ) -> None:
     with locked(folder / "runs" / "short"):
         run = named(opened, "short")
-        assert run.made == "being made"
+        assert run.made == "training"
         run_actions.continue_run(opened, make_job, run)
     assert opened.reconstruction.job is None
     assert named(opened, "short").made == "unfinished"

@@ -214,7 +214,7 @@ def test_a_full_disk_is_a_sentence_and_leaves_nothing(run: Exporter, monkeypatch
             run.begin(what)
             run.turn(30)
             assert run.state.banner is not None
-            said = "the export was not written: No space left on device: "
+            said = "the export failed: No space left on device: "
             assert run.state.banner.message.startswith(said)
             run.state.banner = None
     assert run.state.exports.under_way is None

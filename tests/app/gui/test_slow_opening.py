@@ -242,7 +242,7 @@ def test_what_was_said_goes_when_the_answer_comes_or_is_given_up(
         assert state.banner is not None
         if given_up:
             actions.stop_opening(state)
-            assert "was not waited for" in state.log[-1]
+            assert "stopped waiting for" in state.log[-1]
         hanging.let_go.set()
         apart.close()
         for _ in range(2):

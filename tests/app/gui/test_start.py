@@ -83,7 +83,7 @@ def test_only_a_layout_that_a_window_has_left_is_read_again(places: Places) -> N
         assert not Window(state).runner_params().ini_disable
         assert not layout.exists()
         assert layout.with_name("window.ini.damaged").read_bytes() == content
-        assert "as at first" in state.log[-1]
+        assert "the standard one is used" in state.log[-1]
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="a system without such pipes")

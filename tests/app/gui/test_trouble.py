@@ -90,7 +90,7 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
     with monkeypatch.context() as patch:
         patch.setattr("app.files.atomic.os.fsync", full)
         app.save()
-        assert app.trouble().startswith("the picture was not saved: No space left on device: clip-")
+        assert app.trouble().startswith("the image was not saved: No space left on device: clip-")
         request = session_actions.save_request(app.state)
         assert request is not None
         app.channels.sessions.ask(request)
@@ -144,7 +144,7 @@ def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path
     os.kill(made[0].process_id, 9)
     app.wait(lambda: not app.state.reconstruction.is_alive)
     assert app.state.reconstruction.status == "failed"
-    assert "the reconstruction stopped" in app.trouble()
+    assert "the reconstruction failed" in app.trouble()
     assert job_actions.can_continue(app.state)
     assert run.has_checkpoint
     assert app.works

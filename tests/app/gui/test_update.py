@@ -170,7 +170,7 @@ def test_pictures_of_a_clip_that_was_left_are_dropped(
 
 def test_a_frame_that_cannot_be_read_is_said_once(state: AppState, channels: Channels, clip: Clip) -> None:
     def broken(index: int) -> np.ndarray:
-        raise ClipError(f"expected a picture, got a cut-off file: {index}.png")
+        raise ClipError(f"expected an image, got a cut-off file: {index}.png")
 
     settle(state, channels)
     state.clip = replace(clip, read_image=broken)
@@ -227,7 +227,7 @@ def test_a_job_is_followed_from_start_to_end(
     job, run = state.reconstruction.job, state.reconstruction
     assert isinstance(job, FakeJob)
     progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
-    stage = Preparing("match left and right pictures", 3, 27, 2.0, 16.0)
+    stage = Preparing("match left and right images", 3, 27, 2.0, 16.0)
     job.inbox = [stage]
     update(state, channels, 0.1)
     assert (run.status, run.preparing) == ("starting", stage)

@@ -24,8 +24,8 @@ def test_a_budget_takes_the_most_exact_and_a_bound_the_fastest() -> None:
 
 
 def test_what_cannot_be_had_is_said() -> None:
-    assert "no setting" in lines(0.001, None)[0]
-    assert "no setting" in lines(None, 0.01)[0]
+    assert "none of the measured settings" in lines(0.001, None)[0]
+    assert "none of the measured settings" in lines(None, 0.01)[0]
 
 
 def test_an_error_bound_says_nothing_about_a_measure_of_which_more_is_better() -> None:

@@ -45,12 +45,12 @@ def test_a_scene_without_depth_is_measured_with_a_guess_and_says_so(
 ) -> None:
     section = measured(photos, tmp_path, monkeypatch, 600)
     pairs = rows(section, "Reconstruction")
-    assert {row["scene"] for row in pairs} == {f"{photos.parent.name}/images, depth guessed"}
+    assert {row["scene"] for row in pairs} == {f"{photos.parent.name}/images, depth estimated"}
     assert "harmonics" in {row["left out"] for row in pairs}
     for row in pairs:
-        assert row["error added, dB"] == row["kept in, dB"] - row["PSNR, dB"]
-        assert row["time saved"] == 1 - row["ms a step"] / row["kept in, ms"]
-    assert len({(row["PSNR, dB"], row["ms a step"], row["MB"]) for row in pairs}) == 1, "one run without"
+        assert row["error added, dB"] == row["kept, dB"] - row["PSNR, dB"]
+        assert row["time saved"] == 1 - row["ms per step"] / row["kept, ms"]
+    assert len({(row["PSNR, dB"], row["ms per step"], row["MB"]) for row in pairs}) == 1, "one run without"
     assert any(row["memory saved"] > 0 for row in pairs)
 
 
@@ -71,6 +71,6 @@ def test_long_scenes_are_thinned_and_none_is_begun_when_the_time_is_used_up(
     photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     section = measured(photos, tmp_path, monkeypatch, -1, MOST_FRAMES=4)
-    name = f"{photos.parent.name}/images, one frame in 3, depth guessed"
-    assert section.not_measured == (f"{name}: the time was used up",)
+    name = f"{photos.parent.name}/images, one frame in 3, depth estimated"
+    assert section.not_measured == (f"{name}: no time left",)
     assert not rows(section, "Reconstruction")

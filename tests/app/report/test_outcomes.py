@@ -44,8 +44,8 @@ def test_further_times_of_a_run_steady_its_seconds_and_nothing_else() -> None:
     assert (single.seconds, single.spread) == (3.0, 0.0)
     made = table(runs, "t")
     names = [column.name for column in made.columns]
-    assert [made.rows[0][names.index(name)] for name in ("runs", "s of steps", "± s")] == [1, 11.0, 10.0]
-    assert [made.rows[1][names.index(name)] for name in ("s of steps", "± s")] == [3.0, None]
+    assert [made.rows[0][names.index(name)] for name in ("runs", "s training", "± s")] == [1, 11.0, 10.0]
+    assert [made.rows[1][names.index(name)] for name in ("s training", "± s")] == [3.0, None]
 
 
 def test_the_table_has_a_row_for_each_setting() -> None:
@@ -60,5 +60,5 @@ def test_the_time_in_all_stands_beside_that_of_the_steps() -> None:
         replace(run(10.0, seed=seed), outcome=replace(OUTCOME, wall_seconds=16.0 + seed)) for seed in (0, 1)
     ]
     made = table([*timed, run(3.0, iterations=250)], "t")
-    place = [column.name for column in made.columns].index("s in all")
+    place = [column.name for column in made.columns].index("s in total")
     assert [row[place] for row in made.rows] == [16.5, None]

@@ -28,10 +28,10 @@ def machine(monkeypatch: pytest.MonkeyPatch, *, cards: int, gsplat: bool, troubl
 @pytest.mark.parametrize(
     ("cards", "gsplat", "trouble", "words"),
     [
-        (0, True, "", ("driver finds no card",)),
+        (0, True, "", ("driver finds no GPU",)),
         (1, False, "", ("pip install", "gsplat")),
-        (0, False, "", ("driver finds no card", "pip install")),
-        (1, True, "torch finds no card", ("torch finds no card",)),
+        (0, False, "", ("driver finds no GPU", "pip install")),
+        (1, True, "torch finds no GPU", ("torch finds no GPU",)),
     ],
 )
 def test_what_is_missing_is_named(
@@ -62,7 +62,7 @@ def test_a_run_goes_on_where_it_began(
     request = replace(request_of(clip_path, runs["original"]), resume=True, device="auto")
     assert RunFolder(runs["original"]).record().device == "cpu"
     assert device_of(request).device == "cpu"
-    with pytest.raises(UserError, match="began with device cpu, got cuda"):
+    with pytest.raises(UserError, match="expected the run's device cpu, got cuda"):
         device_of(replace(request, device="cuda"))
 
 

@@ -134,11 +134,11 @@ def test_the_command_prints_it(
     def slowly(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         for done in range(3):
             now[0] += 3.0
-            yield Preparing("match left and right pictures", done, 3, now[0], None)
+            yield Preparing("match left and right images", done, 3, now[0], None)
         now[0] += 3.0
-        yield Preparing("find out what the clip needs", 0, 0, 3.0, None)
+        yield Preparing("analyse the clip", 0, 0, 3.0, None)
         now[0] += 3.0
-        yield Preparing("find out what the clip needs", 0, 0, 6.0, None)
+        yield Preparing("analyse the clip", 0, 0, 6.0, None)
         yield from run_training(request)
 
     now = [0.0]
@@ -146,9 +146,9 @@ def test_the_command_prints_it(
     monkeypatch.setattr("app.commands.train.run_training", slowly)
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run", "--iterations", 2)
     assert call.code == 0
-    assert "match left and right pictures 1/3, 6 s left" in call.error
-    assert "match left and right pictures 2/3, 3 s left" in call.error
-    assert "find out what the clip needs, 6 s so far" in call.error
+    assert "match left and right images 1/3, 6 s left" in call.error
+    assert "match left and right images 2/3, 3 s left" in call.error
+    assert "analyse the clip, 6 s so far" in call.error
 
 
 def no_clip(path: Path, options: ClipOptions) -> Clip:
@@ -180,7 +180,7 @@ def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
     monkeypatch.setattr("app.runs.train_run.open_clip", no_clip)
     # The superuser may write everywhere.
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path)
-    with pytest.raises(UserError, match=r"can be written for the run.*test_a_run"):
+    with pytest.raises(UserError, match=r"expected a writable folder for the run.*test_a_run"):
         next(run_training(request_of(clip_path, tmp_path / "deep" / "run")))
 
 

@@ -75,7 +75,7 @@ def test_render_draws_what_is_left_and_says_so(run: RunFolder, tmp_path: Path, v
     save_edits(run, edits)
     call = vesselsplat("render", run.path, "--out", tmp_path, "--frames", 4)
     assert call.code == 0
-    assert f"{edits.count - len(edits.visible)} of {edits.count} Gaussians are left out" in call.error
+    assert f"{edits.count - len(edits.visible)} of {edits.count} Gaussians are removed" in call.error
     model = edits.applied(run.model())
     drawn = draw_on_cpu(model.at(record.time(4)), record.camera(4), near_plane(model, record.camera(4)))
     path = tmp_path / "frame-000004.png"
@@ -148,5 +148,5 @@ def test_masks_that_unpack_to_more_than_they_say_are_refused(run: RunFolder) -> 
     with pytest.raises(UserError, match="expected masks of"):
         read_edits(run, said["gaussians"])
     run.edits_path.write_text(json.dumps(said | {"gaussians": said["gaussians"] - 1}))
-    with pytest.raises(UserError, match="got those of"):
+    with pytest.raises(UserError, match="got edits of"):
         read_edits(run, said["gaussians"])

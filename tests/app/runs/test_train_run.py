@@ -145,7 +145,7 @@ def test_resuming_what_is_finished_gives_it_back_unchanged(runs: dict[str, Path]
 @pytest.mark.parametrize(
     ("changes", "word"),
     [
-        ({"resume": False}, "finished run already"),
+        ({"resume": False}, "already holds a finished run"),
         ({"config": replace(CONFIG, seed=5)}, "seed 0, got 5"),
         ({"input": "enhanced"}, "input original, got enhanced"),
     ],
@@ -169,7 +169,7 @@ def test_a_run_goes_on_beside_what_is_not_of_the_clip(clip_path: Path, tmp_path:
     assert isinstance(next(run_training(resumed)), Finished)
     frame = sorted((clip / "images").iterdir())[2]
     cv2.imwrite(str(frame), np.zeros((48, 64, 3), np.uint8))
-    with pytest.raises(UserError, match=r"the clip has changed: .*clip$"):
+    with pytest.raises(UserError, match=r"a changed one: .*clip$"):
         list(run_training(resumed))
 
 
@@ -372,7 +372,7 @@ def test_interrupted_training_says_what_is_kept(
     (tmp_path / "run" / "checkpoint-0000010.safetensors").touch()
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
     assert (call.code, call.error.count("\n")) == (130, 1)
-    assert "is kept, --resume goes on" in call.error
+    assert "is kept, --resume continues from it" in call.error
 
 
 def test_the_demo_leaves_sheets_and_a_report_and_can_be_repeated(

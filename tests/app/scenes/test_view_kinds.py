@@ -226,8 +226,8 @@ def test_the_difference_is_to_the_photo_that_the_run_was_trained_on(
     [
         (("--view", "difference", "--time", 0.5), "own cameras"),
         (("--view", "depth", "--transparent"), "without a scale"),
-        (("--view", "points", "--depth"), "as they are"),
-        (("--view", "points", "--with", "reference"), "reference draws no points"),
+        (("--view", "points", "--depth"), "of unaltered Gaussians"),
+        (("--view", "points", "--with", "reference"), "expected cpu or gl for points"),
     ],
 )
 def test_what_does_not_go_together_is_one_line(

@@ -78,7 +78,7 @@ def _opengl() -> Iterable[AnyRow]:
     def draw(splats: Splats, camera: Camera, near: float) -> Float32Array:
         return render_offscreen(_context(), splats, camera, near=near)
 
-    return blending.pictures("OpenGL: picture", draw)
+    return blending.pictures("OpenGL: image", draw)
 
 
 def warm() -> None:

@@ -117,7 +117,7 @@ def test_off_takes_depth_away(measured, pictures):
 
 @pytest.mark.parametrize(
     ("source", "said"),
-    [("measured", "measured depth"), ("stereo", "right pictures"), ("monocular", "monodepth or depth_dam")],
+    [("measured", "measured depth"), ("stereo", "right images"), ("monocular", "monodepth or depth_dam")],
 )
 def test_what_is_not_there_is_refused(pictures, source, said):
     with pytest.raises(ClipError, match=rf"{said}.*images$"):

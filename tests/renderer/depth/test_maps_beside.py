@@ -97,12 +97,12 @@ def test_disparity_is_inverted_and_its_factor_taken_from_the_name(tmp_path):
     assert clip.unit == "mm"
 
 
-@pytest.mark.parametrize(("kind", "way"), [("bytes", "--depth measured"), ("colour", "of colours")])
+@pytest.mark.parametrize(("kind", "way"), [("bytes", "--depth measured"), ("colour", "holds colours")])
 def test_what_is_not_clear_is_left_out_with_the_way(tmp_path, kind, way):
     clip = open_clip(write(tmp_path, **{kind: "left_depth_{}.png"}))
     assert len(clip) == COUNT
     assert not clip.has_depth
-    assert "left out, depth maps beside the pictures: left_depth_50.png and 2 more" in clip.notices[0]
+    assert "left out, depth maps beside the images: left_depth_50.png and 2 more" in clip.notices[0]
     assert way in clip.notices[0]
 
 
@@ -113,7 +113,7 @@ def test_bytes_are_depth_when_that_is_said(tmp_path):
 def test_sixteen_bits_without_a_name_are_left_out_with_the_way(tmp_path):
     clip = open_clip(write(tmp_path, depth="left_{}_z.png"))
     assert (len(clip), clip.has_depth) == (COUNT, False)
-    assert "named _depth" in clip.notices[0]
+    assert "name them _depth" in clip.notices[0]
 
 
 def test_two_that_could_be_meant_are_neither(tmp_path):
@@ -131,7 +131,7 @@ def test_a_picture_without_its_map_has_no_depth(tmp_path):
     write(tmp_path, depth="left_depthmap_{}.png")
     (tmp_path / "left_depthmap_51.png").unlink()
     clip = open_clip(tmp_path)
-    assert "1 of 3 pictures have no depth map, such as left_51.png" in clip.notices
+    assert "1 of 3 images have no depth map, such as left_51.png" in clip.notices
     depth = clip.read_frame(1).depth
     assert depth is not None
     assert not depth.any()
@@ -150,7 +150,7 @@ def test_a_smaller_map_is_resampled_and_another_shape_left_out(tmp_path):
     half.resize((32, 32)).save(tmp_path / "left_depthmap_52.png")
     clip = open_clip(tmp_path)
     assert not clip.has_depth
-    assert "left_depthmap_52.png is of 32x32, another shape" in clip.notices[0]
+    assert "left_depthmap_52.png is 32x32, another shape" in clip.notices[0]
 
 
 def test_masks_are_used_when_it_is_said_what_they_mark(tmp_path):

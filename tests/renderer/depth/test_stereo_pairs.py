@@ -187,8 +187,8 @@ def test_strays_are_reported(written, tmp_path):
     clip = open_stereo_folder(tmp_path, FIELD_OF_VIEW)
     assert clip.labels == ("left.png",)
     assert clip.notices == (
-        "left out, masks beside the pictures: occ_left.png",
-        "left out, of no stereo pair: other.png",
+        "left out, masks beside the images: occ_left.png",
+        "left out, not part of a stereo pair: other.png",
     )
 
 
@@ -230,7 +230,7 @@ def test_pictures_of_two_scenes_are_refused(written, tmp_path):
 def test_what_does_not_pair_is_refused(written, tmp_path):
     folder = copied(written, tmp_path)
     (folder / "right/000001.png").unlink()
-    with pytest.raises(ClipError, match=r"1 right pictures for 2 left ones, none for 000001\.png"):
+    with pytest.raises(ClipError, match=r"1 right images for 2 left ones, none for 000001\.png"):
         opened(folder)
     shutil.copy(folder / "right/000000.png", folder / "right/000001.png")
     for name in ("000000.png", "000001.png"):

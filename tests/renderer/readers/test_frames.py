@@ -39,7 +39,7 @@ def test_strays_are_reported(tmp_path):
     (tmp_path / "clip/.hidden.png").write_text("1")
     clip = open_images(tmp_path / "clip")
     assert clip.labels == ("a1.png", "a2.jpg")
-    assert clip.notices == ("left out, no numbered pictures: cover.png, motion.yaml",)
+    assert clip.notices == ("left out, not numbered images: cover.png, motion.yaml",)
 
 
 def test_pictures_without_numbers_alone_are_a_clip(tmp_path):
@@ -48,7 +48,7 @@ def test_pictures_without_numbers_alone_are_a_clip(tmp_path):
 
 
 def test_an_empty_folder_is_refused_and_a_way_shown(tmp_path):
-    with pytest.raises(ClipError, match="expected pictures"):
+    with pytest.raises(ClipError, match="expected images"):
         open_images(tmp_path)
     write_pictures(tmp_path / "input", ["1.png"])
     with pytest.raises(ClipError, match="folders input: open one of these"):

@@ -30,9 +30,9 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {
         **{VIDEO + name: (folder / name).read_bytes() for name in VIDEOS},
         "a zip archive": (folder / "a.zip").read_bytes(),
-        "a file zipped by gzip": gzip.compress(b"picture"),
+        "a gzip file": gzip.compress(b"picture"),
         "a DICOM file": bytes(128) + b"DICM" + bytes(100),
-        "a HEIC picture": b"\0\0\0\x18ftypheic" + bytes(100),
+        "a HEIC image": b"\0\0\0\x18ftypheic" + bytes(100),
         "a PDF document": b"%PDF-1.7" + bytes(100),
         "an empty file": b"",
     }
@@ -44,7 +44,7 @@ def test_a_refusal_names_what_came_under_the_name_of_a_picture(tmp_path: Path) -
         path.write_bytes(content)
         said = VIDEO if kind.startswith(VIDEO) else kind
         for reads, error in ((open_clip, ClipError), (read_image, UserError)):
-            with pytest.raises(error, match=f"expected a picture, got {said}"):
+            with pytest.raises(error, match=f"expected an image, got {said}"):
                 reads(path)
 
 
@@ -52,7 +52,7 @@ def test_a_refusal_names_what_came_under_the_name_of_a_picture(tmp_path: Path) -
 def test_and_of_a_video(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "case.mp4"
     path.write_bytes(contents(tmp_path)[kind])
-    with pytest.raises(ClipError, match=f"expected a picture or a video, got {kind}"):
+    with pytest.raises(ClipError, match=f"expected an image or a video, got {kind}"):
         open_clip(path)
 
 

@@ -64,8 +64,8 @@ def test_maps_by_name_are_no_frames(tmp_path):
     clip = open_images(tmp_path)
     assert clip.labels == ("left_9.png", "left_10.png")
     assert [notice.split(":")[0] for notice in clip.notices] == [
-        "left out, depth maps beside the pictures",
-        "left out, masks beside the pictures",
+        "left out, depth maps beside the images",
+        "left out, masks beside the images",
     ]
 
 
@@ -112,7 +112,7 @@ def test_what_a_file_manager_leaves_is_not_told_and_lost_links_are(tmp_path):
         (tmp_path / name).write_text("x")
     assert open_images(tmp_path).notices == ()
     (tmp_path / "2.png").symlink_to(tmp_path / "nowhere.png")
-    assert open_images(tmp_path).notices == ("left out, links that lead nowhere: 2.png",)
+    assert open_images(tmp_path).notices == ("left out, broken links: 2.png",)
 
 
 def test_one_name_in_two_formats_is_refused(tmp_path):

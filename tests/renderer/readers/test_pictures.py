@@ -79,6 +79,6 @@ def test_the_pictures_that_differ_are_named_and_counted(tmp_path: Path) -> None:
     for name, size in (("1", (40, 20)), ("2", (30, 20)), ("3", (30, 20)), ("4", (9, 9))):
         Image.new("RGB", size).save(tmp_path / f"{name}.png")
     with pytest.raises(
-        SeveralSizes, match=r"30x20 as 2\.png, got 40x20 and 9x9: 2 of 4 pictures \(1\.png, 4\.png\)"
+        SeveralSizes, match=r"30x20 as 2\.png, got 40x20 and 9x9: 2 of 4 images \(1\.png, 4\.png\)"
     ):
         common_size(sorted(tmp_path.iterdir()))

@@ -100,5 +100,5 @@ def test_what_is_no_calibration_is_refused(path, change, said):
 
 def test_eyes_in_one_place_are_refused(path):
     path.write_text(calibration(shift=np.zeros(3)))
-    with pytest.raises(ClipError, match="eyes apart"):
+    with pytest.raises(ClipError, match="a baseline above 0"):
         read_rectified(path, SIZE)

@@ -201,7 +201,7 @@ def test_without_depth_every_pixel_is_tissue(keyframe):
     clip = open_clip(keyframe)
     assert not clip.has_depth
     assert clip.baseline == pytest.approx(BASELINE)
-    assert "not measured" in "".join(clip.notices)
+    assert "no measured depth" in "".join(clip.notices)
     assert clip.read_frame(0).tissue_mask.all()
 
 

@@ -145,7 +145,7 @@ def test_what_does_not_agree_is_refused(sequence, tmp_path):
             path / "groundtruth.txt", [[FIRST + index, *[0.0] * 7] for index in range(COUNT)]
         ),
         "mask of the shape": lambda path: Image.new("L", (30, 60)).save(path / f"masks/{FIRST:06d}l.png"),
-        "number of a picture": lambda path: [
+        "a mask numbered as an image": lambda path: [
             file.rename(file.with_name(f"1{file.name}")) for file in list((path / "masks").iterdir())
         ],
     }

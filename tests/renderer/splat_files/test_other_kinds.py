@@ -17,7 +17,7 @@ from tests.renderer.splat_files.files import zipped
         ("a.sog", zipped("meta.json"), "SOG: convert it to .ply"),
         ("a.sog", b"nonsense", "damaged"),
         ("a.splat", b"", "an empty file"),
-        ("a.splat", b"\x89PNG\r\n\x1a\n" + bytes(88), "a PNG picture"),
+        ("a.splat", b"\x89PNG\r\n\x1a\n" + bytes(88), "a PNG image"),
         ("meta.json", b'{"version": 2, "means": {}, "sh0": {}}', "an unpacked SOG: convert it to .ply"),
         ("lod-meta.json", b'{"lodLevels": 3}', "an unpacked SOG"),
         ("model.safetensors", bytes(9), "the folder of its run"),

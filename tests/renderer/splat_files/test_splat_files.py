@@ -234,19 +234,19 @@ ZIPPED = spz(2, 1, [bytes(9), bytes(1), bytes(3), bytes(3), bytes(3), bytes(9)],
         (spz(2, 0, [bytes(19)], count=4_000_000_000), "10000000"),
         (spz(2, 7, [bytes(19)], count=1), "degree"),
         (b"\x1f\x8bnonsense", "damaged"),
-        (gzip.compress(GOOD), "a PLY file as it is, got one zipped by gzip: unzip it"),
-        (gzip.compress(bytes(99)), "another one zipped by gzip"),
+        (gzip.compress(GOOD), "an uncompressed PLY file, got a gzip file: unzip it"),
+        (gzip.compress(bytes(99)), "another gzip file"),
         (zipped("scene/point_cloud.ply"), "a zip archive: unpack it first and open point_cloud.ply"),
         (zipped("readme.txt"), "a zip archive: unpack it first"),
         (zipped("meta.json", "means_l.webp"), "SOG: convert it to .ply with SuperSplat or splat-transform"),
-        (b"PK\x03\x04 and so on", "a zip archive that is damaged"),
+        (b"PK\x03\x04 and so on", "a damaged zip archive"),
         (
             b"NGSP" + struct.pack("<IIBBBBI", 4, 9, 3, 12, 0, 6, 32) + bytes(64),
             "version 4: convert it to .ply",
         ),
-        (b"\x89PNG\r\n\x1a\n" + bytes(88), "a PNG picture"),
-        (b"\xff\xd8\xff\xe0" + bytes(92), "a JPEG picture"),
-        (b"RIFF\0\0\0\0WEBP" + bytes(84), "a WebP picture"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(88), "a PNG image"),
+        (b"\xff\xd8\xff\xe0" + bytes(92), "a JPEG image"),
+        (b"RIFF\0\0\0\0WEBP" + bytes(84), "a WebP image"),
         (b"version https://git-lfs.github.com/spec/v1\n", "a Git LFS pointer"),
         (b"<!DOCTYPE html>", "a web page"),
     ],
@@ -263,7 +263,7 @@ def test_what_comes_after_the_last_splat_is_told(tmp_path: Path, content: bytes)
     assert read(tmp_path, content + (b"\n" if b"ascii" in content else b"")).notices == ()
     got = read(tmp_path, content + b"\n9 9")
     count = 3 if b"ascii" in content else 4
-    assert got.notices == (f"{count} bytes after the last of 3 splats are left alone",)
+    assert got.notices == (f"{count} bytes after the last of 3 splats are ignored",)
     assert len(got.raw) == 3
     with pytest.raises(SplatFileError, match="cut off"):
         read(tmp_path, content[:-40])
@@ -294,7 +294,7 @@ def test_a_degree_fills_up_with_zeros_and_loses_no_colour(bands: int, degree: in
 
 def test_a_folder_or_nothing_is_one_line(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.ply"):
-        with pytest.raises(SplatFileError, match="can be read"):
+        with pytest.raises(SplatFileError, match="readable splat file"):
             read_splats(path)
     with pytest.raises(SplatFileError, match="32 bytes"):
         read(tmp_path, bytes(33), "a.splat")
