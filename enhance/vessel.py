@@ -29,7 +29,7 @@ from enhance.statistics import Statistics
 ABSORPTION: Final = np.array([0.15, 1.0, 0.8], dtype=np.float32)
 """Of haemoglobin in the red, green and blue of a camera, relative to green (coarse: sensors differ)."""
 GREY: Final = np.ones(3, dtype=np.float32)
-"""Of grey pictures."""
+"""For grey images."""
 
 
 @dataclass(

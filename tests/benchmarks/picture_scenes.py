@@ -297,7 +297,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.open(REPORT)
     yield "report"
     part = "Enhancement: error against run time"
-    for item in (part, f"Every parameter##{part}0"):
+    for item in (part, f"Every knob##{part}0"):
         person.ctx.item_open(f"//Report/{item}")
     person.ctx.scroll_to_bottom("//Report")
     yield "report table"

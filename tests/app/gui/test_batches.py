@@ -131,7 +131,7 @@ def test_closing_meanwhile_is_asked_about(places: Places, case: Path) -> None:
     person.begin(case)
     assert not queue_actions.may_close(person.state)
     assert "enhanced" in queue_actions.at_stake(person.state)
-    assert "whole" in queue_actions.what_is_kept(person.state)
+    assert "Finished files are kept" in queue_actions.what_is_kept(person.state)
     person.finish()
     assert not queue_actions.at_stake(person.state)
 

@@ -147,7 +147,7 @@ def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: App
     assert queue_actions.may_close(state)  # What waits is kept.
     actions.remember_recent(state, False)
     assert not queue_actions.may_close(state)
-    assert "forgotten" in queue_actions.what_is_kept(state)
+    assert "discarded" in queue_actions.what_is_kept(state)
     state.closing, state.queue = "no", ()
     assert queue_actions.may_close(state)
 

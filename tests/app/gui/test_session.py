@@ -295,7 +295,7 @@ def test_unsaved_edits_of_another_model_are_left_out_and_said(
         state.banner = None
         session_actions.restore(state, replace(snapshot(state, places.config), edits=edits))
         assert state.banner is not None
-        assert "left out" in state.banner.message
+        assert "not restored" in state.banner.message
         assert not state.editing.is_unsaved
 
 

@@ -99,7 +99,7 @@ def test_nor_is_the_source_of_a_session(
     source = SessionSource(name, "0" * 64)
     write_session(path, Session(source=source) if part == "source" else Session(run=source))
     said = ends(lambda: list(open_path(OpenRequest(path))))
-    assert ("expected a file, got a" if part == "source" else f"expected {name} where it was") in said
+    assert ("expected a file, got a" if part == "source" else f"expected {name} at its old place") in said
 
 
 @pytest.mark.parametrize("make", [pipe, link_to_device, plug])
@@ -189,7 +189,7 @@ def test_an_opening_that_hangs_stops_no_other(hanging: Hanging, places: Places) 
     assert state.banner is None
     update(state, channels, LONG + 1)
     assert state.banner is not None
-    assert "still waiting for /mnt/gone, for 30 s" in state.banner.message
+    assert "still waiting for /mnt/gone after 30 s" in state.banner.message
     assert state.banner.can_stop
     state.banner = None
     update(state, channels, LONG + 2)

@@ -92,7 +92,7 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
     corner, size = ImVec2(10, 20), ImVec2(300, 200)
     (low, high), zoom = bounds(request.camera, corner, size), 200 / 40
     assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
-    assert "PHOTO 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
+    assert "FRAME 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
     ui.drag(draw, (400, 300), (420, 300))
     assert not opened.viewer.snapped
     assert photo_over(opened) is None
