@@ -20,7 +20,8 @@ from app.console.progress import progress
 from app.errors import UserError
 from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.files.atomic import make_folder, write_bytes
-from app.files.provenance import NOTICE, provenance, source, strict_json, write_png
+from app.files.provenance import NOTICE, provenance, strict_json, write_png
+from app.files.records import Source
 from app.files.sheet import ByteImage, Tile, sheet
 from app.runs.run_clip import enhanced_clip
 from app.runs.run_folder import Input, RunFolder
@@ -63,7 +64,7 @@ def run(flags: argparse.Namespace) -> None:
     with _timed("evaluate", seconds):
         reports = {name: evaluation.report(measured(evaluation)) for name, evaluation in evaluations.items()}
     with _timed("draw", seconds):
-        facts = {"source": source(path), "config": CONFIG, "params": RECONSTRUCTION_PARAMS}
+        facts = {"source": Source.of(path), "config": CONFIG, "params": RECONSTRUCTION_PARAMS}
         write_png(out / "compare.png", _compare(evaluations, reports), provenance(**facts))
         write_png(out / "strip.png", _strip(evaluations), provenance(**facts))
     report = provenance(**facts, seconds=seconds, total_seconds=sum(seconds.values()), runs=reports)
@@ -105,7 +106,7 @@ def _write_enhanced(folder: Path, clip: Clip) -> None:
     enhancement = pooled(clip, RECONSTRUCTION_PARAMS)
     photos = enhanced_clip(clip, enhancement)
     make_folder(folder)
-    facts: dict[str, Any] = {"source": source(clip.path), "enhancement": enhancement}
+    facts: dict[str, Any] = {"source": Source.of(clip.path), "enhancement": enhancement}
     with progress("enhance", len(clip)) as report:
         for index in range(len(clip)):
             image, name = photos.read_image(index), f"frame-{index:06d}.png"

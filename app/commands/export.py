@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 from app.commands import view_flags
 from app.console.progress import progress
 from app.errors import UserError
-from app.exports.scene_splats import of_degree, splat_file
-from app.files.atomic import filled, together, write_bytes
-from app.files.image_files import ArrayImage
-from app.files.provenance import repeatable, write_sidecar
+from app.exports.make import make
+from app.exports.records import RenderVideo, Splats, VideoMoment, extended
+from app.exports.scene_splats import of_degree
+from app.exports.sources import Opened
+from app.files.atomic import filled, write_bytes
 from app.files.stepping import run_to_end
-from app.files.timing import Timing
-from app.files.video import write_video
 from app.scenes import view_selection
-from app.scenes.color_bar import with_bar
+from app.scenes.drawer import Drawer
 from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
-from app.scenes.view_request import lasting_facts, steady
+from app.scenes.view_request import drawn_record
 from app.scenes.view_selection import Moment
 from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.harmonics import BANDS
@@ -68,20 +66,20 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    scene = _of_degree(scene, degree)
-    asked = {} if degree is None else {"sh_degree": degree}
+    _check_degree(scene, degree)
+    sources = Opened(scenes=(scene,))
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
-            facts = repeatable(kind="splats", **scene.facts, frame=moment.frame, time=moment.time, **asked)
-            (staging / f"{moment.name}.ply").write_bytes(splat_file(scene, moment.time, facts))
+            record = extended(Splats, scene.record, frame=moment.frame, time=moment.time, sh_degree=degree)
+            run_to_end(make(record, sources, staging / f"{moment.name}.ply"))
             report(done, moment.name)
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
 
 
-def _of_degree(scene: Scene, degree: int | None) -> Scene:
+def _check_degree(scene: Scene, degree: int | None) -> None:
     """Raises UserError for a degree that would lose colours."""
     try:
-        return of_degree(scene, degree)
+        of_degree(scene, degree)
     except ValueError as error:
         raise UserError(
             f"--sh-degree: expected a degree that holds the whole model, got {degree} for {error}"
@@ -89,19 +87,20 @@ def _of_degree(scene: Scene, degree: int | None) -> Scene:
 
 
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
-    draw, name = drawer(flags.renderer)
-    views = run_to_end(steady(view_flags.asked_for(flags, scene, wanted), draw))
-
-    def pictures() -> Iterator[ArrayImage]:
-        with progress("draw", len(wanted)) as report:
-            for done, (moment, view) in enumerate(zip(wanted, views, strict=True), start=1):
-                yield with_bar(view.picture(draw))
-                report(done, moment.name)
-
-    seen = [moment.facts | {"near": view.near} for moment, view in zip(wanted, views, strict=True)]
-    facts = lasting_facts(views[0], name)
-    with together(flags.video) as place:
-        written = write_video(place, pictures(), Timing(flags.frames_per_second))
-        facts |= {"frames_per_second": flags.frames_per_second, "moments": seen, "video": written}
-        write_sidecar(place, repeatable(kind="render video", **facts))
-    sys.stdout.write(f"{flags.video}: {len(wanted)} frames rendered with {name}\n")
+    pen = Drawer(*drawer(flags.renderer))
+    views = view_flags.asked_for(flags, scene, wanted)
+    seen = tuple(
+        VideoMoment(frame=moment.frame, time=moment.time, camera=moment.camera, near=view.near)
+        for moment, view in zip(wanted, views, strict=True)
+    )
+    record = extended(
+        RenderVideo,
+        drawn_record(views[0], pen.name),
+        frames_per_second=flags.frames_per_second,
+        moments=seen,
+    )
+    with progress("draw", len(wanted)) as report:
+        for done in make(record, Opened(tuple(views), pen=pen), flags.video):
+            if done:
+                report(done, wanted[done - 1].name)
+    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {pen.name}\n")

@@ -21,7 +21,7 @@ from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.files.image_files import ArrayImage
 from app.files.image_series import open_series
-from app.files.provenance import provenance, strict_json
+from app.files.provenance import plain, provenance, strict_json
 from enhance import ImageError
 from enhance.image import BoolImage
 from enhance.metrics import (
@@ -119,7 +119,8 @@ def _given(paths: list[Path]) -> list[Given]:
     found = []
     for path in paths:
         series = open_series(path)
-        for index, (source, origin) in enumerate(zip(series.sources, series.origins(), strict=True)):
+        origins = map(plain, series.origins())
+        for index, (source, origin) in enumerate(zip(series.sources, origins, strict=True)):
             read = partial(series.read, index)
             if series.is_video:
                 found.append(Given(origin | {"frame": index}, source, source, read))

@@ -12,7 +12,8 @@ from pathlib import Path
 from app.console.flags import positive
 from app.errors import UserError
 from app.files.atomic import filled
-from app.files.provenance import provenance, source, strict_json
+from app.files.provenance import plain, provenance, strict_json
+from app.files.records import Source
 from app.report.advice import advice
 from app.report.bench import Bench, Clock, opened
 from app.report.machine import machine
@@ -53,7 +54,7 @@ def run(flags: argparse.Namespace) -> None:
     began, facts = time.monotonic(), machine()
     with filled(flags.out) as staging, opened(flags.clip, tuple(flags.scenes), _say) as bench:
         sections, seconds = measured(bench, parts, 60 * minutes)
-        clip = {"name": "phantom"} if flags.clip is None else source(flags.clip)
+        clip = {"name": "phantom"} if flags.clip is None else plain(Source.of(flags.clip))
         report = provenance(machine=facts, clip=clip, seconds=seconds, parts=sections)
         (staging / "report.json").write_text(strict_json(report, indent=1), encoding="utf-8")
         said = {"clip": clip["name"], "measured": f"{report['utc']}, in {sum(seconds.values()):.0f} s"}

@@ -17,7 +17,7 @@ from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.console.terminal import table_terminal
-from app.enhancement.contact_sheet import columns_of, contact_sheet, tile
+from app.enhancement.contact_sheet import columns_of, tile, write_tuning_sheet
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.parameter_grid import (
     DEFINITIONS,
@@ -32,11 +32,13 @@ from app.enhancement.parameter_grid import (
     settings,
     tried,
 )
+from app.enhancement.records import EnhancedPicture, Pixels, SheetCell, TuningSheet
 from app.errors import UserError
 from app.files.atomic import filled
 from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import open_series
-from app.files.provenance import provenance, source, strict_json, write_png
+from app.files.provenance import provenance, strict_json
+from app.files.records import Source
 from app.files.sheet import Tile
 from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
@@ -76,11 +78,29 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """The picture that is tuned on, and what every file says about it."""
+    """The picture that is tuned on, and what every file says of it."""
 
     image: ArrayImage
     tissue: BoolImage | None
-    facts: dict[str, Any]
+    source: Source
+    frame: int | None
+    """Of a video."""
+    method: str
+    pixels: Pixels
+
+    @property
+    def shared(self) -> dict[str, Any]:
+        """What the records of the picture's cells, of their sheet and of all of it have in common."""
+        return {"source": self.source, "frame": self.frame, "method": self.method, "pixels": self.pixels}
+
+    def cell(self, cell: Cell) -> EnhancedPicture:
+        """What the picture of a cell says of itself."""
+        return EnhancedPicture(
+            **self.shared,
+            params=cell.setting.params,
+            statistics=cell.statistics,
+            measures=cell.measures,
+        )
 
 
 @dataclass(frozen=True)
@@ -136,8 +156,7 @@ def _origin(flags: argparse.Namespace) -> Origin:
         tissue = inside([image]) if flags.pixels == "tissue" else None
     except ImageError as error:
         raise UserError(f"{error}: {path}") from error
-    facts = {"source": source(path), "frame": frame, "method": flags.method, "pixels": flags.pixels}
-    return Origin(image, tissue, facts)
+    return Origin(image, tissue, Source.of(path), frame, flags.method, flags.pixels)
 
 
 def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]:
@@ -149,33 +168,27 @@ def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]
         try:
             for cell in tried(origin.image, wanted, origin.tissue):
                 name = f"setting-{places[cell.setting]:03d}{suffix}"
-                write_image(folder / name, cell.image, provenance(**_cell_facts(origin, cell)))
+                write_image(folder / name, cell.image, origin.cell(cell).signed)
                 rows[cell.setting] = Row(name, cell.setting, tile(cell), cell.measures)
                 report(len(rows), cell.setting.label)
         except ImageError as error:
-            raise UserError(f"{error}: {origin.facts['source']['name']}") from error
+            raise UserError(f"{error}: {origin.source.name}") from error
     return [rows[setting] for setting in wanted]
-
-
-def _cell_facts(origin: Origin, cell: Cell) -> dict[str, Any]:
-    own = {"params": cell.setting.params, "statistics": cell.statistics, "measures": cell.measures}
-    return {"kind": "enhanced picture"} | origin.facts | own
 
 
 def _write_summary(
     folder: Path, origin: Origin, axes: Sequence[Axis], rows: Sequence[Row], sort: str | None
 ) -> dict[str, Any]:
     """The sheet, the table and all of it as JSON, which is returned."""
-    title = f"{origin.facts['source']['name']}: " + ", ".join(one.name for one in axes)
+    title = f"{origin.source.name}: " + ", ".join(one.name for one in axes)
     title += f", best {sort} first" if sort else ""
     columns = columns_of([len(one.values) for one in axes], in_order=sort is None)
-    shown = [{"label": row.setting.label, "params": row.setting.params} for row in rows]
-    facts = origin.facts | {"title": title, "columns": columns, "settings": shown}
-    picture = contact_sheet(title, [row.tile for row in rows], columns)
-    write_png(folder / "sheet.png", picture, provenance(kind="tuning sheet", **facts))
+    shown = tuple(SheetCell(label=row.setting.label, params=row.setting.params) for row in rows)
+    sheet = TuningSheet(**origin.shared, title=title, columns=columns, settings=shown)
+    write_tuning_sheet(folder / "sheet.png", sheet, [row.tile for row in rows])
     (folder / "tuning.csv").write_bytes(_table(axes, rows))
     report = provenance(
-        **origin.facts,
+        **origin.shared,
         axes=axes,
         sort=sort,
         cells=[row.facts for row in rows],

@@ -8,13 +8,16 @@ from itertools import tee
 from pathlib import Path
 from typing import Any, Literal
 
-from app.enhancement.methods import Enhanced, MethodEnhancer, Params, apply, measure_for
+from app.enhancement.methods import MethodEnhancer, Params, apply, measure_for
+from app.enhancement.records import EnhancedPicture, EnhancedVideo, Pixels
 from app.errors import UserError
 from app.files.atomic import filled, together
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
 from app.files.prefetch import ahead
-from app.files.provenance import provenance, write_sidecar
+from app.files.provenance import write_sidecar
+from app.files.records import Source
+from app.files.timing import Timing
 from app.files.video import write_frames
 from enhance import ImageError, Statistics
 from enhance.image import BoolImage
@@ -26,7 +29,6 @@ VIDEO = ".mp4"
 STEADY_FRAMES = 16
 """Evenly spread pictures that tell the surround of all."""
 
-Facts = dict[str, Any]
 Tissue = Callable[[ArrayImage], BoolImage | None]
 Stream = Generator[Any, None, None]
 Watch = Callable[[str, Series, Stream], Stream]
@@ -46,58 +48,53 @@ class Setting:
     params: Params
     statistics: Literal["image", "clip"] = "image"
     """Of each picture, or pooled over the series."""
-    pixels: Literal["all", "tissue"] = "all"
-    """Which of them count in the statistics; "tissue" leaves out the black surround."""
+    pixels: Pixels = "all"
     pooled: int | None = None
     """Evenly spread pictures whose statistics stand for a series; None: all of them."""
     clip_options: ClipOptions = DEFAULTS
     """How videos are read."""
 
-    @property
-    def facts(self) -> Facts:
-        return {"method": self.method, "params": self.params, "pixels": self.pixels}
+    def record(
+        self, source: Source, picture: str, frame: int | None, pooled: Statistics | None
+    ) -> EnhancedPicture:
+        """Of one picture, before it is made."""
+        return EnhancedPicture(
+            source=source,
+            picture=picture,
+            frame=frame,
+            deinterlacing=self.clip_options.deinterlacing,
+            method=self.method,
+            params=self.params,
+            pixels=self.pixels,
+            statistics=pooled,
+        )
 
 
 @dataclass(frozen=True)
 class Written:
     """What has been made of one series."""
 
-    pictures: tuple[Facts, ...]
+    outputs: tuple[str, ...]
+    """The name of the file that holds each picture."""
+    pictures: tuple[EnhancedPicture, ...]
     """What was used for each."""
     notices: tuple[str, ...]
     """One sentence for each oddity and loss."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Job:
-    setting: Setting
-    tissue: Tissue
-    """Which pixels count, as a mask; None: all."""
-    statistics: Statistics | None = None
-    """Of the whole series; None: of each picture."""
+Made = tuple[ArrayImage, EnhancedPicture]
+"""An enhanced picture with what was used for it."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Picture:
-    name: str
-    source: dict[str, str]
-    frame: int | None
-    """Of a video."""
-    job: _Job
-    result: Enhanced
+def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhancer) -> Made:
+    """Statistics of the picture alone are measured, those of all pictures together are taken over.
 
-    @property
-    def facts(self) -> Facts:
-        return {
-            "kind": "enhanced picture",
-            "source": self.source,
-            "picture": self.name,
-            "frame": self.frame,
-            "deinterlacing": self.job.setting.clip_options.deinterlacing,
-            **self.job.setting.facts,
-            "statistics": self.result.statistics,
-            "omitted": self.result.omitted,
-        }
+    Raises:
+        ImageError, UserError: as `methods.apply`.
+    """
+    mask = inside([image]) if record.pooled is None and record.pixels == "tissue" else None
+    result = apply(record.method, record.params, image, mask, record.pooled, enhancer)
+    return result.image, replace(record, statistics=result.statistics, omitted=result.omitted)
 
 
 def enhance_into(
@@ -111,15 +108,14 @@ def enhance_into(
         UserError, ClipError: what cannot be read, enhanced or written.
     """
     notices = list(series.notices)
-    job = _Job(setting, _tissue(series, setting))
-    if setting.statistics == "clip":
-        job = replace(job, statistics=_pooled(series, job, notices, watch))
-    pictures = watch("enhance", series, _enhanced(series, ahead(_pictures(series, notices)), job))
+    pooled = _pooled(series, setting, notices, watch) if setting.statistics == "clip" else None
+    pictures = watch("enhance", series, _enhanced(series, ahead(_pictures(series, notices)), setting, pooled))
     try:
-        facts = yield from _write(output, series, pictures, notices)
+        written = yield from _write(output, series, pictures, notices)
     finally:
         pictures.close()
-    return Written(tuple(facts), tuple(notices))
+    outputs = tuple(output for output, _ in written)
+    return Written(outputs, tuple(record for _, record in written), tuple(notices))
 
 
 def _pictures(series: Series, notices: list[str], indices: Iterable[int] | None = None) -> Stream:
@@ -137,11 +133,9 @@ def _pictures(series: Series, notices: list[str], indices: Iterable[int] | None 
 
 
 def _tissue(series: Series, setting: Setting) -> Tissue:
-    """Of each picture on its own, or where the statistics are those of all pictures, one mask for all."""
+    """One mask for all pictures."""
     if setting.pixels == "all":
         return lambda image: None
-    if setting.statistics == "image":
-        return lambda image: inside([image])
     size = series.read(0).shape[:2]
     spread = _pictures(series, [], series.spread(STEADY_FRAMES))
     try:
@@ -151,73 +145,82 @@ def _tissue(series: Series, setting: Setting) -> Tissue:
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
-def _pooled(series: Series, job: _Job, notices: list[str], watch: Watch) -> Statistics:
-    look, pooled = job.setting.params, job.setting.pooled
+def _pooled(series: Series, setting: Setting, notices: list[str], watch: Watch) -> Statistics:
+    look, pooled = setting.params, setting.pooled
     assert look is not None
+    tissue = _tissue(series, setting)
     indices = None if pooled is None else series.spread(pooled)
     # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
     images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
     try:
-        return measure_for(look, images, map(job.tissue, again))
+        return measure_for(look, images, map(tissue, again))
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error
 
 
-def _enhanced(series: Series, images: Stream, job: _Job) -> Stream:
-    origins, enhancer, setting = series.origins(), MethodEnhancer(), job.setting
+def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statistics | None) -> Stream:
+    origins, enhancer = series.origins(), MethodEnhancer()
     try:
         for index, image in enumerate(images):
+            record = setting.record(next(origins), series.names[index], series.frame(index), pooled)
             try:
-                mask = job.tissue(image) if job.statistics is None else None
-                result = apply(setting.method, setting.params, image, mask, job.statistics, enhancer)
+                made = enhanced(record, image, enhancer)
             except (ImageError, UserError) as error:
                 raise UserError(f"{error}: {series.sources[index]}") from error
-            yield _Picture(series.names[index], next(origins), series.frame(index), job, result)
+            yield made
     finally:
         images.close()
 
 
 def _write(
-    output: Path, series: Series, pictures: Iterator[_Picture], notices: list[str]
-) -> Generator[int, None, list[Facts]]:
-    """Write all pictures or none; what was used for each."""
+    output: Path, series: Series, pictures: Iterator[Made], notices: list[str]
+) -> Generator[int, None, list[tuple[str, EnhancedPicture]]]:
+    """Write all pictures or none; what was used for each, by the name of the file that holds it."""
     if output.suffix.lower() == VIDEO:
-        return (yield from _write_video(output, series, pictures, notices))
+        records = yield from _write_video(output, series, pictures, notices)
+        return [(output.name, record) for record in records]
     if is_image(output) and not output.is_dir():
-        (picture,) = pictures
-        write_image(output, picture.result.image, provenance(**picture.facts))
+        ((image, record),) = pictures
+        write_image(output, image, record.signed)
         yield 1
-        return [{"output": output.name} | picture.facts]
-    facts: list[Facts] = []
+        return [(output.name, record)]
+    written: list[tuple[str, EnhancedPicture]] = []
     with filled(output) as staging:
-        for picture in pictures:
-            image = picture.result.image
+        for image, record in pictures:
             # PNG holds no floats.
-            name = picture.name + (".tiff" if image.dtype.kind == "f" else ".png")
-            write_image(staging / name, image, provenance(**picture.facts))
-            facts.append({"output": name} | picture.facts)
-            yield len(facts)
-    return facts
+            name = f"{record.picture}" + (".tiff" if image.dtype.kind == "f" else ".png")
+            write_image(staging / name, image, record.signed)
+            written.append((name, record))
+            yield len(written)
+    return written
 
 
 def _write_video(
-    output: Path, series: Series, pictures: Iterator[_Picture], notices: list[str]
-) -> Generator[int, None, list[Facts]]:
-    """The video, and beside it its provenance, which this container does not carry."""
-    facts: list[Facts] = []
+    output: Path, series: Series, pictures: Iterator[Made], notices: list[str]
+) -> Generator[int, None, tuple[EnhancedPicture, ...]]:
+    with together(output) as place:
+        record = yield from write_enhanced_video(place, pictures, series.timing, notices)
+    return record.pictures
+
+
+def write_enhanced_video(
+    place: Path, pictures: Iterable[Made], timing: Timing, notices: list[str]
+) -> Generator[int, None, EnhancedVideo]:
+    """The video, and beside it its record, which this container does not carry."""
+    records: list[EnhancedPicture] = []
 
     def frames() -> Iterator[ArrayImage]:
-        for picture in pictures:
-            facts.append({"output": output.name} | picture.facts)
-            yield picture.result.image
+        for image, record in pictures:
+            records.append(record)
+            yield image
 
-    with together(output) as place:
-        written = yield from write_frames(place, frames(), series.timing)
-        notices.extend(written.notices)
-        record = {
-            "kind": "enhanced video",
-            "frames_per_second": series.timing.frames_per_second,
-            "pictures": facts,
-        }
-        write_sidecar(place, provenance(**record, encoding=written.encoding, notices=notices))
-    return facts
+    written = yield from write_frames(place, frames(), timing)
+    notices.extend(written.notices)
+    video = EnhancedVideo(
+        frames_per_second=timing.frames_per_second,
+        pictures=tuple(records),
+        encoding=written.encoding,
+        notices=tuple(notices),
+    )
+    write_sidecar(place, video.signed)
+    return video

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
+from pydantic import Discriminator, Tag
 
 from app.errors import UserError
 from app.files.image_files import ArrayImage
@@ -31,6 +32,18 @@ Params = EnhancementSettings | None
 def preset_of(look: EnhancementSettings) -> Preset:
     """The name of the method that these parameters are of."""
     return PAPER if isinstance(look, EnhanceParams) else VESSEL
+
+
+def _preset(given: Any) -> Preset:
+    """Which method's parameters these are; as JSON, by a name that the other does not have."""
+    if isinstance(given, dict):
+        return VESSEL if "strength" in given else PAPER
+    return preset_of(given)
+
+
+RecordedSettings = Annotated[
+    Annotated[EnhanceParams, Tag(PAPER)] | Annotated[VesselParams, Tag(VESSEL)], Discriminator(_preset)
+]
 
 
 def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:

@@ -15,9 +15,10 @@ from numba import get_num_threads
 from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.evaluation.render_timing import REPEATS, Stopwatch
+from app.files.provenance import plain
 from app.runs.memory import peak_memory_mb
 from app.runs.run_clip import input_clip, run_clip
-from app.runs.run_edits import edits_facts, read_edits
+from app.runs.run_edits import LeftOut, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.wall_clock import STEPS, WALL
 from app.scenes.cpu_rendering import Drawn
@@ -182,7 +183,8 @@ def open_evaluation(run_path: Path, weights: Path | None = None, *, edited: bool
     record, model = run.record(), run.model()
     facts = {"measured": edited} if run.edits_path.is_file() else None
     if edited and (edits := read_edits(run, len(model))) is not None:
-        model, facts = edits.applied(model), {"measured": True} | edits_facts(edits).get("edits", {})
+        model, facts = edits.applied(model), {"measured": True}
+        facts |= {} if edits.is_empty else plain(LeftOut.of(edits))
     clip = run_clip(record)
     return Evaluation(run, record, clip, input_clip(clip, record), model, find_lpips(weights), facts)
 

@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
-from app.exports.comparison_images import OtherMaker
-from app.exports.measure_table import measured_rows, write_measures
-from app.exports.page import Panel, sheet
+from app.exports.make import make
+from app.exports.records import (
+    FrameRecord,
+    MeasuresTable,
+    PanesPicture,
+    PanesRecord,
+    PanesVideo,
+    ViewVideo,
+    extended,
+)
 from app.exports.shots import Panes
-from app.exports.view_pages import Views, drawn_panel, steady, video_facts, view_pages
-from app.files.atomic import filled, together
-from app.files.image_series import timing_of
-from app.files.provenance import provenance, source, write_png, write_sidecar
+from app.exports.sources import Opened
+from app.exports.view_pages import Views
+from app.files.atomic import filled
+from app.files.records import Source
 from app.files.stepping import map_steps
 from app.files.timestamp import stamp
-from app.files.timing import Timing
-from app.files.video import write_frames
 from app.scenes.cpu_rendering import ON_CPU
-from app.scenes.view_request import view_facts
+from app.scenes.scene import Scene
+from app.scenes.view_request import drawn_record, moment_record, view_record
 from app.scenes.view_selection import FRAMES_PER_SECOND
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
@@ -79,72 +85,55 @@ def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
     name = f"{request.stem}-{stamp()}{SUFFIXES[request.form]}"
     with filled(request.folder) as staging:
-        if request.form == "picture":
-            _picture(request, staging / name)
-        elif request.form == "measures":
-            yield from _measures(request, staging / name)
-        else:
-            yield from _video(request, staging / name)
+        yield from map_steps(make(record_of(request), opened(request), staging / name), Step)
     yield Step(request.steps, request.folder / name)
 
 
-def _facts(request: ExportRequest) -> dict[str, Any]:
-    """Of all panes: their clip, and how they are laid out."""
-    panes = request.panes
-    facts = {"source": source(panes.shots[0].photo.clip.path), "clip_options": request.clip_options}
-    facts |= {"scale": panes.sizing.scale, "width": panes.sizing.width, "arrangement": panes.arrangement}
-    return facts | {"panes": [shot.facts for shot in panes.shots]}
+def opened(request: ExportRequest) -> Opened:
+    """What it is made of, as it is open."""
+    shots = request.panes.shots
+    return Opened(
+        tuple(view for views in request.moments for view in views),
+        shots[0].photo.clip if shots else None,
+        tuple(shot.by for shot in shots if isinstance(shot.by, Scene)),
+    )
 
 
-def _span_facts(request: ExportRequest) -> dict[str, int]:
-    return {"first_frame": request.span[0], "last_frame": request.span[1]}
-
-
-def picture_facts(request: ExportRequest) -> dict[str, Any]:
-    """What there is to see: the panes' clip and frame, and the 3D view."""
-    facts: dict[str, Any] = {}
-    if request.panes.shots:
-        photo = request.panes.shots[0].photo
-        frame = {"index": photo.frame_index, "label": photo.clip.labels[photo.frame_index]}
-        facts = _facts(request) | {"frame": frame}
-    for views in request.moments:
-        facts["views"] = [view_facts(wanted, ON_CPU) for wanted in views]
-    return facts
-
-
-def _picture(request: ExportRequest, path: Path) -> None:
-    panels: list[Panel] = []
-    facts = picture_facts(request)
-    if request.panes.shots:
-        made = request.panes.made(OtherMaker())
-        panels += request.panes.laid_out(made)
-        for said, one in zip(facts["panes"], made, strict=True):
-            said["statistics"] = one.statistics
-    for views in request.moments:
-        panels += [drawn_panel(wanted) for wanted in views]
-    write_png(path, sheet(panels), provenance(kind="panes", **facts))
-
-
-def _video(request: ExportRequest, path: Path) -> Iterator[Step]:
-    timing = Timing(request.frames_per_second)
+def record_of(request: ExportRequest) -> PanesPicture | PanesVideo | MeasuresTable | ViewVideo:
+    """Raises OSError or UserError: the clip is gone."""
+    rate, moments = request.frames_per_second, request.moments
+    if request.form == "picture":
+        return picture_record(request)
     if request.form == "view video":
-        moments = yield from map_steps(steady(request.moments), Step)
-        frames, facts = view_pages(moments), {"kind": "view video"} | video_facts(moments)
-    else:
-        request = replace(request, panes=request.panes.steady(OtherMaker()))
-        frames = request.panes.pages(request.frames)
-        facts = {"kind": "panes video"} | _facts(request) | _span_facts(request)
-        kept = timing_of(request.panes.shots[0].photo.clip, request.frames)
-        timing = replace(kept, frames_per_second=request.frames_per_second)
-    with together(path) as place:
-        written = yield from map_steps(write_frames(place, frames, timing), Step)
-        facts |= {"frames_per_second": request.frames_per_second, "video": written}
-        write_sidecar(place, provenance(**facts))
+        return ViewVideo(
+            views=tuple(drawn_record(view, ON_CPU) for view in moments[0]),
+            moments=tuple(moment_record(views[0]) for views in moments),
+            frames_per_second=rate,
+        )
+    first, last = request.span
+    if request.form == "measures":
+        return extended(MeasuresTable, _panes_record(request), first_frame=first, last_frame=last)
+    return extended(
+        PanesVideo, _panes_record(request), first_frame=first, last_frame=last, frames_per_second=rate
+    )
 
 
-def _measures(request: ExportRequest, path: Path) -> Iterator[Step]:
-    rows = []
-    for done, rows_of_frame in enumerate(measured_rows(request.panes, request.frames), start=1):
-        rows += rows_of_frame
-        yield Step(done)
-    write_measures(path, rows, _facts(request) | _span_facts(request))
+def picture_record(request: ExportRequest) -> PanesPicture:
+    """What there is to see: the panes' clip and frame, and the 3D view."""
+    panes = _panes_record(request) if request.panes.shots else PanesRecord()
+    views = tuple(view_record(view, ON_CPU) for views in request.moments for view in views)
+    return extended(PanesPicture, panes, views=views)
+
+
+def _panes_record(request: ExportRequest) -> PanesRecord:
+    """Of all panes: their clip, and how they are laid out."""
+    panes, photo = request.panes, request.panes.shots[0].photo
+    return PanesRecord(
+        source=Source.of(photo.clip.path),
+        clip_options=request.clip_options,
+        frame=FrameRecord(index=photo.frame_index, label=photo.clip.labels[photo.frame_index]),
+        scale=panes.sizing.scale,
+        width=panes.sizing.width,
+        arrangement=panes.arrangement,
+        panes=tuple(shot.record for shot in panes.shots),
+    )

@@ -11,17 +11,16 @@ from typing import Any
 
 from app.enhancement.parameter_grid import DEFINITIONS, METRICS, measured
 from app.exports.comparison_images import OtherMaker
+from app.exports.records import MeasuresTable
 from app.exports.shots import Panes, made
 from app.exports.sizing import Sizing
 from app.files.atomic import together, write_bytes
-from app.files.provenance import provenance, write_sidecar
+from app.files.provenance import write_sidecar
 from enhance.ridges import field_of_view, vessel_mask
 
 Row = dict[str, Any]
 UNMEASURED = "milliseconds"
 """Of no picture that is made again."""
-MADE_AGAIN = ("definitions", "frames")
-"""What the JSON holds beside its provenance."""
 
 
 def measured_rows(panes: Panes, frames: Iterable[int]) -> Iterator[list[Row]]:
@@ -45,12 +44,12 @@ def _rows_at(panes: Panes, frame: int, maker: OtherMaker) -> list[Row]:
     return rows
 
 
-def write_measures(path: Path, rows: list[Row], facts: dict[str, Any]) -> None:
-    """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and provenance."""
+def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
+    """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
     definitions = {name: text for name, text in DEFINITIONS.items() if name != UNMEASURED}
     with together(path) as place:
         write_bytes(place, _table(rows))
-        write_sidecar(place, provenance(kind="measures", **facts, definitions=definitions, frames=rows))
+        write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})
 
 
 def _table(rows: list[Row]) -> bytes:

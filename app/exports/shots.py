@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
 
 import numpy as np
 
@@ -12,13 +11,15 @@ from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import EnhancementSettings
 from app.exports.comparison_images import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.exports.page import INK, Panel, describe, sheet
+from app.exports.records import Arrangement, PaneRecord
 from app.exports.sizing import Sizing
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import Composed, Scale
-from app.scenes.view_request import ViewRequest, view_facts
-from enhance import Statistics
+from app.scenes.view_request import ViewRequest, view_record
+from enhance import EnhanceParams, Statistics
+from enhance.vessel import VesselParams
 from renderer.clip import ByteImage
 
 
@@ -36,28 +37,25 @@ class Shot:
         return replace(self, photo=replace(self.photo, frame_index=frame))
 
     @property
-    def facts(self) -> dict[str, Any]:
+    def record(self) -> PaneRecord:
         """Enough to make it again, beside the clip and the frame."""
         photo, by = self.photo, self.by
-        facts: dict[str, Any] = {"title": self.title, "scope": photo.scope, "tissue_only": photo.tissue_only}
-        facts |= {"mask": photo.mask, "span": photo.span}
+        view = None
         if isinstance(by, Scene):
-            view = ViewRequest.of_clip_frame(by, photo.frame_index)
-            return facts | {"shows": "render", "view": view_facts(view, ON_CPU)}
-        if isinstance(by, str):
-            return facts | {"shows": "method", "method": by}
-        return facts | ({"shows": "original"} if by is None else {"shows": "setting", "params": by})
-
-
-@dataclass(frozen=True)
-class Arrangement:
-    """How panes are set against each other; wipe and difference take two."""
-
-    mode: Literal["side by side", "wipe", "difference"] = "side by side"
-    wipe: float = 0.5
-    """Where the line stands, as a share of the picture's width."""
-    top: int | None = None
-    """Grey levels that the brightest colour of a difference stands for; None: what holds this frame's."""
+            view = view_record(ViewRequest.of_clip_frame(by, photo.frame_index), ON_CPU)
+        method = by if isinstance(by, str) else None
+        params = by if isinstance(by, EnhanceParams | VesselParams) else None
+        return PaneRecord(
+            title=self.title,
+            shows="render" if view else "method" if method else "setting" if params else "original",
+            scope=photo.scope,
+            tissue_only=photo.tissue_only,
+            mask=photo.mask,
+            span=photo.span,
+            params=params,
+            method=method,
+            view=view,
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 from renderer.clip import ByteImage
 
 LEAST_WIDTH, MOST_WIDTH = 16, 16384
+MOST_SCALE = 64
 
 
 @dataclass(frozen=True)
@@ -23,8 +24,10 @@ class Sizing:
 
     def __post_init__(self) -> None:
         width = LEAST_WIDTH if self.width is None else self.width
-        if not (1 <= self.scale <= 64 and LEAST_WIDTH <= width <= MOST_WIDTH):
-            raise ValueError(f"expected a scale of 1 to 64 or a width of {LEAST_WIDTH} to {MOST_WIDTH}")
+        if not (1 <= self.scale <= MOST_SCALE and LEAST_WIDTH <= width <= MOST_WIDTH):
+            raise ValueError(
+                f"expected a scale of 1 to {MOST_SCALE} or a width of {LEAST_WIDTH} to {MOST_WIDTH}"
+            )
 
     def of(self, image: ByteImage) -> ByteImage:
         """(H, W, 3) in this size. Values are those of the file: what is stored is meant for screens, and so

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.exports.exporting import ExportRequest, Step, picture_facts
-from app.files.provenance import provenance, write_png
+from app.exports.exporting import ExportRequest, Step, picture_record
+from app.exports.records import PanesRecord, WindowPicture, extended
+from app.files.provenance import write_png
 from app.files.timestamp import stamp
 from renderer.clip import ByteImage
 
@@ -30,6 +31,6 @@ class WindowRequest:
 def save_window(request: WindowRequest) -> Iterator[Step]:
     """Raises OSError or UserError."""
     path = request.folder / f"{request.stem}-window-{stamp()}.png"
-    facts = picture_facts(request.shown) if request.shown is not None else {}
-    write_png(path, request.image, provenance(kind="window", **facts))
+    shown = picture_record(request.shown) if request.shown is not None else PanesRecord()
+    write_png(path, request.image, extended(WindowPicture, shown).signed)
     yield Step(1, path)

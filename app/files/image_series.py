@@ -9,7 +9,7 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.files.image_files import ArrayImage, is_image, photos_in, read_image
-from app.files.provenance import source
+from app.files.records import Source
 from app.files.timing import Timing
 from renderer.clip import Clip
 from renderer.layouts import layout_of
@@ -49,10 +49,10 @@ class Series:
         """The number of a picture in its source; None where each has a source of its own."""
         return index if self.is_video or (len(self) > 1 and self.sources[0] == self.sources[-1]) else None
 
-    def origins(self) -> Iterator[dict[str, str]]:
+    def origins(self) -> Iterator[Source]:
         """Name and digest of each picture's file; that of a video is taken once."""
         for path, pictures in groupby(self.sources):
-            origin = source(path)
+            origin = Source.of(path)
             yield from (origin for _ in pictures)
 
     def spread(self, count: int) -> range:

@@ -51,9 +51,13 @@ def strict_json(value: object, *, indent: int | None = None) -> str:
 
     NaN and infinities become null; what is not UTF-8 in the name of a file becomes a question mark.
     """
-    plain = to_jsonable_python(value, inf_nan_mode="null", fallback=_plain)
-    text = json.dumps(plain, allow_nan=False, ensure_ascii=False, indent=indent)
+    text = json.dumps(plain(value), allow_nan=False, ensure_ascii=False, indent=indent)
     return text.encode(errors="replace").decode()
+
+
+def plain(value: object) -> Any:
+    """The same as JSON has it: dicts, lists, texts, numbers and null."""
+    return to_jsonable_python(value, inf_nan_mode="null", fallback=_plain)
 
 
 def comments(facts: object) -> tuple[str, ...]:
@@ -91,11 +95,6 @@ def _installed(name: str) -> str:
         return installed_version(name)
     except PackageNotFoundError:
         return "none"
-
-
-def source(path: Path) -> dict[str, str]:
-    """Base name and SHA-256 of a file or of all files of a folder."""
-    return {"name": path.absolute().name, "sha256": digest(path)}
 
 
 def digest(path: Path) -> str:

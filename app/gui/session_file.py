@@ -18,6 +18,7 @@ from pydantic import AfterValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import shortened
+from app.enhancement.methods import RecordedSettings
 from app.enhancement.parameter_grid import METRICS
 from app.enhancement.settable import (
     ENHANCED,
@@ -45,7 +46,6 @@ from app.files.process_files import left_behind, own_file
 from app.files.provenance import strict_json, version
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import MOST, MaskText
-from app.runs.run_folder import RecordedSettings
 from app.scenes.view_kinds import ViewKind
 from enhance import EnhanceParams
 from enhance.params import DFactor

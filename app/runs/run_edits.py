@@ -9,7 +9,7 @@ import base64
 import binascii
 import zlib
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
@@ -19,6 +19,7 @@ from app.enhancement.settable import at_most
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.provenance import digest, strict_json, version
+from app.files.records import LENIENT, Record
 from app.runs.run_folder import RunFolder
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
@@ -112,12 +113,22 @@ def packed(edits: Edits) -> tuple[str, str]:
     return _text(edits.deleted), _text(edits.hidden)
 
 
-def edits_facts(edits: Edits | None) -> dict[str, Any]:
-    """What an export says of the edits of its model; nothing where there are none."""
-    if edits is None or edits.is_empty:
-        return {}
-    counts = {"gaussians": edits.count, "n_deleted": len(edits.deleted), "n_hidden": len(edits.hidden)}
-    return {"edits": counts | {"deleted": _text(edits.deleted), "hidden": _text(edits.hidden)}}
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class LeftOut(Record):
+    """What an export says of the edits of its model."""
+
+    gaussians: int = 0
+    """Of the model, before any edit."""
+    n_deleted: int = 0
+    n_hidden: int = 0
+    deleted: str
+    hidden: str
+
+    @classmethod
+    def of(cls, edits: Edits) -> LeftOut:
+        deleted, hidden = packed(edits)
+        counts = {"n_deleted": len(edits.deleted), "n_hidden": len(edits.hidden)}
+        return cls(gaussians=edits.count, **counts, deleted=deleted, hidden=hidden)
 
 
 def _text(mask: Mask) -> str:

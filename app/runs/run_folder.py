@@ -9,20 +9,19 @@ import re
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import ConfigDict, Discriminator, Tag, TypeAdapter, ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import problem
-from app.enhancement.methods import PAPER, VESSEL, Preset, preset_of
+from app.enhancement.methods import RecordedSettings
 from app.errors import UserError
 from app.files.atomic import make_folder, replaced, write_bytes
 from app.files.provenance import digests, strict_json
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Device
-from enhance import EnhanceParams, Statistics
-from enhance.vessel import VesselParams
+from enhance import Statistics
 from renderer.budget import budget
 from renderer.camera import Camera
 from renderer.clip import held_out_frames
@@ -70,18 +69,6 @@ class ClipRecord:
         """Whether the clip there has the bytes of this one. Raises OSError: there is none."""
         known = digests(path)
         return self.sha256 == next(known) or (self.files == "former" and self.sha256 in known)
-
-
-def _preset(given: Any) -> Preset:
-    """Which method's parameters these are; as JSON, by a name that the other does not have."""
-    if isinstance(given, dict):
-        return VESSEL if "strength" in given else PAPER
-    return preset_of(given)
-
-
-RecordedSettings = Annotated[
-    Annotated[EnhanceParams, Tag(PAPER)] | Annotated[VesselParams, Tag(VESSEL)], Discriminator(_preset)
-]
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))

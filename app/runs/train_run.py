@@ -12,7 +12,15 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
-from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings, Preset, measure_for, preset_of
+from app.enhancement.methods import (
+    PAPER,
+    VESSEL,
+    EnhancementSettings,
+    Preset,
+    RecordedSettings,
+    measure_for,
+    preset_of,
+)
 from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
 from app.files.provenance import digest, version
@@ -23,7 +31,7 @@ from app.runs.memory import peak_memory_mb
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
 from app.runs.resource_check import planned_in
 from app.runs.run_clip import input_clip
-from app.runs.run_folder import ClipRecord, Enhancement, Input, RecordedSettings, RunFolder, RunRecord
+from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
 from app.runs.run_lock import locked
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from app.errors import UserError
-from app.files.provenance import digest, source
+from app.files.provenance import digest
+from app.files.records import Source
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.run_edits import edits_facts, read_edits
+from app.runs.run_edits import LeftOut, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
+from app.scenes.records import ClipSource, RunSource, SceneRecord
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.camera import Camera
 from renderer.clip import Clip
@@ -38,7 +40,7 @@ class Scene:
     """How it was trained, so how it is drawn."""
     unit: str
     """Of lengths."""
-    facts: dict[str, Any]
+    record: SceneRecord
     """What an export says of it."""
     path: Path | None = None
     """The run folder or the file; None when that left nothing to read."""
@@ -108,10 +110,11 @@ class Scene:
         return self.cameras == clip.cameras[self.first : self.first + len(self.cameras)]
 
     def edited(self, edits: Edits) -> Scene:
-        """What is left of it; its facts say so."""
+        """What is left of it; its record says so."""
         if edits.is_empty:
             return self
-        return replace(self, model=edits.applied(self.model), facts=self.facts | edits_facts(edits))
+        record = replace(self.record, edits=LeftOut.of(edits))
+        return replace(self, model=edits.applied(self.model), record=record)
 
 
 class Footage(Protocol):
@@ -176,7 +179,7 @@ def splat_scene(path: Path) -> Scene:
         distance=middle_distance(model, camera),
         mode=file.mode,
         unit=SCENE_UNITS,
-        facts={"splats": source(path), "render_mode": file.mode, "notices": notices},
+        record=SceneRecord(splats=Source.of(path), render_mode=file.mode, notices=notices),
         path=path,
         notices=notices,
     )
@@ -199,7 +202,7 @@ def run_scene(
 ) -> Scene:
     """The model of a run, finished or not, through the cameras that it was trained with."""
     name = folder.path.absolute().name
-    facts = _readable_facts(folder, name)
+    record = _readable_record(folder, name)
     return Scene(
         name=name,
         model=model,
@@ -207,8 +210,8 @@ def run_scene(
         distance=middle_distance(model, footage.cameras[0]),
         mode=config.render_mode,
         unit=footage.unit,
-        facts=facts or {"run": {"name": name}},
-        path=folder.path if facts else None,
+        record=record or SceneRecord(run=RunSource(name=name)),
+        path=folder.path if record else None,
         iteration=training.iteration,
         iterations=training.iterations,
         live=training.live,
@@ -217,21 +220,21 @@ def run_scene(
     )
 
 
-def _readable_facts(folder: RunFolder, name: str) -> dict[str, Any]:
-    """Nothing of a run that has not been written yet, or is gone."""
+def _readable_record(folder: RunFolder, name: str) -> SceneRecord | None:
+    """None for a run that has not been written yet, or is gone."""
     try:
-        return _run_facts(folder, folder.record(), name)
+        return _run_record(folder, folder.record(), name)
     except (OSError, UserError):
-        return {}
+        return None
 
 
-def _run_facts(folder: RunFolder, record: RunRecord, name: str) -> dict[str, Any]:
-    """What an export says of a run; without a model's digest while it is being trained."""
-    part = {} if record.clip.part == WHOLE else {"part": record.clip.part}
-    return {
-        "run": {"name": name, "model_sha256": digest(folder.model_path) if folder.is_finished else None},
-        "clip": {"name": record.clip.name, "sha256": record.clip.sha256} | part,
-        "input": record.input,
-        "enhancement": record.enhancement,
-        "config": record.config,
-    }
+def _run_record(folder: RunFolder, record: RunRecord, name: str) -> SceneRecord:
+    """Without a model's digest while it is being trained."""
+    clip, part = record.clip, None if record.clip.part == WHOLE else record.clip.part
+    return SceneRecord(
+        run=RunSource(name=name, model_sha256=digest(folder.model_path) if folder.is_finished else None),
+        clip=ClipSource(name=clip.name, sha256=clip.sha256, part=part),
+        input=record.input,
+        enhancement=record.enhancement,
+        config=record.config,
+    )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.free_camera import FreeView
 from app.scenes.photos import Photo, PhotoRequest
+from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.supersampling import supersampled
 from app.scenes.view_kinds import (
@@ -23,8 +23,6 @@ from app.scenes.view_kinds import (
     spread,
 )
 from renderer.camera import Camera
-
-BACKGROUND = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -104,10 +102,12 @@ class ViewRequest:
 
 
 def steady(views: Sequence[ViewRequest], draw: Draw) -> Generator[ViewRequest, None, tuple[ViewRequest, ...]]:
-    """The same with one scale for all, so that they can be compared.
+    """The same with one scale for all, so that they can be compared; as they are where they have one.
 
     Yields each view that is looked at for it. Raises ClipError or UserError.
     """
+    if views[0].scale is not None:
+        return tuple(views)
     scales = []
     for view in spread(views) if has_scale(views[0].kind) else ():
         scales.append(view.picture(draw).scale)
@@ -117,25 +117,25 @@ def steady(views: Sequence[ViewRequest], draw: Draw) -> Generator[ViewRequest, N
     return tuple(replace(view, scale=scale) for view in views)
 
 
-def view_facts(view: ViewRequest, renderer: str) -> dict[str, Any]:
+def view_record(view: ViewRequest, renderer: str) -> ViewRecord:
     """What an export says of it, with the name of what draws it: its own run and clip, which need not be
     those of the pictures beside it."""
-    return lasting_facts(view, renderer) | moment_facts(view)
+    return ViewRecord(**vars(drawn_record(view, renderer)), **vars(moment_record(view)))
 
 
-def lasting_facts(view: ViewRequest, renderer: str) -> dict[str, Any]:
+def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
     """What is so at every moment of a video: the model, and how it is drawn."""
-    return view.scene.facts | {
-        "iteration": view.scene.iteration,
-        "near": view.near,
-        "background": BACKGROUND,
-        "renderer": renderer,
-        "supersampling": view.supersampling,
-        "view": view.kind,
-        "scale": view.scale,
-    }
+    return DrawnRecord(
+        **vars(view.scene.record),
+        iteration=view.scene.iteration,
+        near=view.near,
+        renderer=renderer,
+        supersampling=view.supersampling,
+        view=view.kind,
+        scale=view.scale,
+    )
 
 
-def moment_facts(view: ViewRequest) -> dict[str, Any]:
+def moment_record(view: ViewRequest) -> MomentRecord:
     """When, and from where it is seen."""
-    return {"time": view.time, "camera": view.camera.to_json(), "frame": view.frame}
+    return MomentRecord(time=view.time, camera=view.camera, frame=view.frame)

@@ -8,7 +8,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from app.errors import UserError
 from app.scenes.scene import Scene, open_scene
@@ -30,10 +29,6 @@ class Moment:
     frame: int | None
     time: float
     camera: Camera
-
-    @property
-    def facts(self) -> dict[str, Any]:
-        return {"frame": self.frame, "time": self.time, "camera": self.camera.to_json()}
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -95,7 +90,7 @@ def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     if most > MOST_PIXELS:
         raise UserError(f"--supersampling: expected up to {MOST_PIXELS} pixels along each axis, got {most}")
     # A file of splats has no camera of its own, and a difference is refused in another shape.
-    of_own = (scene.facts.get("splats") is None or flags.camera or flags.path) and flags.view != "difference"
+    of_own = (scene.record.splats is None or flags.camera or flags.path) and flags.view != "difference"
     for notice in (*scene.notices, *(_reshaped(asked, wanted) if of_own else ())):
         sys.stderr.write(f"{notice}: {flags.scene}\n")
     return scene, wanted

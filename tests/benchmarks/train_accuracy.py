@@ -21,7 +21,8 @@ from pathlib import Path
 from typing import get_args
 
 from app.files.atomic import write_bytes
-from app.files.provenance import provenance, source, strict_json
+from app.files.provenance import provenance, strict_json
+from app.files.records import Source
 from app.report.bench import PHANTOM as PARAMS
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import write_diagrams
@@ -67,7 +68,7 @@ def main() -> None:
     show(rows)
     machine = {"system": platform.platform(), "cores": os.cpu_count(), "load": os.getloadavg()[0]}
     told = [{"setting": run.setting, "config": run.config, **vars(run.outcome)} for run in rows]
-    facts = provenance(clip=source(path), input=flags.input, machine=machine, runs=told)
+    facts = provenance(clip=Source.of(path), input=flags.input, machine=machine, runs=told)
     name = f"work-precision-{clip.name}-{flags.input}"
     write_bytes(flags.out / f"{name}.json", strict_json(facts, indent=1).encode())
     where = "held-out training" if flags.held_out else "test"

@@ -51,7 +51,7 @@ class Difference:
 def difference(first: Path, second: Path) -> Difference:
     """Of two files with the same suffix."""
     largest, changed, count, scale = 0.0, 0, 0, None
-    for place, (one, other) in enumerate(zip_longest(_arrays(first), _arrays(second))):
+    for place, (one, other) in enumerate(zip_longest(arrays(first), arrays(second))):
         if one is None or other is None:
             return Difference(unlike=f"one of the two ends after {place} frames")
         if (one.shape, one.dtype) != (other.shape, other.dtype):
@@ -66,7 +66,8 @@ def difference(first: Path, second: Path) -> Difference:
     return Difference(largest, changed / max(count, 1), scale)
 
 
-def _arrays(path: Path) -> Iterator[Array]:
+def arrays(path: Path) -> Iterator[Array]:
+    """All that a file holds: one array of a picture, one a frame of a video, one a column of a table."""
     suffix = path.suffix.lower()
     if suffix == ".ply":
         elements = read_ply(read_whole(path)).elements

@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
-from app.files.provenance import KEYWORD, provenance, read_provenance
+from app.files.provenance import KEYWORD, read_provenance
 from renderer.json_files import parsed
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
 from renderer.regular_files import read_whole
 
 Facts = dict[str, Any]
-HEAD = ("app", "version", "libraries", "schema", "utc", "notice")
 
 
 def recorded(path: Path) -> Facts:
@@ -23,11 +22,6 @@ def recorded(path: Path) -> Facts:
     if path.suffix.lower() == ".png":
         return read_provenance(path)
     return _in_comment(path) if path.suffix.lower() == ".ply" else _beside(path)
-
-
-def again(facts: Facts) -> Facts:
-    """The provenance of the file made again: the same facts below this version and this hour."""
-    return provenance(**{name: value for name, value in facts.items() if name not in HEAD})
 
 
 def _in_comment(path: Path) -> Facts:

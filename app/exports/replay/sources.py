@@ -3,46 +3,79 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from pydantic import ConfigDict
-from pydantic.dataclasses import dataclass
-
 from app.errors import UserError
+from app.files.image_series import Series, open_series
 from app.files.provenance import digests
+from app.files.records import Source
+from app.runs.run_clip import input_clip, run_clip
+from app.runs.run_edits import unpacked
 from app.runs.run_folder import RunFolder
+from app.scenes.drawer import Drawer
+from app.scenes.photos import PhotoRequest
+from app.scenes.records import RunSource, SceneRecord
+from app.scenes.renderers import Renderer, drawer
+from app.scenes.scene import Scene, open_scene
 from assets import phantom_path
+from renderer.clip import Clip
+from renderer.readers.clip_options import ClipOptions
+from renderer.sources import open_clip
 
 
-@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
-class Named:
-    """A file or folder, as provenance names it."""
-
-    name: str
-    sha256: str
-
-
-@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
-class NamedRun:
-    """A run folder, as provenance names it."""
-
-    name: str
-    model_sha256: str | None
-    """None: the model was still being trained."""
-
-
-@dataclass(frozen=True)
-class Sources:
+@dataclass(eq=False)
+class Found:
     """Looks for them beside the file, in the current folder, and where it is told to."""
 
     file: Path
     given: tuple[Path, ...] = ()
+    _drawers: dict[str, Drawer] = field(default_factory=dict, init=False)
+    _photos: dict[tuple[RunSource, bool], Clip] = field(default_factory=dict, init=False)
 
-    def find(self, named: Named) -> Path:
+    def series(self, source: Source, options: ClipOptions) -> Series:
+        return open_series(self.find(source), options)
+
+    def clip(self, source: Source, options: ClipOptions) -> Clip:
+        return open_clip(self.find(source), options)
+
+    def scene(self, record: SceneRecord) -> Scene:
+        """Without the edits of the run, whatever has been edited since, and with those of the record."""
+        if record.run is not None:
+            scene = open_scene(self.find_run(record.run).path, as_trained=True)
+        elif record.splats is not None:
+            scene = open_scene(self.find(record.splats))
+        else:
+            raise UserError("expected the run or splat file it was made from, got neither")
+        if record.edits is None:
+            return scene
+        return scene.edited(unpacked(record.edits.deleted, record.edits.hidden, len(scene.model), self.file))
+
+    def photo(self, record: SceneRecord, frame: int | None, *, trained: bool) -> PhotoRequest:
+        if record.run is None:
+            raise UserError("expected the run of a difference, got none")
+        key = record.run, trained
+        if key not in self._photos:
+            run = self.find_run(record.run).record()
+            self._photos[key] = input_clip(run_clip(run), run) if trained else run_clip(run)
+        photos = self._photos[key]
+        if frame is None or not 0 <= frame < len(photos):
+            raise UserError(f"expected a difference to one of {len(photos)} frames, got {frame}")
+        return PhotoRequest(photos, frame)
+
+    def drawer(self, renderer: str) -> Drawer:
+        """The kind of renderer that drew, as it is here."""
+        if renderer not in self._drawers:
+            kinds: dict[str, Renderer] = {"OpenGL": "gl", "float64": "reference"}
+            found = (kind for word, kind in kinds.items() if renderer.startswith(word))
+            self._drawers[renderer] = Drawer(*drawer(next(found, "cpu")))
+        return self._drawers[renderer]
+
+    def find(self, source: Source) -> Path:
         """The file or folder with these bytes. Raises UserError: missing, or its bytes have changed."""
-        return self._found(named.name, named.sha256, digests)
+        return self._found(source.name, source.sha256, digests)
 
-    def find_run(self, run: NamedRun) -> RunFolder:
+    def find_run(self, run: RunSource) -> RunFolder:
         """The run with this model. Raises UserError: missing, with another model, or never finished."""
         if run.model_sha256 is None:
             raise UserError(f"{self.file.name} shows {run.name} during training: that model no longer exists")

@@ -6,9 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.errors import UserError
-from app.exports.scene_splats import splat_file
-from app.files.atomic import write_bytes
-from app.files.provenance import repeatable
+from app.exports.make import make
+from app.exports.records import Splats, extended
+from app.exports.sources import Opened
+from app.files.stepping import run_to_end
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.editing import (
@@ -21,7 +22,7 @@ from app.gui.work.editing import (
     Tool,
     tinted_model,
 )
-from app.runs.run_edits import edits_facts, save_edits, saved_since
+from app.runs.run_edits import save_edits, saved_since
 from app.runs.run_folder import RunFolder
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
@@ -253,13 +254,14 @@ def save(state: AppState) -> bool:
 def write_splats(state: AppState, source: Path) -> Path:
     """What can be seen at the present time, beside its source; never over another file."""
     editing = state.editing
-    assert editing.edited is not None
+    assert editing.base is not None
     stem = source.name.removesuffix(source.suffix).removesuffix(".compressed")
     path, number = source.with_name(f"{stem}-edited.ply"), 2
     while path.exists():
         path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
-    facts = repeatable(kind="splats", **editing.edited.facts | edits_facts(editing.edits), time=state.time)
-    write_bytes(path, splat_file(editing.edited, state.time, facts))
+    scene = editing.base.edited(editing.edits)
+    record = extended(Splats, scene.record, time=state.time)
+    run_to_end(make(record, Opened(scenes=(scene,)), path))
     return path
 
 

@@ -9,7 +9,8 @@ from typing import Literal
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED, ORIGINAL
 from app.exports.exporting import Exporting, ExportRequest, Form, Step
-from app.exports.shots import Arrangement, Panes, Shot
+from app.exports.records import Arrangement
+from app.exports.shots import Panes, Shot
 from app.exports.view_pages import Views
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState

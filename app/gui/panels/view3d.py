@@ -252,7 +252,7 @@ def made_by(model: Scene, other: Scene | None) -> str:
     """What tells a reconstruction from another: its method and frames, its name where these are the same."""
 
     def told(one: Scene) -> str:
-        frames, config = one.facts.get("input"), one.facts.get("config")
+        frames, config = one.record.input, one.record.config
         if not frames or config is None:
             return legible(one.name)
         return f"{named(config.method)} · {frames} frames"

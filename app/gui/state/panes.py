@@ -139,7 +139,7 @@ def _is_earlier(made: OtherRequest, wanted: OtherRequest) -> bool:
 def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
     source, model = state.comparison.source(side), state.model
     if source == RENDER and model is not None:
-        frames = model.facts.get("input", "")
+        frames = model.record.input
         what = f"RENDER · {legible(model.name)}" + (f" · of {frames} frames" if frames else "")
         name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
         live = (Tag(f"{name} · iteration {model.iteration}", "caution"),) if model.live else ()

@@ -11,14 +11,13 @@ from typing import Final
 
 from pydantic import TypeAdapter
 
-from app.enhancement.methods import EnhancementSettings
+from app.enhancement.methods import EnhancementSettings, RecordedSettings
 from app.enhancement.settable import LONGEST_NAME
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.provenance import strict_json
 from app.gui.state.settings import Places
-from app.runs.run_folder import RecordedSettings
 from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -132,7 +132,7 @@ def test_pooled_statistics_may_be_of_some_frames(cases: Path, tmp_path: Path) ->
     assert [step.failed for step in steps if step.failed] == []
     written = [step.written for step in steps if step.written is not None]
     assert [len(one.pictures) for one in written] == [4, 2]
-    assert {one["statistics"].scope for each in written for one in each.pictures} == {"clip"}
+    assert {one.statistics and one.statistics.scope for each in written for one in each.pictures} == {"clip"}
     (video,) = (tmp_path / "out").glob("*.mp4")
     assert replay(video, (cases / "a",), tmp_path / "again.mp4").difference.is_none
 

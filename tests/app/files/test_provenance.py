@@ -24,10 +24,10 @@ from app.files.provenance import (
     encode_png,
     provenance,
     read_provenance,
-    source,
     strict_json,
     write_png,
 )
+from app.files.records import Source
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 
@@ -133,7 +133,7 @@ def test_the_digest_of_a_folder_of_pictures_is_of_those_that_are_frames(tmp_path
 def test_a_source_tells_neither_path_nor_user(tmp_path: Path) -> None:
     path = tmp_path / "clip.bin"
     path.write_bytes(b"frames")
-    text = strict_json(provenance(source=source(path)))
+    text = strict_json(provenance(source=Source.of(path)))
     assert str(tmp_path) not in text
     assert f"/{getpass.getuser()}" not in text
     assert '"clip.bin"' in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.scenes.records import RunSource, SceneRecord
 from app.scenes.scene import Scene
 from renderer.camera import Camera
 from renderer.gaussians import DynamicGaussians
@@ -18,7 +19,7 @@ def scene_of(
         distance=50.0,
         mode="default",
         unit="scene units",
-        facts={"run": {"name": name}},
+        record=SceneRecord(run=RunSource(name=name)),
         iteration=steps,
         iterations=steps,
     )

@@ -206,7 +206,8 @@ def test_edits_of_a_run_come_back_with_it(
     assert not again.editing.is_unsaved
     assert len(shown(again)) == count - len(hidden)
     assert again.model is not None
-    assert again.model.facts["edits"]["n_hidden"] == len(hidden)
+    assert again.model.record.edits is not None
+    assert again.model.record.edits.n_hidden == len(hidden)
     folder.save_model(folder.model().rows(np.arange(count - 1)))
     opened(again, folder.path)
     assert again.banner is not None

@@ -16,6 +16,7 @@ from app.files.provenance import digest, read_provenance
 from app.gui.actions import actions, job_actions
 from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
+from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
 from enhance import EnhanceParams
@@ -139,7 +140,7 @@ def test_a_model_of_this_session_knows_its_run(
     run = make_run(path, phantom_path(), None)
     job_actions.show_live_model(state, model)
     assert state.model is not None
-    assert state.model.facts["run"] == {"name": path.name, "model_sha256": None}
+    assert state.model.record.run == RunSource(name=path.name, model_sha256=None)
     run.save_model(model)
     job_actions.show_finished_model(state, model)
-    assert state.model.facts["run"]["model_sha256"] == digest(run.model_path)
+    assert state.model.record.run == RunSource(name=path.name, model_sha256=digest(run.model_path))

@@ -101,7 +101,8 @@ def test_a_file_of_splats_is_shown_alone(tmp_path: Path, places: Places, model: 
     assert state.view_request is not None
     (view,) = draw_view(state.view_request)
     assert view.image.any()
-    assert state.model.facts["splats"]["name"] == "some.ply"
+    assert state.model.record.splats is not None
+    assert state.model.record.splats.name == "some.ply"
 
 
 def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> None:

@@ -14,6 +14,7 @@ from app.files.provenance import read_provenance, write_sidecar
 from app.files.stepping import run_to_end
 from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
+from app.scenes.drawer import Drawer
 from app.scenes.free_camera import FreeView
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.view_request import ViewRequest
@@ -105,7 +106,7 @@ def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
     assert "difference" in export_actions.why_not_export(state, videos[1])
     request = export_actions.export_request(state, videos[0])
     assert request is not None
-    pages = list(view_pages(request.moments))
+    pages = list(view_pages(request.moments, Drawer()))
     assert state.model is not None
     assert state.clip is not None
     for frame in (0, 7):
@@ -126,7 +127,7 @@ def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
     request = export_actions.export_request(state, "video through time")
     assert request is not None
     own = [next(draw_view(views[0])).scale for views in request.moments]
-    moments = run_to_end(steady(request.moments))
+    moments = run_to_end(steady(request.moments, Drawer()))
     (scale,) = {views[0].scale for views in moments}
     assert scale is not None
     assert [views[0].of_kind("color").camera for views in moments] == [
@@ -135,7 +136,7 @@ def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
     assert scale.high == max(one.high for one in (own[0], own[-1]) if one is not None)
     assert own[0] is not None
     assert own[0].high < scale.high  # Nothing has moved yet.
-    pages = list(view_pages(moments))
+    pages = list(view_pages(moments, Drawer()))
     bars = [page[:, 64:] for page in pages]
     assert bars[0].size
     for bar in bars:

@@ -1,0 +1,76 @@
+"""What enhanced pictures, videos of them and tuning sheets say of themselves."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic.dataclasses import dataclass
+
+from app.enhancement.methods import RecordedSettings
+from app.enhancement.parameter_grid import Measures
+from app.files.records import LENIENT, Record, Source, Told
+from enhance import Statistics
+from enhance.result import Omission
+from renderer.readers.clip_options import Deinterlacing
+
+Pixels = Literal["all", "tissue"]
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class EnhancedPicture(Record):
+    """One picture of a file, a folder or a video, enhanced."""
+
+    kind: Literal["enhanced picture"] = "enhanced picture"
+    source: Source
+    picture: str | None = None
+    """Its name, without suffix."""
+    frame: int | None
+    """Of a video."""
+    deinterlacing: Deinterlacing = "frame"
+    method: str
+    params: RecordedSettings | None
+    pixels: Pixels
+    """Which of them count in the statistics; "tissue" leaves out the black surround."""
+    statistics: Statistics | None
+    """Those used; of a whole series they are given, of the picture alone they are measured."""
+    omitted: Annotated[tuple[Omission, ...] | None, Told] = None
+    measures: Annotated[Measures | None, Told] = None
+    """Of a cell of a tuning grid."""
+
+    @property
+    def pooled(self) -> Statistics | None:
+        """The statistics that are those of more pictures than this one."""
+        return self.statistics if self.statistics and self.statistics.scope != "image" else None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class EnhancedVideo(Record):
+    """Enhanced pictures as the frames of a video."""
+
+    kind: Literal["enhanced video"] = "enhanced video"
+    frames_per_second: float
+    pictures: tuple[EnhancedPicture, ...]
+    encoding: Annotated[str | None, Told] = None
+    notices: Annotated[tuple[str, ...] | None, Told] = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class SheetCell(Record):
+    """One setting of a tuning sheet."""
+
+    label: str
+    params: RecordedSettings
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class TuningSheet(Record):
+    """The pictures of a tuning grid beside each other."""
+
+    kind: Literal["tuning sheet"] = "tuning sheet"
+    source: Source
+    frame: int | None
+    method: str | None = None
+    pixels: Pixels
+    title: str
+    columns: int
+    settings: tuple[SheetCell, ...]

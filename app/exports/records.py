@@ -1,0 +1,195 @@
+"""What each kind of exported file says of itself: written into the file, and all that it is made again of."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeVar, get_args
+
+from annotated_types import Interval
+from pydantic import Discriminator, TypeAdapter
+from pydantic.dataclasses import dataclass
+
+from app.enhancement.image_mask import NO_MASK, PictureMask
+from app.enhancement.methods import RecordedSettings
+from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
+from app.enhancement.settable import Scope
+from app.exports.sizing import LEAST_WIDTH, MOST_SCALE, MOST_WIDTH
+from app.files.records import LENIENT, Record, Source, Told
+from app.files.video import Written
+from app.scenes.records import DrawnRecord, MomentRecord, SceneRecord, ViewRecord
+from enhance import Statistics
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class Render(ViewRecord):
+    """A picture of a model."""
+
+    kind: Literal["render"] = "render"
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class Depth(ViewRecord):
+    """Expected depth, as numbers or in colours."""
+
+    kind: Literal["depth"] = "depth"
+    holds: str | None = None
+    """What the numbers are."""
+    shows: str | None = None
+    """What the colours are of, from `nearest` to `farthest`."""
+    nearest: Annotated[float | None, Told] = None
+    farthest: Annotated[float | None, Told] = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class VideoMoment(MomentRecord):
+    """A frame of a video of a model."""
+
+    near: float | None = None
+    """In scene units; None: that of the video."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class RenderVideo(DrawnRecord):
+    """Pictures of a model as a video."""
+
+    kind: Literal["render video"] = "render video"
+    frames_per_second: float
+    moments: tuple[VideoMoment, ...]
+    video: Annotated[Written | None, Told] = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class Splats(SceneRecord):
+    """A model at a moment as a file of splats."""
+
+    kind: Literal["splats"] = "splats"
+    frame: int | None = None
+    time: float
+    sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
+    """To which its colours by direction are filled up; None: as the model has them."""
+
+
+@dataclass(frozen=True, config=LENIENT)
+class Arrangement:
+    """How panes are set against each other; wipe and difference take two."""
+
+    mode: Literal["side by side", "wipe", "difference"] = "side by side"
+    wipe: float = 0.5
+    """Where the line stands, as a share of the picture's width."""
+    top: int | None = None
+    """Grey levels that the brightest colour of a difference stands for; None: what holds this frame's."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class PaneRecord(Record):
+    """What one pane shows."""
+
+    title: str
+    shows: Literal["original", "setting", "method", "render"]
+    scope: Scope
+    tissue_only: bool
+    mask: PictureMask = NO_MASK
+    span: tuple[int, int] | None = None
+    params: RecordedSettings | None = None
+    method: str | None = None
+    view: ViewRecord | None = None
+    statistics: Annotated[Statistics | None, Told] = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class FrameRecord(Record):
+    """A frame of a clip."""
+
+    index: int
+    label: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class PanesRecord(Record):
+    """Panes of one clip, how they are laid out, and how large."""
+
+    source: Source | None = None
+    """The clip; None where there are no panes."""
+    clip_options: ClipOptions = DEFAULTS
+    frame: FrameRecord = FrameRecord(index=0)
+    """That is shown, or whose difference has the scale of all."""
+    scale: Annotated[int, Interval(ge=1, le=MOST_SCALE)] = 1
+    width: Annotated[int, Interval(ge=LEAST_WIDTH, le=MOST_WIDTH)] | None = None
+    arrangement: Arrangement = Arrangement()
+    panes: tuple[PaneRecord, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class PanesPicture(PanesRecord):
+    """Panes, the 3D view, or both on a page."""
+
+    kind: Literal["panes"] = "panes"
+    views: tuple[ViewRecord, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class SpanRecord(PanesRecord):
+    """Panes at several frames."""
+
+    first_frame: int
+    last_frame: int
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class PanesVideo(SpanRecord):
+    """Pages of panes as a video."""
+
+    kind: Literal["panes video"] = "panes video"
+    frames_per_second: float = 15.0
+    video: Annotated[Written | None, Told] = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class MeasuresTable(SpanRecord):
+    """Measures of panes at every frame."""
+
+    kind: Literal["measures"] = "measures"
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class ViewVideo(Record):
+    """The 3D view, and the second one beside it, as a video."""
+
+    kind: Literal["view video"] = "view video"
+    views: tuple[DrawnRecord, ...]
+    moments: tuple[MomentRecord, ...]
+    frames_per_second: float
+    video: Annotated[Written | None, Told] = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class WindowPicture(PanesRecord):
+    """The whole window as it was on a screen, and what of panes and 3D view it showed."""
+
+    kind: Literal["window"] = "window"
+    views: tuple[ViewRecord, ...] = ()
+
+
+Export = (
+    EnhancedPicture
+    | EnhancedVideo
+    | TuningSheet
+    | Render
+    | Depth
+    | RenderVideo
+    | Splats
+    | PanesPicture
+    | PanesVideo
+    | MeasuresTable
+    | ViewVideo
+    | WindowPicture
+)
+"""What makes a file."""
+EXPORT: TypeAdapter[Export] = TypeAdapter(Annotated[Export, Discriminator("kind")])
+KINDS: tuple[str, ...] = tuple(kind.kind for kind in get_args(Export))
+Of = TypeVar("Of", bound=Record)
+
+
+def extended(kind: type[Of], record: Record, **more: Any) -> Of:
+    """A record of another kind that says all that `record` does, and more."""
+    return kind(**{name: value for name, value in vars(record).items() if name != "kind"} | more)

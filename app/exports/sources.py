@@ -1,0 +1,76 @@
+"""What files are made of: opened already by a window or a command, or found again for a replay."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Protocol
+
+from app.errors import UserError
+from app.files.image_series import Series
+from app.files.records import Source
+from app.scenes.drawer import Drawer
+from app.scenes.photos import Photo, PhotoRequest
+from app.scenes.records import SceneRecord
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
+from renderer.clip import Clip
+from renderer.readers.clip_options import ClipOptions
+
+
+class Sources(Protocol):
+    """Each raises UserError or ClipError for what is not there."""
+
+    def series(self, source: Source, options: ClipOptions) -> Series:
+        """The pictures of a file or a folder."""
+
+    def clip(self, source: Source, options: ClipOptions) -> Clip: ...
+
+    def scene(self, record: SceneRecord) -> Scene:
+        """A model with the edits that the record tells of."""
+
+    def photo(self, record: SceneRecord, frame: int | None, *, trained: bool) -> Photo | PhotoRequest:
+        """What a difference at a frame of the scene is to: what its run was `trained` on, or the clip's own
+        photo."""
+
+    def drawer(self, renderer: str) -> Drawer:
+        """What draws, of the kind that a record names."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """What a window or a command has open, and asks to be written."""
+
+    views: tuple[ViewRequest, ...] = ()
+    """With their scenes, and what differences are to."""
+    own: Clip | None = None
+    scenes: tuple[Scene, ...] = ()
+    """Of no view."""
+    pen: Drawer = field(default_factory=Drawer)
+
+    def series(self, source: Source, options: ClipOptions) -> Series:
+        raise UserError(f"expected panes or views, got a record of images of {source.name}")
+
+    def clip(self, source: Source, options: ClipOptions) -> Clip:
+        if self.own is None:
+            raise UserError(f"expected the clip {source.name} to be open")
+        return self.own
+
+    def scene(self, record: SceneRecord) -> Scene:
+        wanted = record.scene
+        return next(scene for scene in self._scenes if scene.record == wanted)
+
+    def photo(self, record: SceneRecord, frame: int | None, *, trained: bool) -> Photo | PhotoRequest:
+        return self._photos[id(self.scene(record)), frame]
+
+    def drawer(self, renderer: str) -> Drawer:
+        return self.pen
+
+    @cached_property
+    def _scenes(self) -> Iterable[Scene]:
+        return tuple({id(one): one for one in (*self.scenes, *(view.scene for view in self.views))}.values())
+
+    @cached_property
+    def _photos(self) -> dict[tuple[int, int | None], Photo | PhotoRequest]:
+        return {(id(view.scene), view.frame): view.photo for view in self.views if view.photo is not None}

@@ -1,0 +1,69 @@
+"""What a file says of itself, as typed values: what the records of all kinds of file have in common."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import (
+    ConfigDict,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_serializer,
+)
+from pydantic.dataclasses import dataclass
+
+from app.files.provenance import digest, plain, provenance, repeatable
+
+LENIENT: Final = ConfigDict(extra="ignore")
+"""Of the classes of records: what another version may say besides is passed over."""
+
+
+def _known(given: Any, read: ValidatorFunctionWrapHandler) -> Any:
+    try:
+        return read(given)
+    except ValidationError:
+        return None
+
+
+Told: Final = WrapValidator(_known)
+"""Of a field that may be None and that no pixel depends on: what another version has put there otherwise
+keeps nobody from making the file again."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class Record:
+    """A part of what a file says of itself; what is None by default and in fact is not written."""
+
+    @model_serializer(mode="wrap")
+    def _said(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        silent = {field.name for field in fields(self) if field.default is None}
+        return {name: value for name, value in write(self).items() if value is not None or name not in silent}
+
+    @property
+    def signed(self) -> dict[str, Any]:
+        """It below what every export says."""
+        return provenance(**plain(self))
+
+    @property
+    def signed_without_hour(self) -> dict[str, Any]:
+        """The same of what is the same file every time."""
+        return repeatable(**plain(self))
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class Source(Record):
+    """A file or a folder that something was made of."""
+
+    name: str
+    """Without the folder that it is in."""
+    sha256: str
+    """See `app.files.provenance.digest`."""
+
+    @classmethod
+    def of(cls, path: Path) -> Source:
+        """Raises OSError: it is not there."""
+        return cls(name=path.absolute().name, sha256=digest(path))

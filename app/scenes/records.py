@@ -1,0 +1,95 @@
+"""What files say of a scene that they show: its model, when, from where, and how it is drawn."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Annotated, Any
+
+from annotated_types import Interval
+from pydantic import PlainSerializer, PlainValidator
+from pydantic.dataclasses import dataclass
+
+from app.files.records import LENIENT, Record, Source, Told
+from app.runs.clip_selection import ClipPart
+from app.runs.run_edits import LeftOut
+from app.runs.run_folder import Enhancement, Input
+from app.scenes.view_kinds import Scale, ViewKind
+from renderer.camera import Camera
+from renderer.splats import RenderMode
+from renderer.train.config import TrainConfig
+
+BACKGROUND = (0.0, 0.0, 0.0)
+
+
+def _camera(given: Any) -> Camera:
+    return given if isinstance(given, Camera) else Camera.from_json(given)
+
+
+RecordedCamera = Annotated[Camera, PlainValidator(_camera), PlainSerializer(Camera.to_json)]
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class RunSource(Record):
+    """A run folder."""
+
+    name: str
+    model_sha256: str | None = None
+    """None: the model is still being trained."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class ClipSource(Source):
+    """The clip that a run was trained on."""
+
+    part: ClipPart | None = None
+    """None: all of it."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class SceneRecord(Record):
+    """A model: that of a run, or of a file of splats."""
+
+    run: RunSource | None = None
+    clip: Annotated[ClipSource | None, Told] = None
+    input: Annotated[Input | None, Told] = None
+    enhancement: Annotated[Enhancement | None, Told] = None
+    config: Annotated[TrainConfig | None, Told] = None
+    splats: Source | None = None
+    render_mode: Annotated[RenderMode | None, Told] = None
+    """Of a file of splats."""
+    notices: Annotated[tuple[str, ...] | None, Told] = None
+    edits: LeftOut | None = None
+
+    @property
+    def scene(self) -> SceneRecord:
+        """The model alone, without when it is seen and how."""
+        return SceneRecord(**{field.name: getattr(self, field.name) for field in fields(SceneRecord)})
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class MomentRecord(Record):
+    """When, and from where it is seen."""
+
+    time: float
+    camera: RecordedCamera
+    frame: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class DrawnRecord(SceneRecord):
+    """How a scene is drawn at every moment of a video."""
+
+    iteration: Annotated[int | None, Told] = None
+    near: float | None = None
+    """In scene units; None: the near plane of the scene."""
+    background: tuple[float, float, float] | None = BACKGROUND
+    """None: alpha says where nothing is."""
+    renderer: str
+    supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
+    view: ViewKind = "color"
+    scale: Scale | None = None
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class ViewRecord(DrawnRecord, MomentRecord):
+    """A scene as it is drawn at one moment."""

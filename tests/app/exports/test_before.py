@@ -1,0 +1,59 @@
+"""Files of every kind that an earlier version made come again; `make_before` says how they were made."""
+
+from __future__ import annotations
+
+from itertools import zip_longest
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.errors import UserError
+from app.exports.replay import replay
+from app.exports.replay.difference import Array, arrays
+
+BEFORE = Path(__file__).with_name("before")
+FILES = sorted(
+    path.name
+    for path in BEFORE.iterdir()
+    if path.suffix in (".png", ".npy", ".tiff", ".mp4", ".ply", ".csv")
+    and path.name not in ("photo.png", "window.png")
+)
+SOURCES = tuple(BEFORE / name for name in ("clip", "clip/images", "run", "mip", "photo.png", "splats.ply"))
+GREY_LEVELS = 2
+"""By which another processor or library may round a picture otherwise; drawn letters, and what a codec makes
+of that, may be further off at a few places."""
+FEW = 0.02
+SAID_OTHERWISE = 1e-3
+"""Relative, of floats."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.gl) if "opengl" in name else name for name in FILES]
+)
+def test_it_comes_again(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(BEFORE)  # The runs name their clip from here.
+    replayed = replay(BEFORE / name, SOURCES, tmp_path / name)
+    assert replayed.difference.is_none or replayed.reasons, replayed.sentence
+    assert replayed.difference.unlike == ""
+    for one, other in zip_longest(arrays(BEFORE / name), arrays(tmp_path / name)):
+        assert one is not None
+        assert other is not None
+        assert is_near(one, other), replayed.sentence
+
+
+def is_near(one: Array, other: Array) -> bool:
+    if one.dtype.kind == "f":
+        return bool(np.allclose(one, other, rtol=SAID_OTHERWISE, atol=SAID_OTHERWISE, equal_nan=True))
+    away = np.abs(one.astype(int) - other)
+    return bool((away > GREY_LEVELS).mean() < FEW)
+
+
+def test_the_window_is_told_from_what_can_be_made_again(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="the whole window"):
+        replay(BEFORE / "window.png", SOURCES, tmp_path / "window.png")
+
+
+def test_every_kind_is_there() -> None:
+    """Thirteen kinds of file, several of them of more than one view or arrangement."""
+    assert len(FILES) >= 20
