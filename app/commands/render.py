@@ -56,4 +56,4 @@ def run(flags: argparse.Namespace) -> None:
             for ending, record in records.items():
                 run_to_end(make(record, sources, staging / f"{moment.name}{ending}"))
             report(done, moment.name)
-    sys.stdout.write(f"{flags.out}: {len(wanted)} pictures drawn with {pen.name}\n")
+    sys.stdout.write(f"{flags.out}: {len(wanted)} images rendered with {pen.name}\n")
