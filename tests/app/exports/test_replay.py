@@ -187,7 +187,7 @@ def test_another_version_and_driver_are_named(
     assert call.code == 2
     for words in ("VesselSplat 0.0.1, here ", "numba 0.1, here ", "renderer numba, here numba on the CPU"):
         assert words in call.error
-    assert "by 1 of 255 at most" in call.error
+    assert "by at most 1 of 255" in call.error
 
 
 def test_a_missing_or_changed_source_is_one_line(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
