@@ -1,4 +1,4 @@
-"""Pictures, depth, videos and splat files of a model, made again."""
+"""Images, depth, videos and splat files of a model, reproduced."""
 
 from __future__ import annotations
 

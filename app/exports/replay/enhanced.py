@@ -1,4 +1,4 @@
-"""Enhanced pictures and videos, made again."""
+"""Enhanced images and videos, reproduced."""
 
 from __future__ import annotations
 

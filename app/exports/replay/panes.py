@@ -1,4 +1,4 @@
-"""What the window showed, made again: panes and 3D views as pictures or videos, panes as a table."""
+"""What the window showed, reproduced: panes and 3D views as images or videos, panes as a table."""
 
 from __future__ import annotations
 

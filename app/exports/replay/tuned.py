@@ -1,4 +1,4 @@
-"""The sheet of a tuning grid, made again."""
+"""The sheet of a tuning grid, reproduced."""
 
 from __future__ import annotations
 
