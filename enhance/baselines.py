@@ -67,7 +67,7 @@ def unsharp(image: ByteImage) -> ByteImage:
 def msrcr(image: ByteImage) -> ByteImage:
     """Multi-scale retinex with colour restoration (Jobson, Rahman and Woodell, IEEE TIP 6(7), 1997).
 
-    Scales 15, 80 and 250 px, alpha 125. The published gain, offset and beta are affine and fall out in the
+    Scales 15, 80 and 250 px, alpha 125. The published gain, offset and beta are affine and cancel in the
     stretch of the 1st to the 99th percentile of the image, which ends it, as is usual.
 
     Raises:
@@ -106,7 +106,7 @@ def aindane(image: ByteImage) -> ByteImage:
 
 
 def aindane_green(image: ByteImage) -> ByteImage:
-    """AINDANE with green in place of luma. Own variant: a stand-in for a method that works on green.
+    """AINDANE with green instead of luma. VesselSplat's variant: a stand-in for a method that works on green.
 
     Raises:
         ImageError: anything but (H, W, 3) uint8.

@@ -114,11 +114,11 @@ class _Made:
 
 
 class Enhancer:
-    """Show it an image, then enhance that as often as the parameters change.
+    """Show it an image, then enhance it as often as the parameters change.
 
-    A moved d-factor leaves V* as it is; a moved z or P does not filter again; a moved radius filters and
-    measures one scale. The memory for all that stays from image to image. Not to be used from two threads at
-    once.
+    A new d-factor leaves V* unchanged; a new z or P does not filter again; a new radius filters and
+    measures one scale. Working memory is reused from image to image. Not
+    thread-safe.
 
     Example:
         >>> import numpy as np
@@ -151,7 +151,7 @@ class Enhancer:
         """Take the next image; see `enhance.enhance` for both. It must not change while it is in use.
 
         Raises:
-            ImageError: an image or mask that cannot be used; the image before it stays.
+            ImageError: an image or mask that cannot be used; the previous image is kept.
         """
         picture = read_picture(image)
         keep = np.empty((0, 0), np.uint8)

@@ -40,10 +40,10 @@ class DvBv:
 
 
 def dvbv_otsu(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> DvBv:
-    """DV and BV as the paper's tables have them: an inferred definition, the paper prints none.
+    """DV and BV as in the paper's tables: an inferred definition, the paper gives none.
 
     Variance of the grey levels (BT.601, 8 bit) above, and at or below, the image's own Otsu threshold. It
-    answers to brightness more than to vessels: darkening an image raises the ratio. Over several images, the
+    responds to brightness more than to vessels: darkening an image raises the ratio. Over several images, the
     tables' ratio is the mean of the ratios. NaN: an empty class, and the ratio where bv = 0.
 
     Args:

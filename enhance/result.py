@@ -28,7 +28,7 @@ class Omission:
 
 @dataclass(frozen=True, eq=False)
 class EnhanceResult:
-    """An enhanced image and all that is needed to repeat it.
+    """An enhanced image and everything needed to reproduce it.
 
     Example:
         >>> import numpy as np

@@ -80,7 +80,7 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
 
     Args:
         tissue_mask: (H, W), non-zero = keep; None: the field of view. 12 pixels along its edge and
-            the picture's, and 8 around highlights, are left out, and so are specks of fewer than 40 pixels.
+            the image's, and 8 around highlights, are left out, and so are specks of fewer than 40 pixels.
         share: of the tissue without margin, in (0, 1].
 
     Raises:

@@ -17,7 +17,7 @@ Scope = Literal["image", "clip", "live"]
 
 @dataclass(frozen=True, kw_only=True)
 class Statistics:
-    """What the equations take from the whole image, and what follows from it.
+    """What the equations need from the whole image, and what follows from it.
 
     `level`, `saturation_mean` and `sigmas` are measured; `z` and `p` follow from them and the parameters
     (`resolved`).
@@ -129,7 +129,7 @@ def from_sums(
 
 @dataclass(frozen=True, kw_only=True)
 class LiveStatistics:
-    """How statistics follow a live stream: each image moves them a share of the way, so nothing flickers.
+    """Statistics of a live stream: each image moves them part of the way, so that nothing flickers.
 
     Raises:
         ValueError: a half-life below 0, or none.

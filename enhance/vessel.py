@@ -77,7 +77,7 @@ def enhance_vessels(
     tissue_mask: AnyImage | None = None,
     statistics: Statistics | None = None,
 ) -> EnhanceResult:
-    """Make vessels visible as if they held more blood (Beer-Lambert law), colours kept near the original.
+    """Make vessels visible as if they held more blood (Beer-Lambert law), with colours close to the original.
 
     1. Noise of colour, not of brightness, is smoothed away. V never rises by that.
     2. V: Eqs 1 and 7-10 of the paper with part of its brightening, then `gamma`.
@@ -91,7 +91,7 @@ def enhance_vessels(
 
     Args:
         image: (H, W), (H, W, 3) RGB in this order, or (H, W, 4) RGBA; types as of `enhance`. Of grey
-            pictures all darkness counts as blood.
+            images all darkness counts as blood.
         tissue_mask: as of `enhance`.
         statistics: of a clip, measured with any parameters of three scales; None: of this image.
 
@@ -163,10 +163,10 @@ class _Found:
 
 
 class VesselEnhancer:
-    """Show it an image, then enhance that as often as the parameters change; see `enhance_vessels`.
+    """Show it an image, then enhance it as often as the parameters change; see `enhance_vessels`.
 
-    A moved strength, coring, gamma, d-factor or bound of colour neither filters nor looks for structures
-    again. The memory for all that stays from image to image. Not to be used from two threads at once.
+    A new strength, coring, gamma, d-factor or colour limit neither filters nor detects structures
+    again. Working memory is reused from image to image. Not thread-safe.
 
     Example:
         >>> import numpy as np
@@ -188,7 +188,7 @@ class VesselEnhancer:
         """Take the next image; see `enhance_vessels` for both. It must not change while it is in use.
 
         Raises:
-            ImageError: an image or mask that cannot be used; the image before it stays.
+            ImageError: an image or mask that cannot be used; the previous image is kept.
         """
         picture = read_picture(image)
         keep = None

@@ -26,7 +26,7 @@ def _identity() -> FloatArray:
 
 
 class CameraError(ValueError):
-    """Numbers that are no camera: the text says what was expected.
+    """Invalid camera parameters: the text says what was expected.
 
     Example:
         >>> from renderer import Camera, CameraError
@@ -47,7 +47,7 @@ class Camera:
 
     Raises:
         CameraError: sizes or focal lengths that are not positive, or a matrix that is not a finite (4, 4) or
-            does more than turn and move; or numbers beyond what can be drawn.
+            does more than rotate and translate; or numbers beyond what can be rendered.
 
     Example:
         >>> import numpy as np
@@ -133,7 +133,7 @@ class Camera:
         )  # fmt: skip
 
     def fitted(self, width: int, height: int) -> Camera:
-        """The whole field of view in the middle of a picture of another shape, pixels scaled evenly."""
+        """The whole field of view in the middle of an image of another shape, pixels scaled evenly."""
         scale = min(width / self.width, height / self.height)
         return Camera.nearest(
             self.fx * scale, self.fy * scale,

@@ -43,7 +43,7 @@ def held_out_frames(count: int, split: Split = "field") -> tuple[int, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One moment of a clip: photo, depth, masks, time and camera.
+    """One moment of a clip: image, depth, masks, time and camera.
 
     Example:
         >>> import numpy as np
@@ -97,9 +97,9 @@ class SparsePoints:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A readable clip; frames are decoded when they are asked for, never all at once.
+    """A readable clip; frames are decoded on request, never all at once.
 
-    `open_clip` gives one of files; one of arrays is made as below. Reading a frame of damaged files raises
+    `open_clip` opens one from files; one from arrays is made as below. Reading a damaged frame raises
     ClipError.
 
     Example:
@@ -134,7 +134,7 @@ class Clip:
     """One a frame."""
     read_frame: Callable[[int], Frame]
     read_image: Callable[[int], ByteImage]
-    """Only the photo of a frame: cheaper than read_frame."""
+    """Only the image of a frame: cheaper than read_frame."""
     labels: tuple[str, ...]
     """What a person calls each frame: its file name or number."""
     has_depth: bool
@@ -156,7 +156,7 @@ class Clip:
     points: SparsePoints | None = None
     """Where structure from motion found the tissue, for clips that come with it."""
     baseline: float | None = None
-    """Between the eyes in the clip's unit, where the pictures are the left ones of calibrated pairs."""
+    """Between the eyes in the clip's unit, where the images are the left ones of calibrated pairs."""
 
     def __len__(self) -> int:
         return len(self.cameras)
@@ -219,7 +219,7 @@ class Clip:
         return replace(self, read_frame=read_frame)
 
     def with_images(self, change: Callable[[ByteImage, Frame], ByteImage], name: str) -> Clip:
-        """The same clip with every photo passed through `change`, for example enhanced."""
+        """The same clip with every image passed through `change`, for example enhanced."""
 
         def read_frame(index: int) -> Frame:
             frame = self.read_frame(index)

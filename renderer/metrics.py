@@ -17,11 +17,11 @@ _C1, _C2 = 0.01**2, 0.03**2
 
 
 def psnr(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
-    """PSNR in dB as the field publishes it: both pictures times the mask, mean over all pixels.
+    """PSNR in dB as usually published: both images times the mask, mean over all pixels.
 
-    Pictures (H, W, 3) or (H, W) in [0, 1]; mask (H, W), True = counted. Pixels outside count as
+    Images (H, W, 3) or (H, W) in [0, 1]; mask (H, W), True = counted. Pixels outside count as
     free of error, so the value is higher than `psnr_masked` by -10 log10(share of the mask).
-    Rounding to 8 bits, which published figures have, is the caller's. Infinite for equal pictures, NaN
+    Rounding to 8 bits, as in published figures, is left to the caller. Infinite for equal images, NaN
     for an empty mask.
 
     Raises:
@@ -56,9 +56,9 @@ def psnr_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
 
 
 def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
-    """Mean structural similarity, at most 1 (Wang et al. 2004, Eq 13), as the field publishes it.
+    """Mean structural similarity, at most 1 (Wang et al. 2004, Eq 13), as usually published.
 
-    Both pictures times the mask, 11x11 Gaussian window of sigma 1.5, zeros beyond the border,
+    Both images times the mask, 11x11 Gaussian window of sigma 1.5, zeros beyond the border,
     mean over all pixels and channels; NaN for an empty mask. Arguments and errors as for `psnr`.
 
     Example:

@@ -15,7 +15,7 @@ from renderer.readers.video_header import read_video_header
 
 
 def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
-    """A folder of any layout that has a reader, a folder of pictures, one picture or a video file.
+    """A folder of any layout that has a reader, a folder of images, one image or a video file.
 
     Which frames are kept and which of them are held out is the same for every layout: the step and
     the split of `options`.

@@ -146,5 +146,5 @@ def test_the_package_is_not_for_the_public_index() -> None:
 
 def test_the_example_of_the_readme_runs(tmp_path: Path) -> None:
     [example] = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    shapes = "print(result.image.shape, picture.image.shape, callable(rasterize))"
+    shapes = "print(result.image.shape, view.image.shape, callable(rasterize))"
     assert said(f"{example}\n{shapes}", tmp_path) == "(48, 64, 3) (48, 64, 3) True"

@@ -1,4 +1,4 @@
-"""`vesselsplat demo`: the whole product on the embedded phantom clip, and sheets to look at."""
+"""`vesselsplat demo`: the whole product on the embedded phantom clip, and comparison sheets."""
 
 from __future__ import annotations
 

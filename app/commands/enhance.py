@@ -1,4 +1,4 @@
-"""`vesselsplat enhance INPUT... OUTPUT`: pictures in, enhanced pictures out."""
+"""`vesselsplat enhance INPUT... OUTPUT`: images in, enhanced images out."""
 
 from __future__ import annotations
 

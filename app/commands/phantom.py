@@ -1,4 +1,4 @@
-"""`vesselsplat phantom OUT`: a synthetic clip with exact truth."""
+"""`vesselsplat phantom OUT`: a synthetic clip with exact ground truth."""
 
 from __future__ import annotations
 

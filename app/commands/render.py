@@ -1,4 +1,4 @@
-"""`vesselsplat render RUN|SPLATFILE --out DIR`: pictures of a model, each with its provenance."""
+"""`vesselsplat render RUN|SPLATFILE --out DIR`: images of a model, each with its provenance."""
 
 from __future__ import annotations
 

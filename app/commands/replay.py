@@ -1,4 +1,4 @@
-"""`vesselsplat replay FILE`: an exported file made again from its provenance, and compared."""
+"""`vesselsplat replay FILE`: an exported file reproduced from its provenance and compared."""
 
 from __future__ import annotations
 

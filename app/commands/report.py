@@ -1,4 +1,4 @@
-"""`vesselsplat report`: error against run time, stability, what was left out: one page, and its JSON."""
+"""`vesselsplat report`: error against run time, stability, omissions: one page and its JSON."""
 
 from __future__ import annotations
 

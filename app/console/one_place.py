@@ -1,4 +1,4 @@
-"""The packages of this program have names that others may have, too: those at hand must be its own."""
+"""The packages of this program have names that others may have, too: those found must be its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many pictures, folders and videos enhanced by one setting, into a folder of the same structure."""
+"""Many images, folders and videos enhanced with the same settings, into a folder of the same structure."""
 
 from __future__ import annotations
 

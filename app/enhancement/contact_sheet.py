@@ -1,4 +1,4 @@
-"""The pictures of a tuning grid beside each other, with what each was made with and what it measures."""
+"""The images of a tuning grid beside each other, with what each was made with and what it measures."""
 
 from __future__ import annotations
 

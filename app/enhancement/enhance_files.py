@@ -1,4 +1,4 @@
-"""A picture, a folder of pictures or a video enhanced and written: all of it, with provenance, or nothing."""
+"""An image, a folder of images or a video enhanced and written: all of it, with provenance, or nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Photo and enhanced photo of one frame, made off the window's thread from a request by value."""
+"""One frame, original and enhanced, computed off the window's thread from a request by value."""
 
 from __future__ import annotations
 

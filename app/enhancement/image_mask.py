@@ -1,4 +1,4 @@
-"""Pixels that a person leaves out of the statistics: burned-in text, and what lies around a round view."""
+"""Pixels that a user leaves out of the statistics: burned-in text, and what lies around a round view."""
 
 from __future__ import annotations
 

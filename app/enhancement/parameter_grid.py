@@ -1,4 +1,4 @@
-"""A grid of settings tried on one picture: which values, what becomes of the picture, and its measures."""
+"""A grid of settings tried on one image: which values, the results, and their measures."""
 
 from __future__ import annotations
 

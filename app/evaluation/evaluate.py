@@ -1,4 +1,4 @@
-"""A finished run measured on its held-out frames, against the photos that it was trained on."""
+"""A finished run measured on its held-out frames, against the frames it was trained on."""
 
 from __future__ import annotations
 

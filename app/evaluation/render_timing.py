@@ -1,4 +1,4 @@
-"""The time that one picture of a model takes, and its parts."""
+"""The time that one image of a model takes, and its parts."""
 
 from __future__ import annotations
 

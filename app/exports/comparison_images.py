@@ -1,4 +1,4 @@
-"""What a pane can show besides the photo and the present setting: made off the window's thread, by value."""
+"""What a pane can show besides the frame and the current settings: computed off its thread, by value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exports of the window, by value, a step at a time: panes and 3D view as pictures, videos or measures."""
+"""Exports of the window, by value, a step at a time: panes and 3D view as images, videos or measures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measures of panes at every frame against the photo, as a table and as JSON that says what they mean."""
+"""Measures of panes at every frame against the original, as a table and as JSON that says what they mean."""
 
 from __future__ import annotations
 

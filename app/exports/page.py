@@ -1,4 +1,4 @@
-"""Pictures for a report on one page: side by side at full resolution, captions above, the notice below."""
+"""Images for a report on one page: side by side at full resolution, captions above, the notice below."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scene at one moment as a file of splats, which tells how they are drawn and what they are of."""
+"""A scene at one moment as a splat file, which records how it is rendered and what it is of."""
 
 from __future__ import annotations
 

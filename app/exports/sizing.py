@@ -1,4 +1,4 @@
-"""How large the pictures of an export are."""
+"""How large the images of an export are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the 3D view shows, and the second one beside it, as panels of a picture and as pages of a video."""
+"""What the 3D view shows, and the second one beside it, as panels of an image and as pages of a video."""
 
 from __future__ import annotations
 

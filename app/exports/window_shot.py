@@ -1,4 +1,4 @@
-"""The whole window as a picture, as it was on the screen."""
+"""The whole window as an image, as it was on the screen."""
 
 from __future__ import annotations
 

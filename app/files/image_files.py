@@ -1,4 +1,4 @@
-"""Picture files of a person, in and out: 8 and 16 bit, float, alpha kept; RGB order inside."""
+"""Image files in and out: 8 and 16 bit, float, alpha kept; RGB order inside."""
 
 from __future__ import annotations
 

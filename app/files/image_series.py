@@ -1,4 +1,4 @@
-"""What `enhance` and `metrics` work on: a picture, a folder of them, a clip or a video, read one by one."""
+"""What `enhance` and `metrics` work on: an image, a folder of them, a clip or a video, read one by one."""
 
 from __future__ import annotations
 

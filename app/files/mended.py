@@ -1,4 +1,4 @@
-"""What can be read of a JSON object of which some fields are damaged or out of their range."""
+"""The readable part of a JSON object with fields that are damaged or out of range."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a picture comes from, written into it: PNG with an iTXt chunk "vesselsplat" that holds JSON.
+"""Where an image comes from, written into it: PNG with an iTXt chunk "vesselsplat" that holds JSON.
 
 No absolute path and no user name: a source is named by its base name and its SHA-256.
 """

@@ -1,4 +1,4 @@
-"""Sheets of labelled pictures: the comparison side by side, and a strip through time."""
+"""Sheets of labelled images: the comparison side by side, and a strip through time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sound of a video that is written anew: copied as it is, or encoded again where .mp4 cannot hold it."""
+"""The sound of a video that is rewritten: copied, or re-encoded where .mp4 cannot hold it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work in steps, with a result at its end: each step told in other words, or all of them taken at once."""
+"""Work in steps, with a result at its end: each step reported in other words, or all of them run at once."""
 
 from __future__ import annotations
 

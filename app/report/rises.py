@@ -1,4 +1,4 @@
-"""DV/BV from original to enhanced photos: of photos, and of renders of a few seeds, beside the paper."""
+"""DV/BV from original to enhanced frames: of frames, and of renders of a few seeds, beside the paper."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How all 2D methods change what can be seen, on pictures whose tissue and vessels are known or found."""
+"""How all 2D methods change what can be seen, on images whose tissue and vessels are known or found."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The clip of a run as it was trained on: its part of the files, with the photos that it was given."""
+"""The clip of a run as it was trained on: its part of the files, with the frames that it was given."""
 
 from __future__ import annotations
 

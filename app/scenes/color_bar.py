@@ -1,4 +1,4 @@
-"""The scale of a picture's colours, drawn beside it."""
+"""The scale of an image's colours, drawn beside it."""
 
 from __future__ import annotations
 

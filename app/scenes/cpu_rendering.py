@@ -1,4 +1,4 @@
-"""One moment of a model as a picture: drawn on the CPU, how near, and its depth in colours."""
+"""One moment of a model as an image: drawn on the CPU, how near, and its depth in colours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A clip's photo to lay over the 3D view, read off the window's thread."""
+"""A clip's frame to lay over the 3D view, read off the window's thread."""
 
 from __future__ import annotations
 

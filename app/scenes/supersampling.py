@@ -1,4 +1,4 @@
-"""Pictures drawn with more pixels than they have, and averaged down."""
+"""Images drawn with more pixels than they have, and averaged down."""
 
 from __future__ import annotations
 

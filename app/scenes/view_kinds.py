@@ -1,4 +1,4 @@
-"""What a picture of splats can show: their colours, or a quantity in the colours of a scale."""
+"""What an image of splats can show: their colours, or a quantity in the colours of a scale."""
 
 from __future__ import annotations
 

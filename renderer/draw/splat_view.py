@@ -153,7 +153,7 @@ class SplatView:
     ) -> None:
         """Fill the framebuffer's viewport with the view of `camera`, resampled to its size, alpha 1.
 
-        The picture is stored as OpenGL stores images, bottom row first; background is RGB.
+        The image is stored as OpenGL stores images, bottom row first; background is RGB.
         """
         with self._state.preserved():
             pivot = self._mean_color if self._precision == "half" else _NO_PIVOT
@@ -182,7 +182,7 @@ class SplatView:
         return sums
 
     def release(self) -> None:
-        """Give the OpenGL objects back; the view cannot be used afterwards."""
+        """Release the OpenGL objects; the view cannot be used afterwards."""
         for target in self._targets.values():
             target.release()
         if self._storage is not None:

@@ -90,7 +90,7 @@ def accuracy(
 
 
 def exact(splats: Splats, camera: Camera, near: float) -> NDArray[np.float64]:
-    """The float64 picture (H, W, 3) over black."""
+    """The float64 image (H, W, 3) over black."""
     import torch
 
     from renderer.rasterize.reference import rasterize_reference

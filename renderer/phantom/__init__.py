@@ -220,7 +220,7 @@ def write_phantom(
 ) -> None:
     """Writes the clip and vessel_masks/ (1 bit, set = vessel) to the new folder `out`.
 
-    The folder appears when it is whole.
+    The folder appears when it is complete.
 
     Raises:
         ClipError: it exists already or cannot be written.

@@ -31,8 +31,8 @@ def rasterize(
 
     Differentiable in the first five arguments. "cpu" computes in float32 with numba kernels; "cuda" in
     float32 with gsplat's; "reference" in float64 with plain torch, slowly. "auto" is "cuda" for tensors that
-    are on a card, else "cpu". `near` is in scene units.
-    `mode` "mip" makes up for the low-pass filter, see RenderMode.
+    are on a GPU, else "cpu". `near` is in scene units.
+    `mode` "mip" compensates for the low-pass filter, see RenderMode.
 
     Raises:
         ValueError: shapes that do not agree, or an unknown backend.

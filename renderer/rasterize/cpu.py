@@ -48,7 +48,7 @@ BLACK: Background = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Rendered:
-    """A picture: image (H, W, 3) float32 over the background; alpha (H, W) in [0, 1]; depth (H, W)
+    """A rendered view: image (H, W, 3) float32 over the background; alpha (H, W) in [0, 1]; depth (H, W)
     the expected depth sum(w z) / sum(w) along +z, 0 where alpha is 0.
 
     Example:
@@ -85,7 +85,7 @@ class Gradients:
 
 
 class Rasterizer:
-    """Draws one size of picture again and again and keeps its working arrays between pictures.
+    """Renders images of one size and reuses its working arrays.
 
     `forward` blends the splats into `planes` (see tiles.py), padded to whole tiles; `backward` turns an
     adjoint of the same padding into gradients. The values between the two calls are kept here.
@@ -214,7 +214,7 @@ class Rasterizer:
         return by
 
     def rendered(self, width: int, height: int, background: Background) -> Rendered:
-        """The blended planes as a picture over the background."""
+        """The blended planes as an image over the background."""
         planes = self.planes[:, :height, :width]
         alpha = 1.0 - planes[LEFT]
         color = (
@@ -262,7 +262,7 @@ def render(
     """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out.
 
     Gaussians are projected and blended front to back (Eqs 13-16; Kerbl et al., 3D Gaussian Splatting, ACM
-    TOG 42(4), 2023), in float32. `near` in scene units; `mode` "mip" makes up for the low-pass filter.
+    TOG 42(4), 2023), in float32. `near` in scene units; `mode` "mip" compensates for the low-pass filter.
 
     Example:
         >>> import numpy as np

@@ -51,7 +51,7 @@ def read_splats(path: Path) -> SplatFile:
         return _read(read_whole(path), path.name)
     except OSError as error:
         why = f" ({error.strerror})" if error.strerror else ""
-        raise SplatFileError(f"expected a readable splat file{why}: {path}") from error
+        raise SplatFileError(f"expected a splat file, got none that can be read{why}: {path}") from error
     except (PlyError, SplatFileError, OverBudget) as error:
         raise SplatFileError(f"{error}: {path}") from error
 
@@ -59,7 +59,7 @@ def read_splats(path: Path) -> SplatFile:
 def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") -> None:
     """A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), which viewers open.
 
-    `read_splats` gives all values back bit for bit, colours to 1e-7. The file appears when it is whole. Of
+    `read_splats` gives all values back bit for bit, colours to 1e-7. The file appears when it is complete. Of
     a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
 
     Args:

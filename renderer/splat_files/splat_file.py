@@ -20,7 +20,7 @@ MOST_LOGIT: Final = np.float32(80.0)
 
 
 class SplatFileError(ValueError):
-    """A file of splats cannot be read: what was expected and what came.
+    """A splat file cannot be read: what was expected and what came.
 
     Example:
         >>> from pathlib import Path
@@ -29,7 +29,7 @@ class SplatFileError(ValueError):
         ...     read_splats(Path("nothing-here.ply"))
         ... except SplatFileError as error:
         ...     print(error)
-        expected a file of splats, got none that can be read (No such file or directory): nothing-here.ply
+        expected a splat file, got none that can be read (No such file or directory): nothing-here.ply
     """
 
 

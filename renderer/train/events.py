@@ -121,7 +121,7 @@ class Evaluated:
 
 @dataclass(frozen=True)
 class Warned:
-    """Something is wrong but training goes on.
+    """Something is wrong, but training continues.
 
     Example:
         >>> from renderer import Warned

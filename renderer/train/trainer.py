@@ -52,7 +52,7 @@ FULL_COST = 1.7
 
 
 class TrainingError(RuntimeError):
-    """Training cannot go on: the text says why and what to do.
+    """Training cannot continue: the text says why and what to do.
 
     Example:
         >>> from pathlib import Path
@@ -84,8 +84,8 @@ def train(
     """Reconstruct `clip` from its training frames, as a generator of events: Started first, Finished with the
     model last; ending it early ends the training.
 
-    With a `folder`, which exists, checkpoints are written there; `resume` goes on from the newest. `pictures`
-    draws, by the numba kernels when there is none. One seed gives the same bytes on the CPU, whether
+    With a `folder`, which exists, checkpoints are written there; `resume` continues from the newest.
+    `pictures` renders; without it, the numba kernels do. One seed gives the same bytes on the CPU, whether
     interrupted or not and whatever the number of threads.
 
     Raises:

@@ -113,7 +113,7 @@ MISTAKES = [
     (["evaluate", "{bad}/empty"], "run.json"),
     (["evaluate", "{bad}/broken_run"], "run.json"),
     (["render", "{bad}/empty", "--out", "{out}"], "run.json"),
-    (["render", "{bad}/some.ply", "--out", "{out}"], "splat file"),
+    (["render", "{bad}/some.ply", "--out", "{out}"], "expected a splat file"),
     (["metrics", "{bad}/nothing.png"], "nothing.png"),
     (["metrics", "{bad}/nan.npy"], "NaN"),
     (["metrics", "{bad}/whole.png", "--against", "{bad}/nan.npy"], "NaN"),

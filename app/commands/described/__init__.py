@@ -1,1 +1,1 @@
-"""What a path is read as, and what can be done with it, told without doing it: `vesselsplat info PATH`."""
+"""What a path is read as, and what can be done with it, without doing it: `vesselsplat info PATH`."""

@@ -1,4 +1,4 @@
-"""What a folder of pictures, a layout of a data set, a picture or a video is read as."""
+"""What a folder of images, a layout of a data set, an image or a video is read as."""
 
 from __future__ import annotations
 

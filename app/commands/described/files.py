@@ -1,4 +1,4 @@
-"""What a run, a file of splats, a session, a report or an exported file holds."""
+"""What a run, a splat file, a session, a report or an exported file holds."""
 
 from __future__ import annotations
 

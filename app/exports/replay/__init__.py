@@ -1,4 +1,4 @@
-"""An exported file made again from what it says about itself, and how far the two are apart."""
+"""An exported file reproduced from its provenance, and how far the two differ."""
 
 from __future__ import annotations
 

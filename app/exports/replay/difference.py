@@ -1,4 +1,4 @@
-"""How far two files of one kind are apart: pictures, arrays, videos, splat files, tables, value by value."""
+"""How far two files of one kind differ: images, arrays, videos, splat files, tables, value by value."""
 
 from __future__ import annotations
 

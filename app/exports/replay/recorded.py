@@ -1,4 +1,4 @@
-"""What an exported file says of itself: inside a PNG or PLY file, beside any other."""
+"""The provenance of an exported file: inside a PNG or PLY file, beside any other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person can do, as functions on the state. No ImGui, no OpenGL: tested as plain code."""
+"""What a user can do, as functions on the state. No ImGui, no OpenGL: tested as plain code."""
 
 from __future__ import annotations
 

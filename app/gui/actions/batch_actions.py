@@ -1,4 +1,4 @@
-"""What a person can do with many files and folders at once, as functions on the state."""
+"""What a user can do with many files and folders at once, as functions on the state."""
 
 from __future__ import annotations
 

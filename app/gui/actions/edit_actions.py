@@ -1,4 +1,4 @@
-"""What a person can do to the shown model, as functions on the state. No ImGui."""
+"""What a user can do to the shown model, as functions on the state. No ImGui."""
 
 from __future__ import annotations
 

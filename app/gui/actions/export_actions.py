@@ -1,4 +1,4 @@
-"""What a person can export, as functions on the state."""
+"""What a user can export, as functions on the state."""
 
 from __future__ import annotations
 

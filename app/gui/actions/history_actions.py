@@ -1,4 +1,4 @@
-"""Undo and redo of all that a person sets, as functions on the state: one history of snapshots."""
+"""Undo and redo of all that a user sets, as functions on the state: one history of snapshots."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person can do with the reconstructions that wait, as functions on the state. No ImGui."""
+"""What a user can do with the queue of reconstructions, as functions on the state. No ImGui."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person can do with the runs of the open clip, as functions on the state. No ImGui."""
+"""What a user can do with the runs of the open clip, as functions on the state. No ImGui."""
 
 from __future__ import annotations
 

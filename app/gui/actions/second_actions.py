@@ -1,4 +1,4 @@
-"""What a person can do with the second 3D view, as functions on the state."""
+"""What a user can do with the second 3D view, as functions on the state."""
 
 from __future__ import annotations
 

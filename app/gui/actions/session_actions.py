@@ -1,4 +1,4 @@
-"""The session: taken from the state, given back to it, saved in passing, and offered after a crash."""
+"""The session: taken from the state, given back to it, autosaved, and offered after a crash."""
 
 from __future__ import annotations
 

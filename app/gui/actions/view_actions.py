@@ -1,4 +1,4 @@
-"""What a person can have the 3D view show, as functions on the state."""
+"""What a user can have the 3D view show, as functions on the state."""
 
 from __future__ import annotations
 

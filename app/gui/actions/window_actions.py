@@ -1,4 +1,4 @@
-"""Saving the whole window as a picture, as functions on the state."""
+"""Saving the whole window as an image, as functions on the state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands of reconstructions: the one that is made, and those that wait."""
+"""The commands of reconstructions: the running one, and the queue."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keys: which chord a person's name for it is, and what the keyboard does to the state."""
+"""Keys: which chord a user's name for it is, and what the keyboard does to the state."""
 
 from __future__ import annotations
 

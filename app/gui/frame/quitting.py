@@ -1,4 +1,4 @@
-"""The window closes only when nothing is lost by it, or when that has been agreed to."""
+"""The window closes only when nothing is lost, or after the user has agreed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the window is started with: its folder, its OpenGL, the keyboard of ImGui."""
+"""How the window is started: its folder, its OpenGL, the keyboard of ImGui."""
 
 from __future__ import annotations
 

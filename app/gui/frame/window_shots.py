@@ -1,4 +1,4 @@
-"""The whole window read from its framebuffer, when that is asked for."""
+"""The whole window read from its framebuffer, on request."""
 
 from __future__ import annotations
 

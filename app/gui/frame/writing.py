@@ -1,4 +1,4 @@
-"""What the window writes when it is asked to: pictures, exports and batches, with their panels."""
+"""What the window writes on request: images, exports and batches, with their panels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many files and folders enhanced by the present setting: which, where to, how far, what failed."""
+"""Many files and folders enhanced with the current settings: which, where to, how far, what failed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The two pictures: left the original by default, right the enhanced one, zoom and pan linked."""
+"""The two panes: left the original by default, right the enhanced one, zoom and pan linked."""
 
 from __future__ import annotations
 

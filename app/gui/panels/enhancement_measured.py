@@ -1,4 +1,4 @@
-"""What the enhancement did to the picture on screen: transfer curves, histograms, measures, omissions."""
+"""What the enhancement did to the image on screen: transfer curves, histograms, measures, omissions."""
 
 from __future__ import annotations
 

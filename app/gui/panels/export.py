@@ -117,7 +117,7 @@ def _draw_view_size(state: AppState) -> None:
         imgui.same_line()
         state.exports.view_size = width, _pixels("##view height", height, "Height in pixels.")
     imgui.same_line()
-    imgui.set_next_item_width(em(8))
+    imgui.set_next_item_width(em(10))
     labels = ["No supersampling" if factor == 1 else f"{factor}× supersampling" for factor in FACTORS]
     _, index = imgui.combo("##supersampling", FACTORS.index(state.exports.supersampling), labels)
     explain(FACTOR_TEXT)
@@ -136,7 +136,7 @@ def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
     under_way = state.exports.under_way
     if under_way is None:
         with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, f"Files are saved in {legible(str(state.places.pictures))}")
+            imgui.text_colored(theme.now().muted, f"Saved to {legible(str(state.places.pictures))}")
             imgui.text_colored(theme.now().muted, REPLAY)
         return
     total = max(under_way.request.steps, 1)

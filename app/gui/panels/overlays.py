@@ -1,4 +1,4 @@
-"""What lies over the window: the first-start notice, errors, good news, the help."""
+"""What lies over the window: the first-start notice, errors, toasts, the help."""
 
 from __future__ import annotations
 

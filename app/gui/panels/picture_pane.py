@@ -1,4 +1,4 @@
-"""One pane: the picture where zoom and pan put it, its tags, the pixel under the pointer, the wipe's line."""
+"""One pane: the image where zoom and pan put it, its tags, the pixel under the pointer, the wipe's line."""
 
 from __future__ import annotations
 

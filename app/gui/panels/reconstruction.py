@@ -1,4 +1,4 @@
-"""The 3D reconstruction: what to make next, and how far the present one is."""
+"""The 3D reconstruction: what to run next, and how far the current one is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report panel: error against run time as `vesselsplat report` measured it, and the present setting."""
+"""The report panel: error against run time as `vesselsplat report` measured it, and the current settings."""
 
 from __future__ import annotations
 

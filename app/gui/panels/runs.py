@@ -1,4 +1,4 @@
-"""Reconstructions that wait for their turn, and those of the open clip on disk."""
+"""The queue of reconstructions, and those of the open clip on disk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Notes of the session, and the offer to take up one that ended unexpectedly."""
+"""Notes of the session, and the offer to restore one that ended unexpectedly."""
 
 from __future__ import annotations
 

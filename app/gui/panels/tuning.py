@@ -1,4 +1,4 @@
-"""The tuning grid: what to vary, the pictures with their measures, and one of them as it is."""
+"""The tuning grid: what to vary, the images with their measures, and one of them as it is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Background work for the two panes: other pictures of the same frame, and the difference of both."""
+"""Background work for the two panes: other images of the same frame, and the difference of both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Background work for the clip's row: its small pictures, and what of the present frame is left out."""
+"""Background work for the clip's row: its small images, and what of the present frame is left out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Zoom and pan of a picture in a pane. Two panes that share one view are linked by construction."""
+"""Zoom and pan of an image in a pane. Two panes that share one view are linked by construction."""
 
 from __future__ import annotations
 

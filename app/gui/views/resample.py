@@ -1,6 +1,6 @@
-"""The visible part of a picture, one array pixel for each pixel of the screen.
+"""The visible part of an image, one array pixel for each pixel of the screen.
 
-The window system's own sampling knows no averaging, so that thin vessels of a picture shown smaller would
+The window system's own sampling knows no averaging, so that thin vessels of an image shown smaller would
 flicker; here both panes are sampled alike, by a filter that follows from the zoom.
 """
 

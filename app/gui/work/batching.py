@@ -1,4 +1,4 @@
-"""Many files and folders enhanced by one setting, by value, a picture at a time."""
+"""Many files and folders enhanced with the same settings, by value, an image at a time."""
 
 from __future__ import annotations
 

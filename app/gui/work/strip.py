@@ -1,4 +1,4 @@
-"""Small pictures of a clip for its frame strip, and what of a frame is left out: off the window's thread."""
+"""Small images of a clip for its frame strip, and what of a frame is left out: off the window's thread."""
 
 from __future__ import annotations
 

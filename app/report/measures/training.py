@@ -1,4 +1,4 @@
-"""Error against run time of reconstruction: every method, short and long, on original and enhanced photos."""
+"""Error against run time of reconstruction: every method, short and long, on original and enhanced frames."""
 
 from __future__ import annotations
 

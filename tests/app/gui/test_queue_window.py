@@ -160,7 +160,7 @@ def test_a_trim_is_said_before_it_is_trained_on_and_undone_by_its_name(places: P
         wait(ctx, lambda: len(state.past) == 2, "the trim as a step")
         ctx.key_press(chord("Ctrl+R"))
         wait(ctx, lambda: bool(jobs), "the job")
-        ctx.menu_click("//##MainMenuBar/Picture/Undo trim")
+        ctx.menu_click("//##MainMenuBar/Image/Undo trim")
         wait(ctx, lambda: state.clip_settings.trim is None, "the whole clip")
         ctx.key_press(chord("Ctrl+Y"))
         wait(ctx, lambda: state.clip_settings.trim == (3, 23), "the trim again")

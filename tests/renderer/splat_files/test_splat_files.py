@@ -294,7 +294,7 @@ def test_a_degree_fills_up_with_zeros_and_loses_no_colour(bands: int, degree: in
 
 def test_a_folder_or_nothing_is_one_line(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.ply"):
-        with pytest.raises(SplatFileError, match="readable splat file"):
+        with pytest.raises(SplatFileError, match="expected a splat file"):
             read_splats(path)
     with pytest.raises(SplatFileError, match="32 bytes"):
         read(tmp_path, bytes(33), "a.splat")
