@@ -51,11 +51,11 @@ from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import load_clips
-from app.gui.state.settings import Places, Theme, load_settings
 from app.gui.style import theme
 from app.gui.update.update import Channels, take_pictures, update
 from app.gui.work.background import Apart, Worker
+from app.gui.work.clip_settings import load_clips
+from app.gui.work.settings import Places, Theme, load_settings
 from app.runs.job import TrainingJob
 from assets import phantom_path
 from renderer.clip import ByteImage
@@ -376,6 +376,7 @@ class Window:
             self.state.reconstruction.job = None
         for worker in self._workers:
             worker.close()
+        self._channels.keep.finish(self.state)
 
     def _open(self, path: Path) -> None:
         actions.open_path(self.state, path)

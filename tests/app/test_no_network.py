@@ -61,7 +61,7 @@ import psutil
 from imgui_bundle import imgui
 
 from app.gui.actions import actions
-from app.gui.state.settings import Settings
+from app.gui.work.settings import Settings
 from assets import phantom_path
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.test_window import Driver, is_settled, wait

@@ -65,7 +65,7 @@ import sys
 from pathlib import Path
 
 from app.gui.actions import actions
-from app.gui.state.settings import Settings
+from app.gui.work.settings import Settings
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.test_window import Driver, is_settled, wait
 

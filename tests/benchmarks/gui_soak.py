@@ -23,8 +23,8 @@ from imgui_bundle import imgui
 from imgui_bundle.immapp import testing
 
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from tests.benchmarks.soak_deeds import DEEDS, Context, Deed, Person
 from tests.benchmarks.soak_health import Health, children
 

@@ -19,8 +19,8 @@ from imgui_bundle.immapp import testing
 
 from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob
 from enhance import EnhanceParams
 

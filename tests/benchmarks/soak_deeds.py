@@ -15,8 +15,8 @@ from app.gui.actions import actions, edit_actions, job_actions, second_actions, 
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places
 from app.gui.window import Window
+from app.gui.work.settings import Places
 from app.gui.work.tuning import Choice
 from app.runs.job import TrainingJob
 from assets import phantom_path

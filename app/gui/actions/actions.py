@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import TypeVar
 
 from app.enhancement.methods import EnhancementSettings
-from app.errors import UserError
 from app.files.legible import legible
 from app.gui.state.app_state import AppState, Banner, Toast
 from app.gui.state.camera_list import CameraList
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.second import Second
-from app.gui.state.settings import Theme, save_settings
 from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
+from app.gui.work.file_writing import WriteRequest
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
+from app.gui.work.settings import Theme, settings_content
 from app.runs.clip_selection import WHOLE
 
 TOAST_SECONDS = 6.0
@@ -67,10 +67,8 @@ def remember_recent(state: AppState, remember: bool) -> None:
 
 
 def _save(state: AppState) -> None:
-    try:
-        save_settings(state.places.settings_file, state.settings)
-    except (OSError, UserError) as error:
-        say(state, f"settings cannot be kept: {error}")
+    file, content = state.places.settings_file, settings_content(state.settings)
+    state.wishes += (WriteRequest(file, content, "settings cannot be kept"),)
 
 
 # ---- clip and time
@@ -138,6 +136,7 @@ def _show_run(state: AppState, opened: Opened) -> None:
     draft = state.reconstruction
     state.reconstruction = Reconstruction(config=draft.config, input=draft.input, d_factor=draft.d_factor)
     state.model, state.view, state.viewer = opened.splats, None, Viewer()
+    state.model_wish = None
     state.second = Second()
     if opened.run is None:
         return

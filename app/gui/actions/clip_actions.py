@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
-from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import save_clips
+from app.gui.work.clip_settings import FILE, clips_content
+from app.gui.work.file_writing import WriteRequest
 from app.runs.clip_selection import ClipPart
 from enhance.surround import inside
 
@@ -79,9 +79,6 @@ def keep_settings(state: AppState) -> None:
         return
     others = {path: said for path, said in state.known_clips.items() if path != str(state.clip.path)}
     state.known_clips = {**others, str(state.clip.path): state.clip_settings}
-    if not state.settings.remember_recent:
-        return
-    try:
-        save_clips(state.places.config, state.known_clips)
-    except (OSError, UserError) as error:
-        actions.say(state, f"the clip's settings cannot be kept: {error}")
+    if state.settings.remember_recent:
+        file, content = state.places.config / FILE, clips_content(state.known_clips)
+        state.wishes += (WriteRequest(file, content, "the clip's settings cannot be kept"),)

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
-from app.errors import UserError
-from app.exports.scene_splats import splat_file
-from app.files.atomic import write_bytes
-from app.files.provenance import repeatable
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
+from app.gui.work.background import Failure
 from app.gui.work.editing import (
     Around,
     Change,
@@ -21,8 +17,7 @@ from app.gui.work.editing import (
     Tool,
     tinted_model,
 )
-from app.runs.run_edits import edits_facts, save_edits, saved_since
-from app.runs.run_folder import RunFolder
+from app.gui.work.saving_edits import SavedEdits, SaveRequest
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Range, Rectangle, Region
@@ -226,50 +221,55 @@ def _step(state: AppState, way: Callable[[History], History]) -> None:
 # ---- keeping
 
 
-def save(state: AppState) -> bool:
-    """Beside the run; of a file of splats, as another file. False when that failed, which is then said."""
+def save(state: AppState) -> None:
+    """Beside the run; of a file of splats, as another file."""
     editing = state.editing
-    if editing.base is None or editing.run_path is None:
-        return False
-    try:
-        if editing.is_of_run:
-            if (other := saved_since(RunFolder(editing.run_path), editing.saved)) is not None:
-                editing.saved = other
-                raise UserError("another window has saved its own meanwhile; save again to replace those")
-            save_edits(RunFolder(editing.run_path), editing.edits)
-            actions.announce(
-                state, f"edits saved beside {editing.run_path.name}; the trained model is as it was"
-            )
-        else:
-            path = write_splats(state, editing.run_path)
-            actions.announce(state, f"edited splats saved as {path.name}; the file opened is as it was")
-    except (OSError, UserError) as error:
-        actions.fail(state, f"the edits are not saved: {error}")
-        return False
-    editing.saved = editing.edits
-    return True
+    if (
+        editing.base is None
+        or editing.edited is None
+        or editing.run_path is None
+        or editing.saving is not None
+    ):
+        return
+    editing.saving = SaveRequest(
+        editing.base, editing.run_path, editing.edits, editing.edited, editing.saved, state.time
+    )
 
 
-def write_splats(state: AppState, source: Path) -> Path:
-    """What can be seen at the present time, beside its source; never over another file."""
-    editing = state.editing
-    assert editing.edited is not None
-    stem = source.name.removesuffix(source.suffix).removesuffix(".compressed")
-    path, number = source.with_name(f"{stem}-edited.ply"), 2
-    while path.exists():
-        path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
-    facts = repeatable(kind="splats", **editing.edited.facts | edits_facts(editing.edits), time=state.time)
-    write_bytes(path, splat_file(editing.edited, state.time, facts))
-    return path
+def take_saved(state: AppState, request: SaveRequest, answer: SavedEdits | Failure) -> None:
+    """They are on disk, or why they are not; what waited for that goes on, unless more was edited since."""
+    editing, go = state.editing, None
+    if request is editing.saving:
+        editing.saving, go, editing.after_saving = None, editing.after_saving, None
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the edits are not saved: {answer.message}")
+        return
+    known = answer.replaced_by
+    if editing.base is request.base:
+        editing.saved = request.edits if known is None else known
+    if known is not None:
+        reason = "another window has saved its own meanwhile; save again to replace those"
+        actions.fail(state, f"the edits are not saved: {reason}")
+        return
+    if request.base.is_of_run:
+        said = f"edits saved beside {answer.path.name}; the trained model is as it was"
+    else:
+        said = f"edited splats saved as {answer.path.name}; the file opened is as it was"
+    actions.announce(state, said)
+    if go is not None:
+        actions.leave(state, go)
 
 
 def answer(state: AppState, reply: str) -> None:
     """To "save the edits?": save, discard or stay."""
     editing, go = state.editing, state.editing.leaving
     editing.leaving = None
-    if go is None or reply == "stay" or (reply == "save" and not save(state)):
+    if go is None or reply == "stay":
         return
-    if reply == "discard":
-        editing.history = History(editing.saved)
-        _show(state)
+    if reply == "save":
+        editing.after_saving = go
+        save(state)
+        return
+    editing.history = History(editing.saved)
+    _show(state)
     go()

@@ -12,9 +12,10 @@ from app.files.legible import capital, legible
 from app.gui.actions.actions import latest, leave, say
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Job, Reconstruction, Waiting
-from app.runs.run_folder import Input, RunFolder
+from app.gui.work.run_models import ModelRequest
+from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
-from app.scenes.scene import Scene, Training, run_scene
+from app.scenes.scene import Scene, Training
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import Part
@@ -132,30 +133,35 @@ def cancel(state: AppState) -> None:
 
 
 def show_live_model(state: AppState, model: DynamicGaussians) -> None:
-    """The newest copy of the model that is being trained, in the 3D view."""
-    job, before = state.reconstruction, state.model
-    if before is not None and before.model is model:
-        return
-    iteration = job.progress.iteration if job.progress else 0
-    scene = _scene(job, model, Training(iteration, job.iterations, live=True))
-    if scene is not None and before is not None and before.cameras == scene.cameras:
-        # A pivot that follows every preview would make the picture wander.
-        scene = replace(scene, distance=before.distance)
-    state.model = scene or before
+    """Ask for the newest copy of the model that is being trained in the 3D view."""
+    job, wish = state.reconstruction, state.model_wish
+    if wish is None or wish.model is not model:
+        iteration = job.progress.iteration if job.progress else 0
+        _wish(state, model, Training(iteration, job.iterations, live=True))
 
 
 def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
     job = state.reconstruction
-    done = Training(job.iterations, job.iterations, live=False)
-    state.model = _scene(job, model, done) or state.model
+    _wish(state, model, Training(job.iterations, job.iterations, live=False))
 
 
-def _scene(job: Reconstruction, model: DynamicGaussians, training: Training) -> Scene | None:
-    """The model of the present run; None before there was one."""
-    if job.clip is None or job.request is None:
-        return None
-    request = job.request
-    return run_scene(RunFolder(request.run_path), model, job.clip, request.config, request.part, training)
+def _wish(state: AppState, model: DynamicGaussians, training: Training) -> None:
+    job = state.reconstruction
+    if job.clip is not None and job.request is not None:
+        state.model_wish = ModelRequest(job.request, job.clip, model, training)
+
+
+def take_model(state: AppState, request: ModelRequest, scene: Scene) -> None:
+    """Show it; what something else has taken the place of is dropped."""
+    wish, before = state.model_wish, state.model
+    if wish is None or wish.run is not request.run:
+        return
+    if scene.live and before is not None and before.cameras == scene.cameras:
+        # A pivot that follows every preview would make the picture wander.
+        scene = replace(scene, distance=before.distance)
+    state.model = scene
+    if scene.live and not state.reconstruction.is_alive:
+        state.preview = scene
 
 
 def can_continue(state: AppState) -> bool:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from app.files.atomic import write_bytes
 from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
+from app.gui.work.file_writing import WriteRequest
 from app.scenes.free_camera import FreeView
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, off_center, splatting_json
@@ -197,7 +197,7 @@ def add_views(state: AppState, read: Views, path: Path) -> None:
 
 def save_views(state: AppState) -> None:
     """All named views and the path, for this app and `vesselsplat export --path`."""
-    _write(state, OUR_FORMAT, lambda: views_json(state.cameras.views))
+    _write(state, OUR_FORMAT, views_json(state.cameras.views))
 
 
 def export_clip_cameras(state: AppState) -> None:
@@ -216,19 +216,13 @@ def export_path_cameras(state: AppState) -> None:
 
 
 def _write_cameras(state: AppState, named: Sequence[NamedCamera]) -> None:
-    _write(state, THEIR_FORMAT, lambda: splatting_json(named))
+    _write(state, THEIR_FORMAT, splatting_json(named))
     if notice := off_center(named):
         actions.say(state, notice)
 
 
-def _write(state: AppState, kind: str, content: Callable[[], bytes]) -> None:
+def _write(state: AppState, kind: str, content: bytes) -> None:
     """A JSON file among the saved pictures, named after what is open and the time."""
     name = Path(state.model.name).stem if state.model is not None else "vesselsplat"
     path = state.places.pictures / f"{name}-{kind}-{stamp()}.json"
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_bytes(path, content())
-    except OSError as error:
-        actions.fail(state, f"the cameras were not saved: {error}")
-    else:
-        actions.announce(state, f"saved {path.name} in {path.parent.name}/")
+    state.wishes += (WriteRequest(path, content, "the cameras were not saved", announced=True),)

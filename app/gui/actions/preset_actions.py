@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME
-from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import (
+from app.gui.work.background import Failure
+from app.gui.work.presets import (
     BUILT_IN,
     MOST_PRESETS,
+    KeepPresets,
+    KeptPresets,
     is_preset_name,
     load_presets,
-    merged_presets,
     presets_file,
-    save_presets,
 )
 
 
@@ -53,12 +53,13 @@ def forget(state: AppState, name: str) -> None:
 
 
 def _save(state: AppState, presets: dict[str, EnhancementSettings], done: str) -> None:
-    file = presets_file(state.places)
-    presets = merged_presets(file, presets, state.presets)
-    try:
-        save_presets(file, presets)
-    except (OSError, UserError) as error:
-        actions.fail(state, f"the presets cannot be kept: {error}")
+    state.wishes += (KeepPresets(presets_file(state.places), presets, state.presets, done),)
+
+
+def take_kept(state: AppState, request: KeepPresets, answer: KeptPresets | Failure) -> None:
+    """They are on disk, or cannot be kept and are as before."""
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the presets cannot be kept: {answer.message}")
         return
-    state.presets = presets
-    actions.announce(state, done)
+    state.presets = answer.presets
+    actions.announce(state, request.done)

@@ -8,11 +8,11 @@ from pathlib import Path
 from app.gui.actions import actions, job_actions, second_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
-from app.gui.state.reconstruction import Reconstruction, Waiting
+from app.gui.state.reconstruction import Waiting
 from app.gui.state.second import Second
 from app.gui.work.background import Failure
 from app.gui.work.run_list import FoundRuns, ListedRun
-from app.runs.run_folder import RunFolder
+from app.gui.work.run_models import Left, LeftRequest
 
 
 def take_found(state: AppState, answer: FoundRuns | Failure) -> None:
@@ -70,12 +70,19 @@ def why_not_continue(state: AppState, run: ListedRun) -> str:
     return ""
 
 
-def way_out(run: Reconstruction) -> str:
+def take_left(state: AppState, request: LeftRequest, left: Left) -> None:
+    """What the run has left that ended last."""
+    run = state.reconstruction
+    if request is run.ended:
+        run.has_checkpoint = left.has_checkpoint
+        run.way_out = way_out(left) if run.status == "failed" else ""
+
+
+def way_out(left: Left) -> str:
     """What can be done with a run that failed, in a sentence."""
-    folder = RunFolder(run.run_path) if run.run_path is not None else None
-    if folder is None or not folder.is_run:
+    if not left.is_run:
         return "Nothing of it was kept: change what the sentence above names, and start it again."
-    if folder.has_checkpoint:
+    if left.has_checkpoint:
         return "Continue goes on from its last checkpoint; Look at it shows the model as it was last seen."
     return "It left no checkpoint: Continue makes it again from the start."
 

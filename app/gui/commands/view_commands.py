@@ -6,7 +6,7 @@ from functools import partial
 
 from app.gui.actions import actions, path_actions
 from app.gui.commands.command import Command, Section, WindowServices, start
-from app.gui.state.settings import TEXT_PERCENTS, Theme
+from app.gui.work.settings import TEXT_PERCENTS, Theme
 
 
 def view_sections(outside: WindowServices) -> tuple[Section, ...]:

@@ -16,9 +16,9 @@ from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measur
 from app.gui.panels.enhancement_scales import draw_scales
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import BUILT_IN, preset_name
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain, row, slide, slide_auto
+from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 

@@ -19,17 +19,20 @@ from app.gui.state.exports import Exports
 from app.gui.state.palette import Palette
 from app.gui.state.reconstruction import Reconstruction, Waiting
 from app.gui.state.second import Second
-from app.gui.state.settings import Places, Settings
 from app.gui.state.settings_snapshot import SettingsSnapshot
 from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
 from app.gui.work.baking import Baked
 from app.gui.work.editing import Editing
+from app.gui.work.file_writing import WriteRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import OpenRequest
+from app.gui.work.presets import KeepPresets
 from app.gui.work.reported import Reported
 from app.gui.work.run_list import FoundRuns, RunsRequest
+from app.gui.work.run_models import ModelRequest
+from app.gui.work.settings import Places, Settings
 from app.gui.work.strip import LeftOut, Strip
 from app.gui.work.tuning import Tuning
 from app.runs.clip_selection import WHOLE, ClipPart
@@ -147,6 +150,8 @@ class AppState:
     wakings: int = 0
     """How often a person has said that some of an earlier session are to be made."""
     closing: Closing = "no"
+    model_wish: ModelRequest | None = None
+    """The newest model of the present run, or of the last one, until something else is shown."""
     preview: Scene | None = None
     """The model as it was last seen, of the newest run that was cut short."""
     asks_for_runs: bool = False
@@ -199,6 +204,8 @@ class AppState:
     """The window's clock, seconds."""
     banner: Banner | None = None
     toast: Toast | None = None
+    wishes: tuple[WriteRequest | KeepPresets, ...] = ()
+    """What is to be kept on disk, until the next frame hands it to the background work."""
     log: deque[str] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     help_open: bool = False
     palette: Palette = field(default_factory=Palette)

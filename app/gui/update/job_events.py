@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.gui.actions import actions, job_actions, run_actions
+from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
+from app.gui.work.run_models import LeftRequest
 from app.runs.job import Cancelled, Failed, Paused, Resumed
 from app.runs.resource_check import told
-from app.runs.run_folder import RunFolder
 from app.runs.wall_clock import in_all
 from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 
@@ -24,7 +24,7 @@ def follow_job(state: AppState) -> None:
         if state.model is not None and state.model.live:
             state.preview = state.model
         path = state.reconstruction.run_path
-        state.reconstruction.has_checkpoint = path is not None and RunFolder(path).has_checkpoint
+        state.reconstruction.ended = LeftRequest(path) if path is not None else None
         job.close()
         state.reconstruction.job = None
     elif (model := job.latest_model()) is not None:
@@ -65,5 +65,5 @@ def _hear(state: AppState, event: object) -> None:
             run.status = "cancelled"
             actions.announce(state, "reconstruction cancelled; Continue goes on from its last checkpoint")
         case Failed():
-            run.status, run.failure, run.way_out = "failed", event.reason, run_actions.way_out(run)
+            run.status, run.failure = "failed", event.reason
             actions.fail(state, f"the reconstruction stopped: {event.reason}")

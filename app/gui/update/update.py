@@ -27,6 +27,8 @@ from app.gui.update.answered import answered
 from app.gui.update.bake_work import BakeWork
 from app.gui.update.compare_work import CompareWork
 from app.gui.update.job_events import follow_job
+from app.gui.update.job_work import JobWork
+from app.gui.update.keep_work import KeepWork
 from app.gui.update.measure_work import MeasureWork
 from app.gui.update.memory_work import MemoryWork
 from app.gui.update.opening_work import OpeningWork
@@ -77,7 +79,9 @@ class Channels:
     exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
     batches: SteppedChannel[BatchRequest, Progressed] = field(default_factory=lambda: SteppedChannel(batch))
     strip: StripWork = field(default_factory=StripWork)
+    job: JobWork = field(default_factory=JobWork)
     queue: QueueWork = field(default_factory=QueueWork)
+    keep: KeepWork = field(default_factory=KeepWork)
     memory: MemoryWork = field(default_factory=MemoryWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
@@ -95,13 +99,14 @@ class Channels:
             *self.strip.all,
             self.omissions,
             self.runs,
+            *self.keep.all,
             *self.queue.all,
             *self.memory.all,
         )
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
-        first = (*self.opening.all, self.pictures, self.picks, self.selecting, self.photos)
+        first = (*self.opening.all, *self.job.all, self.pictures, self.picks, self.selecting, self.photos)
         views = (self.view, self.second)
         last = (self.saving, self.windows, self.cells, self.sessions, self.exports, self.batches)
         return (*first, *self.compare.all, *views, *self.bakes.all, *last)
@@ -120,6 +125,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     channels.measure.take(state)
     channels.strip.take(state)
     channels.queue.take(state)
+    channels.keep.take(state)
     _take_omissions(state, channels)
     if (found := channels.runs.take()) is not None:
         run_actions.take_found(state, found[1])
@@ -133,6 +139,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_written(state, channels)
     _take_step(state, channels)
     follow_job(state)
+    channels.job.take(state)
     _play(state, elapsed)
     path_actions.advance_path(state, elapsed)
     _ask(state, channels)
@@ -300,6 +307,8 @@ def _ask(state: AppState, channels: Channels) -> None:
     channels.measure.ask(state)
     channels.strip.ask(state)
     channels.queue.ask(state)
+    channels.job.ask(state)
+    channels.keep.ask(state)
     channels.memory.ask(state)
     channels.runs.want(state.runs_request)
     state.asks_for_runs = False

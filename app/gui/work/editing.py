@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.gui.work.picking import surface
+from app.gui.work.saving_edits import SaveRequest
 from app.scenes.free_camera import Vector
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
@@ -133,10 +134,14 @@ class Editing:
     """Of the drag that is going on: pixel positions in the view's picture."""
     wish: SelectRequest | None = None
     """Until it is answered."""
+    saving: SaveRequest | None = None
+    """Until it is answered."""
     waiting: list[Change] = field(default_factory=list)
     """Changes that were asked for after it."""
     leaving: Callable[[], None] | None = None
     """What waits for an answer to "save the edits?"."""
+    after_saving: Callable[[], None] | None = None
+    """What goes on once they are saved."""
 
     @property
     def edits(self) -> Edits:

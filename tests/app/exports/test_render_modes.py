@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from app.files.image_files import read_image
-from app.gui.actions import actions, comparing, edit_actions, job_actions, second_actions
+from app.gui.actions import actions, comparing, job_actions, second_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, GraphicsViewport
-from app.gui.state.settings import Places
+from app.gui.work.saving_edits import SaveRequest, write_splats
+from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
@@ -33,6 +34,7 @@ from renderer.splats import RenderMode
 from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.exporting import Exporter, same
+from tests.app.gui.settling import show_finished, show_live
 
 Cli = Callable[..., Call]
 Kind = Literal["finished run", "edited run", "splat file"]
@@ -221,14 +223,14 @@ def training(trained: Path, clip_path: Path, places: Places) -> Exporter:
 
 
 def test_a_run_is_previewed_as_it_will_be_drawn(training: Exporter, trained: Path) -> None:
-    job_actions.show_live_model(training.state, RunFolder(trained).model())
+    show_live(training.state, RunFolder(trained).model())
     mode = RunFolder(trained).record().config.render_mode
     np.testing.assert_array_equal(shown(training), drawn_of(RunFolder(trained), mode))
 
 
 def test_a_run_that_has_just_been_made_is_drawn_as_it_was_trained(training: Exporter, trained: Path) -> None:
-    job_actions.show_live_model(training.state, RunFolder(trained).model())
-    job_actions.show_finished_model(training.state, RunFolder(trained).model())
+    show_live(training.state, RunFolder(trained).model())
+    show_finished(training.state, RunFolder(trained).model())
     training.state.reconstruction.status = "finished"
     mode = RunFolder(trained).record().config.render_mode
     np.testing.assert_array_equal(shown(training), drawn_of(RunFolder(trained), mode))
@@ -255,6 +257,9 @@ def test_a_run_that_was_cut_short_is_drawn_as_it_is_trained(
 def test_splats_are_saved_with_the_mode_and_come_again(
     window: Exporter, source: Source, trained: Path
 ) -> None:
-    saved = edit_actions.write_splats(window.state, source.path.with_suffix(".ply"))
+    state, path = window.state, source.path.with_suffix(".ply")
+    edits, model = state.editing.edits, state.model
+    assert model is not None
+    saved = write_splats(SaveRequest(model, path, edits, model, edits, state.time))
     assert read_splats(saved).mode == RunFolder(trained).record().config.render_mode
     assert same(saved, source.path)

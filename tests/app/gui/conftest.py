@@ -14,13 +14,14 @@ from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import job_actions
 from app.gui.commands.command import WindowServices
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from tests.app.gui.exporting import Exporter
+from tests.app.gui.settling import show_live
 from tests.app.gui.ui import Ui
 
 SIZE = (48, 40)
@@ -166,4 +167,4 @@ def opened(state: AppState) -> AppState:
 
 def start_live(state: AppState, model: DynamicGaussians) -> None:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)

@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions
 from app.gui.session_file import autosave_path, read_session
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams
 from tests.app.gui.test_window import Driver, is_settled, wait

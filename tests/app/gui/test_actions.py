@@ -8,14 +8,15 @@ import pytest
 
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import load_settings
 from app.gui.work.opening import Opened
+from app.gui.work.settings import load_settings
 from app.runs.progress_log import TrainingLog
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Progress
 from tests.app.gui.conftest import FakeJob, make_clip
+from tests.app.gui.settling import keep_all, show_finished, show_live
 
 MakeFake = Callable[[object], FakeJob]
 
@@ -113,6 +114,7 @@ def test_an_opened_clip_starts_a_session_and_is_remembered(state: AppState, tmp_
     actions.show_opened(state, other.path, Opened(other, notices=("one stray file",)))
     assert state.clip is other
     assert (state.frame_index, state.frozen_index, state.playing) == (0, None, False)
+    keep_all(state)
     assert load_settings(state.places.settings_file).recent == (str(other.path),)
     assert "one stray file" in state.log
 
@@ -211,15 +213,15 @@ def test_the_live_preview_says_so_and_keeps_its_pivot(
     state: AppState, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
     started(state, make_job)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     assert state.model is not None
     assert state.model.live
     first = state.model
     state.reconstruction.progress = Progress(50, 3000, 0.1, 20.0, 1.0, 9.0, 30)
-    job_actions.show_live_model(state, replace(model, raw=replace(model.raw, means=model.means * 2)))
+    show_live(state, replace(model, raw=replace(model.raw, means=model.means * 2)))
     assert state.model.distance == first.distance == pytest.approx(50.0)
     assert state.model.iteration == 50
-    job_actions.show_finished_model(state, model)
+    show_finished(state, model)
     assert not state.model.live
 
 
@@ -239,12 +241,14 @@ def test_acknowledging_is_remembered(places) -> None:  # type: ignore[no-untyped
     state = AppState(places)
     assert not state.settings.acknowledged
     actions.acknowledge(state)
+    keep_all(state)
     assert load_settings(places.settings_file).acknowledged
 
 
 def test_settings_that_cannot_be_kept_are_no_disaster(state: AppState) -> None:
     state.places.config.write_text("a file where a folder should be")
     actions.acknowledge(state)
+    keep_all(state)
     assert state.settings.acknowledged
     assert any("settings" in line for line in state.log)
 
@@ -253,7 +257,7 @@ def test_a_model_without_pictures_is_alone(
     state: AppState, model: DynamicGaussians, make_job: MakeFake
 ) -> None:
     started(state, make_job)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     assert not state.is_model_alone
     state.clip = None
     assert state.is_model_alone

@@ -12,6 +12,7 @@ from app.gui.work.picking import Picked, PickRequest, pick
 from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, make_model
+from tests.app.gui.settling import show_live
 
 Act = Callable[[AppState], None]
 
@@ -20,7 +21,7 @@ Act = Callable[[AppState], None]
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     """A reconstruction on screen, through the clip's camera and as large as its photos."""
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     state.view_size = SIZE
     return state
 

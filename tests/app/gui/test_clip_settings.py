@@ -11,18 +11,19 @@ from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import FILE, MOST_CLIPS, load_clips, save_clips
 from app.gui.state.panes import pane, tinted
-from app.gui.state.settings import Places
 from app.gui.update.update import Channels, update
 from app.gui.views.picture_view import Placement
 from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint
+from app.gui.work.clip_settings import FILE, MOST_CLIPS, clips_content, load_clips
 from app.gui.work.opening import Opened
+from app.gui.work.settings import Places
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
 from app.runs.clip_selection import ClipPart
 from renderer.clip import Clip
 from tests.app.gui.conftest import make_clip, photo
+from tests.app.gui.settling import keep_all
 
 
 def settle(state: AppState, channels: Channels, now: float) -> None:
@@ -121,6 +122,7 @@ def test_they_are_there_when_the_clip_is_opened_again(state: AppState, places: P
     actions.seek(state, 2)
     clip_actions.trim_here(state, start=True)
     said = state.clip_settings
+    keep_all(state)
     again = AppState(places, known_clips=load_clips(places.config))
     actions.show_opened(again, clip.path, Opened(clip))
     assert again.clip_settings == said
@@ -134,11 +136,11 @@ def test_a_damaged_file_is_no_obstacle_and_the_file_stays_small(places: Places) 
     (places.config / FILE).write_text("{ no")
     assert load_clips(places.config) == {}
     many = {f"clip {index}": ClipPart(trim=(0, index)) for index in range(MOST_CLIPS + 5)}
-    save_clips(places.config, {"untouched": ClipPart(), **many})
-    kept = load_clips(places.config)
-    assert len(kept) == MOST_CLIPS
-    assert f"clip {MOST_CLIPS + 4}" in kept
-    assert "untouched" not in kept
+    (places.config / FILE).write_bytes(clips_content({"untouched": ClipPart(), **many}))
+    there = load_clips(places.config)
+    assert len(there) == MOST_CLIPS
+    assert f"clip {MOST_CLIPS + 4}" in there
+    assert "untouched" not in there
 
 
 def test_nothing_is_written_where_paths_are_not_remembered(state: AppState, places: Places) -> None:

@@ -16,7 +16,7 @@ from app.gui.commands.keys import Keyboard, chord
 from app.gui.panels import menus
 from app.gui.panels.palette import draw_palette
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside, start_live
 from tests.app.gui.ui import Draw, Ui

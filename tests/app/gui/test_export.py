@@ -25,6 +25,7 @@ from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, photo
 from tests.app.gui.saving import asked, saved
 from tests.app.gui.scenes import scene_of
+from tests.app.gui.settling import show_finished, show_live
 from tests.app.gui.test_opening import make_run, opened
 
 
@@ -137,9 +138,9 @@ def test_a_model_of_this_session_knows_its_run(
     path = state.reconstruction.run_path
     assert path is not None
     run = make_run(path, phantom_path(), None)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     assert state.model is not None
     assert state.model.facts["run"] == {"name": path.name, "model_sha256": None}
     run.save_model(model)
-    job_actions.show_finished_model(state, model)
+    show_finished(state, model)
     assert state.model.facts["run"]["model_sha256"] == digest(run.model_path)

@@ -17,12 +17,13 @@ import pytest
 
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
 from app.gui.session_file import autosave_path, read_session
-from app.gui.state.presets import load_presets, presets_file
-from app.gui.state.settings import Places, load_settings
+from app.gui.work.presets import load_presets, presets_file
+from app.gui.work.settings import Places, load_settings
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
+from tests.app.gui.settling import keep_all
 from tests.app.gui.test_trouble import App
 
 MEGABYTES = 4
@@ -105,6 +106,7 @@ def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None
     state = app.state
     actions.choose_theme(state, "light")
     preset_actions.keep(state, "mine")
+    keep_all(state)
     state.notes = "before"
     app.turn()
     app.turn()
@@ -113,10 +115,13 @@ def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None
 
     disk.fill()
     actions.choose_theme(state, "dark")
+    keep_all(state)
     assert NO_SPACE in state.log[-1]
     preset_actions.keep(state, "another")
+    keep_all(state)
     assert NO_SPACE in app.trouble()
     clip_actions.trim_here(state, start=False)
+    keep_all(state)
     assert NO_SPACE in state.log[-1]
     state.banner = None
     state.notes = "while it is full"

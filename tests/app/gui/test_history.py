@@ -10,15 +10,16 @@ import pytest
 from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import load_clips
-from app.gui.state.settings import Places
 from app.gui.state.settings_snapshot import SettingsSnapshot
 from app.gui.views.picture_view import PictureView
+from app.gui.work.clip_settings import load_clips
 from app.gui.work.opening import Opened
+from app.gui.work.settings import Places
 from app.runs.clip_selection import ClipPart
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from tests.app.gui.conftest import make_clip
+from tests.app.gui.settling import keep_all
 
 Set = Callable[[AppState], None]
 
@@ -113,8 +114,10 @@ def test_something_new_ends_what_could_be_redone(state: AppState) -> None:
 def test_an_undone_trim_is_undone_for_the_next_time_too(state: AppState, places: Places) -> None:
     trim(state)
     actions.settle_params(state)
+    keep_all(state)
     assert load_clips(places.config)
     history_actions.undo(state)
+    keep_all(state)
     assert not load_clips(places.config)
 
 

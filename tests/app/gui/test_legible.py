@@ -24,8 +24,8 @@ from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Settings
 from app.gui.work.opening import OpenRequest
+from app.gui.work.settings import Settings
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, outside
 from tests.app.gui.ui import NOTHING, Shown, Ui, compare

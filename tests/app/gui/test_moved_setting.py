@@ -10,8 +10,8 @@ from imgui_bundle import imgui
 from app.gui import window
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update import update
+from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams
 from tests.app.gui.test_window import Driver, is_settled, wait

@@ -13,8 +13,8 @@ from app.errors import UserError
 from app.files.provenance import version
 from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import ClipRecord, RunFolder, RunRecord
 from app.runs.train_run import TrainRequest
 from app.scenes.viewing import draw_view

@@ -17,12 +17,13 @@ from renderer.camera_path import Keyframe
 from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views, import_views, read_views, views_json
 from tests.app.gui.conftest import SIZE, FakeJob
+from tests.app.gui.settling import keep_all, show_live
 
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     state.view_size = SIZE
     return state
 
@@ -151,6 +152,7 @@ def test_what_is_saved_is_loaded_again(seen: AppState) -> None:
     path_actions.set_loop(seen, True)
     saved = seen.cameras.views
     path_actions.save_views(seen)
+    keep_all(seen)
     (file,) = seen.places.pictures.glob("*-views-*.json")
     assert read_views(file).unit == "mm"
     assert views_json(read_views(file)) == views_json(saved)
@@ -178,6 +180,7 @@ def test_the_clip_s_and_the_path_s_cameras_are_exported(seen: AppState) -> None:
     with_path(seen)
     path_actions.export_clip_cameras(seen)
     path_actions.export_path_cameras(seen)
+    keep_all(seen)
     files = sorted(seen.places.pictures.glob("*-cameras-*.json"), key=lambda file: len(file.read_bytes()))
     clip, path = (read_cameras(file) for file in files)
     assert seen.clip is not None
@@ -213,6 +216,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(seen: AppState) -> None:
     with_path(seen)
     seen.places.pictures.write_text("in the way")
     path_actions.save_views(seen)
+    keep_all(seen)
     assert seen.banner is not None
     assert "not saved" in seen.banner.message
 
@@ -230,6 +234,7 @@ def test_without_a_reconstruction_there_is_nothing_to_keep(state: AppState) -> N
     for act in (path_actions.save_view, path_actions.add_keyframe, path_actions.toggle_path):
         act(state)
     path_actions.export_clip_cameras(state)
+    keep_all(state)
     assert json.loads(views_json(state.cameras.views))["views"] == []
     assert not state.places.pictures.exists()
 

@@ -8,7 +8,7 @@ import pytest
 
 from app.gui.actions import actions, history_actions, preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import (
+from app.gui.work.presets import (
     BUILT_IN,
     load_presets,
     merged_presets,
@@ -19,6 +19,7 @@ from app.gui.state.presets import (
 from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from tests.app.gui.settling import keep_all
 
 OWN = {"mine": EnhanceParams(z=0.25, p=(0.5, 1.0, 1.5)), "ours, stronger": VesselParams(strength=3.5)}
 
@@ -55,6 +56,7 @@ def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
 def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     actions.set_params(state, OWN["mine"])
     preset_actions.keep(state, "  mine ")
+    keep_all(state)
     actions.set_params(state, EnhanceParams(z=0.9))
     preset_actions.choose(state, "mine")
     assert state.params == OWN["mine"]
@@ -64,6 +66,7 @@ def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     preset_actions.choose(state, "no such preset")
     assert state.params == EnhanceParams(z=0.9)
     preset_actions.forget(state, "mine")
+    keep_all(state)
     assert load_presets(presets_file(state.places))[0] == state.presets == {}
 
 
@@ -78,6 +81,7 @@ def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> 
     state.places.config.parent.mkdir(parents=True, exist_ok=True)
     state.places.config.write_text("a file where the folder should be")
     preset_actions.keep(state, "mine")
+    keep_all(state)
     assert state.banner is not None
     assert "cannot be kept" in state.banner.message
     assert not state.presets
@@ -86,11 +90,15 @@ def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> 
 def test_two_windows_keep_each_other_s_presets(state: AppState) -> None:
     other = AppState(state.places)
     preset_actions.keep(state, "mine")
+    keep_all(state)
     preset_actions.keep(other, "theirs")
+    keep_all(other)
     assert set(state.presets) | {"theirs"} == set(other.presets) == {"mine", "theirs"}
     # What one forgets does not come back by the other, which never heard of it.
     preset_actions.forget(other, "mine")
+    keep_all(other)
     preset_actions.keep(state, "third")
+    keep_all(state)
     found, _ = load_presets(presets_file(state.places))
     assert set(found) == set(state.presets) == {"theirs", "third"}
 

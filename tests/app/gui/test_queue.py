@@ -15,8 +15,8 @@ import pytest
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
+from app.gui.work.settings import Places, Settings
 from app.runs.job import Cancelled, Failed
 from app.runs.queue_file import queue_file
 from app.runs.train_run import TrainRequest

@@ -13,7 +13,7 @@ from imgui_bundle import glfw_utils, imgui
 
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from app.runs.job import Failed, Paused
 from app.runs.queue_file import keep_queue, queue_file
 from app.runs.run_folder import RunFolder

@@ -29,6 +29,7 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.settling import follow_run, show_live
 from tests.app.gui.ui import Ui
 
 MakeFake = Callable[[object], FakeJob]
@@ -143,7 +144,7 @@ def test_a_finished_run_opens_in_place_or_beside_the_one_that_is_made(
     assert opened.opening.path == short.path
     opened.opening = None
     job_actions.start_reconstruction(opened, make_job)
-    job_actions.show_live_model(opened, model)
+    show_live(opened, model)
     run_actions.open_run(opened, replace(short, has_checkpoint=False))
     assert opened.second.opening is None
     run_actions.open_run(opened, whole)
@@ -175,7 +176,7 @@ def test_a_failure_says_what_can_be_done(
     run = state.reconstruction
     assert isinstance(run.job, FakeJob)
     assert run.run_path is not None
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     if left != "nothing":
         run.run_path.mkdir(parents=True)
         (run.run_path / "run.json").touch()
@@ -183,6 +184,7 @@ def test_a_failure_says_what_can_be_done(
         (run.run_path / "checkpoint-0000004.safetensors").touch()
     run.job.inbox = [Failed("killed")]
     update(state, Channels(), 0.1)
+    follow_run(state)
     assert said in run.way_out
     assert run_actions.has_preview(state, run.run_path)
     state.model = None
@@ -196,7 +198,7 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     found(opened)
     ui.frame(lambda: draw_runs(opened, FakeJob))
     job_actions.start_reconstruction(opened, FakeJob)
-    job_actions.show_live_model(opened, model)
+    show_live(opened, model)
     opened.preview = replace(opened.model, name="short") if opened.model else None
     ui.frame(lambda: draw_runs(opened, FakeJob))
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))

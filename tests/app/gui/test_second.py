@@ -16,13 +16,14 @@ from app.scenes.viewing import View
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob
+from tests.app.gui.settling import show_live
 from tests.app.gui.test_opening import make_run
 
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     state.view_size = SIZE
     return state
 

@@ -31,10 +31,10 @@ from app.gui.session_file import (
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.settings import Places, Settings
 from app.gui.work.tuning import Choice
 from app.runs.clip_selection import WHOLE
 from app.scenes.free_camera import FreeView

@@ -21,11 +21,11 @@ from app.gui.panels.overlays import draw_banner
 from app.gui.session_file import Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.gui.state.settings import Places, Settings
 from app.gui.update.opening_work import LONG
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.gui.work.settings import Places, Settings
 from app.runs.train_run import TrainRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians

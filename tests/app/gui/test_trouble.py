@@ -16,8 +16,8 @@ from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
 from app.gui.session_file import autosave_path, read_session
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
+from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from assets import phantom_path

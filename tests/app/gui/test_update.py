@@ -21,7 +21,7 @@ from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
 from tests.app.gui.conftest import FakeJob, make_clip, photo
-from tests.app.gui.settling import settle
+from tests.app.gui.settling import follow_run, settle, show_live
 
 MakeFake = Callable[[object], FakeJob]
 STARTED = Started(0, 100, 30, (Omission("motion", "nothing moves", "half the time"),))
@@ -236,12 +236,14 @@ def test_a_job_is_followed_from_start_to_end(
     assert (run.status, run.told.progress, run.omitted) == ("running", (progress,), STARTED.omitted)
     job.inbox, job.model = [Paused()], model
     update(state, channels, 0.2)
+    follow_run(state)
     assert run.status == "paused"
     assert state.model is not None
     assert state.model.live
     job.inbox = [Resumed(), Warned("few Gaussians"), Evaluated(100, 31.0), Finished(100, 12.0, model)]
     update(state, channels, 0.3)
     assert (run.status, run.warnings, run.told.evaluated[-1].psnr) == ("finished", ["few Gaussians"], 31.0)
+    follow_run(state)
     assert not state.model.live
     assert job.told[-1] == "close"
     assert run.job is None
@@ -279,7 +281,7 @@ def test_the_view_is_asked_for_only_when_it_changes(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     state.view_size = (32, 24)
     settle(state, channels)
     first = state.view
@@ -296,7 +298,7 @@ def test_a_slow_view_is_reduced_only_while_it_moves(
     state: AppState, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     state.view_size = (32, 24)
     request = state.view_request
     assert request is not None

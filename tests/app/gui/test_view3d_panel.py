@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, camera_actions, job_actions, path_actions
+from app.gui.actions import actions, camera_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import bounds
 from app.gui.panels.view3d import photo_over, view_tags
@@ -19,6 +19,7 @@ from app.scenes.viewing import draw_view
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
+from tests.app.gui.settling import show_finished
 from tests.app.gui.ui import (
     Draw,
     StillSecond,
@@ -235,7 +236,7 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     text = texts(view_tags(opened, shown))
     assert "LIVE PREVIEW · iteration 0 / 3,000" in text
     assert "REDUCED RESOLUTION" in text
-    job_actions.show_finished_model(opened, model)
+    show_finished(opened, model)
     assert opened.view_request is not None
     text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
     assert "LIVE" not in text

@@ -16,6 +16,7 @@ from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import draw_view
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.settling import show_live
 
 SIZE = (64, 48)
 
@@ -23,7 +24,7 @@ SIZE = (64, 48)
 @pytest.fixture
 def live(state: AppState, model: DynamicGaussians) -> AppState:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     state.view_size = SIZE
     camera_actions.turn(state, 0.3, 0.2)
     return state

@@ -1,4 +1,7 @@
-"""One case from the first start to a session taken up again: a person's hands, a real job, files compared."""
+"""One case from the first start to a session taken up again: a person's hands, a real job, files compared.
+
+The window's own thread touches no file meanwhile: neither the user's nor the clip's.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,11 @@ from app.exports.replay import replay
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
+from tests.app.gui.window_thread import files_touched
 from tests.benchmarks.soak_deeds import Context, K, Person, compare, reconstruct
 
 UNPACED = 1e9
@@ -42,19 +46,23 @@ def test_a_case_from_first_start_to_the_session_taken_up_again(places: Places) -
     def drive(ctx: Context) -> None:
         nonlocal deleted
         person = person_at(ctx, window)
-        person.click("//Before you begin/I understand")
-        person.click("//Pictures/**/###phantom")
-        person.wait(lambda: state.opening is None and person.settled(), "the phantom")
-        ctx.item_input_value("//Enhancement/##d_factor", 1.5)
-        person.wait(lambda: state.params.d_factor == 1.5 and person.settled(), "the setting")
-        compare(person)
-        reconstruct(person)
-        assert person.run is not None
-        scrub(person)
-        deleted = edit(person)
-        export(person)
-        person.press(chord("Ctrl+S"))
-        person.wait(lambda: state.session_path is not None and state.session_path.is_file(), "the session")
+        with files_touched((*vars(places).values(), phantom_path())) as touched:
+            person.click("//Before you begin/I understand")
+            person.click("//Pictures/**/###phantom")
+            person.wait(lambda: state.opening is None and person.settled(), "the phantom")
+            ctx.item_input_value("//Enhancement/##d_factor", 1.5)
+            person.wait(lambda: state.params.d_factor == 1.5 and person.settled(), "the setting")
+            compare(person)
+            reconstruct(person)
+            assert person.run is not None
+            scrub(person)
+            deleted = edit(person)
+            export(person)
+            person.press(chord("Ctrl+S"))
+            person.wait(
+                lambda: state.session_path is not None and state.session_path.is_file(), "the session"
+            )
+            assert not touched, "\n".join(dict.fromkeys(touched))
 
     run_window(window, drive)
     (run,) = (RunFolder(path) for path in places.runs.iterdir())

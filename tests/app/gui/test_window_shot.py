@@ -16,7 +16,7 @@ from app.files.provenance import read_provenance
 from app.gui.actions import actions, window_actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from tests.app.conftest import Call
 from tests.app.gui.test_window import Driver, is_settled, wait

@@ -36,8 +36,8 @@ from app.gui.actions import (
 from app.gui.frame import dockings
 from app.gui.session_file import SESSION
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from enhance import ImageError
 from renderer.clip import ClipError
 from tests.benchmarks.attack.session_mutations import damaged_session
