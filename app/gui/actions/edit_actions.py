@@ -6,18 +6,10 @@ from collections.abc import Callable
 
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
+from app.gui.state.editing import Change, Editing, Tool, tinted_model
 from app.gui.work.background import Failure
-from app.gui.work.editing import (
-    Around,
-    Change,
-    Editing,
-    Limits,
-    Selected,
-    SelectRequest,
-    Tool,
-    tinted_model,
-)
 from app.gui.work.saving_edits import SavedEdits, SaveRequest
+from app.gui.work.selecting import Around, Limits, Selected, SelectRequest
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Range, Rectangle, Region

@@ -8,12 +8,13 @@ from typing import Literal
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED, ORIGINAL
-from app.exports.exporting import Exporting, ExportRequest, Form, Step
+from app.exports.exporting import ExportRequest, Form, Step
 from app.exports.shots import Arrangement, Panes, Shot
 from app.exports.view_pages import Views
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side, label_of
+from app.gui.state.exports import Exporting
 from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
 from app.scenes.photos import PhotoRequest

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from datetime import datetime
 from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
-from app.files.provenance import digest
 from app.gui.actions import actions, edit_actions
 from app.gui.session_file import (
     MOST_STEPS,
@@ -24,11 +22,11 @@ from app.gui.session_file import (
     Varied,
     autosave_path,
     recoverable,
-    write_session,
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
 from app.gui.work.background import Failure
+from app.gui.work.session_writing import SessionRequest
 from app.gui.work.tuning import Choice
 from app.runs.run_edits import packed, unpacked
 from app.scenes.free_camera import FreeView
@@ -38,31 +36,6 @@ from renderer.view_files import views_json, views_of
 
 AUTOSAVE_SECONDS = 1.0
 """At least so long between two sessions that are saved in passing."""
-
-
-@dataclass(frozen=True, eq=False)
-class WriteRequest:
-    """A session to be written."""
-
-    path: Path
-    session: Session
-    in_passing: bool
-    """Without the sources' digests, which take time, and without a word."""
-
-
-def write(request: WriteRequest) -> Iterator[Path]:
-    """Answers a WriteRequest. Raises OSError or UserError."""
-    session, folder = request.session, request.path.parent
-    if not request.in_passing:
-        source, run = _hashed(session.source, folder), _hashed(session.run, folder)
-        session = replace(session, source=source, run=run)
-    write_session(request.path, session)
-    yield request.path
-
-
-def _hashed(source: SessionSource | None, folder: Path) -> SessionSource | None:
-    path = source.found(folder / "session") if source is not None else None
-    return replace(source, sha256=digest(path)) if source is not None and path is not None else source
 
 
 def snapshot(state: AppState, folder: Path) -> Session:
@@ -168,7 +141,7 @@ def _restore_views(state: AppState, session: Session) -> None:
         state.cameras.views = views_of(session.views)
 
 
-def save_request(state: AppState) -> WriteRequest | None:
+def save_request(state: AppState) -> SessionRequest | None:
     """A file with the pictures, or the one that was opened or saved before; None: nothing is open."""
     if state.opened_path is None:
         return None
@@ -176,10 +149,10 @@ def save_request(state: AppState) -> WriteRequest | None:
         stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
         state.session_path = state.places.pictures / f"{state.opened_path.stem}-{stamp}{SUFFIX}"
     path = state.session_path
-    return WriteRequest(path, snapshot(state, path.parent), in_passing=False)
+    return SessionRequest(path, snapshot(state, path.parent), in_passing=False)
 
 
-def autosave_request(state: AppState) -> WriteRequest | None:
+def autosave_request(state: AppState) -> SessionRequest | None:
     """What has changed since it was last saved in passing, once in a while."""
     if state.opened_path is None or state.now - state.autosaved_at < AUTOSAVE_SECONDS:
         return None
@@ -189,10 +162,10 @@ def autosave_request(state: AppState) -> WriteRequest | None:
     if session == state.autosaved:
         return None
     state.autosaved = session
-    return WriteRequest(path, session, in_passing=True)
+    return SessionRequest(path, session, in_passing=True)
 
 
-def take_written(state: AppState, request: WriteRequest, answer: Path | Failure) -> None:
+def take_written(state: AppState, request: SessionRequest, answer: Path | Failure) -> None:
     """Say how it went; the same trouble with saving in passing is told once."""
     if isinstance(answer, Path):
         if request.in_passing:

@@ -15,15 +15,16 @@ from app.gui.session_file import Session
 from app.gui.state.batches import Batches
 from app.gui.state.camera_list import CameraList
 from app.gui.state.comparison import Comparison, Side
+from app.gui.state.editing import Editing
 from app.gui.state.exports import Exports
 from app.gui.state.palette import Palette
 from app.gui.state.reconstruction import Reconstruction, Waiting
 from app.gui.state.second import Second
 from app.gui.state.settings_snapshot import SettingsSnapshot
+from app.gui.state.tuning import Tuning
 from app.gui.state.viewer import Viewer
 from app.gui.views.picture_view import PictureView
 from app.gui.work.baking import Baked
-from app.gui.work.editing import Editing
 from app.gui.work.file_writing import WriteRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
@@ -34,7 +35,6 @@ from app.gui.work.run_list import FoundRuns, RunsRequest
 from app.gui.work.run_models import ModelRequest
 from app.gui.work.settings import Places, Settings
 from app.gui.work.strip import LeftOut, Strip
-from app.gui.work.tuning import Tuning
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.scene import Scene

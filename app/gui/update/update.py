@@ -21,7 +21,6 @@ from app.gui.actions import (
     session_actions,
     tuning_actions,
 )
-from app.gui.actions.session_actions import WriteRequest, write
 from app.gui.state.app_state import AppState
 from app.gui.update.answered import answered
 from app.gui.update.bake_work import BakeWork
@@ -36,10 +35,11 @@ from app.gui.update.queue_work import QueueWork
 from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
 from app.gui.work.batching import BatchRequest, Progressed, batch
-from app.gui.work.editing import Selected, Selector, SelectRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
+from app.gui.work.selecting import Selected, Selector, SelectRequest
+from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.scenes.photos import Photo, PhotoRequest, read_photo
 from app.scenes.view_request import ViewRequest
@@ -72,7 +72,7 @@ class Channels:
     windows: Channel[WindowRequest, Step] = field(default_factory=lambda: Channel(save_window, depth=4))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
     compare: CompareWork = field(default_factory=CompareWork)
-    sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
+    sessions: Channel[SessionRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
     omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
     measure: MeasureWork = field(default_factory=MeasureWork)
     runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))

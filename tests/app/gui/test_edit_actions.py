@@ -13,8 +13,8 @@ import pytest
 from app.gui.actions import actions, edit_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.update import Channels, update
-from app.gui.work.editing import Selector
 from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.selecting import Selector
 from app.gui.work.settings import Places
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder

@@ -33,6 +33,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
 from app.gui.update.update import Channels, update
 from app.gui.views.picture_view import PictureView
+from app.gui.work import session_writing
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
 from app.gui.work.tuning import Choice
@@ -131,7 +132,7 @@ def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_pa
     state.session_path = folder / "a.vesselsplat"
     request = session_actions.save_request(state)
     assert request is not None
-    list(session_actions.write(request))
+    list(session_writing.write(request))
     shutil.move(state.opened_path, folder / "liver")
     (opened,) = open_path(OpenRequest(request.path))
     assert opened.path == folder / "liver"

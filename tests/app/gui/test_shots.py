@@ -17,7 +17,7 @@ from imgui_bundle import imgui
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.parameter_grid import METRICS
 from app.exports.comparison_images import DifferenceRequest, heat_map
-from app.exports.exporting import Exporting, export
+from app.exports.exporting import export
 from app.exports.sizing import Sizing
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
@@ -27,6 +27,7 @@ from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES
+from app.gui.state.exports import Exporting
 from app.gui.state.panes import pane
 from app.gui.work.settings import Places, Settings
 from app.runs.clip_selection import ClipPart

@@ -15,8 +15,7 @@ from pathlib import Path
 import pytest
 
 from app.files.provenance import digest
-from app.gui.actions import actions, queue_actions, session_actions
-from app.gui.actions.session_actions import WriteRequest
+from app.gui.actions import actions, queue_actions
 from app.gui.panels.overlays import draw_banner
 from app.gui.session_file import Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
@@ -25,6 +24,7 @@ from app.gui.update.opening_work import LONG
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.settings import Places, Settings
 from app.runs.train_run import TrainRequest
 from assets import phantom_path
@@ -107,8 +107,8 @@ def test_nor_has_it_a_digest(tmp_path: Path, make: Callable[[Path], None]) -> No
     make(tmp_path / "a")
     assert "expected a file, got a" in ends(lambda: digest(tmp_path / "a"))
     session = Session(source=SessionSource("a"))
-    request = WriteRequest(tmp_path / "s.vesselsplat", session, in_passing=False)
-    assert "expected a file, got a" in ends(lambda: list(session_actions.write(request)))
+    request = SessionRequest(tmp_path / "s.vesselsplat", session, in_passing=False)
+    assert "expected a file, got a" in ends(lambda: list(write(request)))
 
 
 @pytest.mark.parametrize(
