@@ -75,7 +75,7 @@ def drive(ctx):
     wait(ctx, lambda: is_settled(driver.state), "the phantom")
     driver.window.writing.save_picture()
     driver.window.save_session()
-    wait(ctx, lambda: driver.state.toast is not None, "the saved files")
+    wait(ctx, lambda: driver.state.window.toast is not None, "the saved files")
 
 
 driver.run(drive)

@@ -76,8 +76,9 @@ state = driver.state
 def drive(ctx):
     ctx.item_click("//Before you begin/I understand")
     actions.open_path(state, Path("run"))
-    wait(ctx, lambda: is_settled(state) and state.model is not None, "the run")
-    print(len(state.model.model), "Gaussians of", state.clip.name, state.banner, flush=True)
+    wait(ctx, lambda: is_settled(state) and state.scene.model is not None, "the run")
+    name, banner = state.source.clip.name, state.window.banner
+    print(len(state.scene.model.model), "Gaussians of", name, banner, flush=True)
 
 
 driver.run(drive)

@@ -90,9 +90,9 @@ def one_round(person: Person, health: Health, deeds: Iterable[Deed]) -> None:
             break
         done.append(deed.__name__)
         deed(person)
-        if person.state.banner is not None:
-            health.troubles.append(f"{deed.__name__}: {person.state.banner.message}")
-            person.state.banner = None
+        if person.state.window.banner is not None:
+            health.troubles.append(f"{deed.__name__}: {person.state.window.banner.message}")
+            person.state.window.banner = None
     person.rest()
     if left := children():
         health.troubles.append(f"{len(left)} processes at rest after {', '.join(done)}")

@@ -21,7 +21,7 @@ SHORTEST = 3.0
 
 def follow(state: AppState) -> None:
     """Another model has come: editing begins anew with it, and with what was saved of it."""
-    editing, model = state.editing, state.model
+    editing, model = state.editing, state.scene.model
     if model is editing.edited:
         return
     if model is None or model.live:
@@ -49,7 +49,7 @@ def _show(state: AppState) -> None:
     if edits.visible != editing.drawn:
         editing.edited, editing.drawn = editing.base.edited(edits), edits.visible
     assert editing.edited is not None
-    state.model = editing.edited
+    state.scene.model = editing.edited
     editing.tinted = tinted_model(editing.edited, edits) if editing.active else None
 
 
@@ -61,7 +61,7 @@ def toggle(state: AppState) -> None:
     editing.active, editing.stroke = not editing.active, ()
     _show(state)
     if editing.active:
-        state.viewer.flying = False
+        state.scene.viewer.flying = False
         _ask(state, None, "replace")
 
 
@@ -157,7 +157,7 @@ def drained(waiting: list[Change]) -> list[Change]:
 def change(state: AppState, how: Change) -> None:
     """One step of the history; after a selection that is still on its way. None while another model comes."""
     editing = state.editing
-    if not editing.active or state.opening is not None:
+    if not editing.active or state.source.opening is not None:
         return
     if editing.wish is not None:
         editing.waiting.append(how)

@@ -20,18 +20,18 @@ from app.gui.work.presets import (
 
 def load(state: AppState) -> None:
     """At the start: own presets of earlier sessions."""
-    state.presets, trouble = load_presets(presets_file(state.places))
+    state.enhancement.presets, trouble = load_presets(presets_file(state.places))
     if trouble:
         actions.fail(state, trouble)
 
 
 def choose(state: AppState, name: str) -> None:
     """The preset becomes the present setting; a step of undo."""
-    presets = {**BUILT_IN, **state.presets}
+    presets = {**BUILT_IN, **state.enhancement.presets}
     if name in presets:
         actions.settle_params(state)
         actions.set_params(state, presets[name])
-        state.enhancing = True
+        state.enhancement.active = True
 
 
 def keep(state: AppState, name: str) -> None:
@@ -40,20 +40,22 @@ def keep(state: AppState, name: str) -> None:
     if not is_preset_name(name):
         actions.fail(state, "expected a name for the preset that is not one of the built-in ones")
         return
-    if len(state.presets | {name: state.params}) > MOST_PRESETS:
+    if len(state.enhancement.presets | {name: state.enhancement.params}) > MOST_PRESETS:
         actions.fail(state, f"expected at most {MOST_PRESETS} presets: delete some of them")
         return
-    _save(state, {**state.presets, name: state.params}, f"kept as preset {name}")
+    _save(state, {**state.enhancement.presets, name: state.enhancement.params}, f"kept as preset {name}")
 
 
 def forget(state: AppState, name: str) -> None:
     """Delete an own preset."""
-    left = {known: look for known, look in state.presets.items() if known != name}
+    left = {known: look for known, look in state.enhancement.presets.items() if known != name}
     _save(state, left, f"preset {name} deleted")
 
 
 def _save(state: AppState, presets: dict[str, EnhancementSettings], done: str) -> None:
-    state.wishes += (KeepPresets(presets_file(state.places), presets, state.presets, done),)
+    state.window.wishes += (
+        KeepPresets(presets_file(state.places), presets, state.enhancement.presets, done),
+    )
 
 
 def take_kept(state: AppState, request: KeepPresets, answer: KeptPresets | Failure) -> None:
@@ -61,5 +63,5 @@ def take_kept(state: AppState, request: KeepPresets, answer: KeptPresets | Failu
     if isinstance(answer, Failure):
         actions.fail(state, f"the presets cannot be kept: {answer.message}")
         return
-    state.presets = answer.presets
+    state.enhancement.presets = answer.presets
     actions.announce(state, request.done)

@@ -27,8 +27,8 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
         "Camera path",
         path_actions.toggle_path_shown,
         text="draw the camera path in the 3D view",
-        applies=lambda s: bool(s.cameras.views.path.keyframes),
-        ticked=lambda s: s.cameras.path_shown,
+        applies=lambda s: bool(s.scene.cameras.views.path.keyframes),
+        ticked=lambda s: s.scene.cameras.path_shown,
     )
     layout = Command(
         "Standard layout", start(outside.layout), text="all panels back where they were at first"

@@ -42,7 +42,7 @@ PART = (
 
 def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Choices before, buttons always, progress during and after."""
-    run = state.reconstruction
+    run = state.runs.reconstruction
     if run.is_alive:
         _draw_hold(state)
     else:
@@ -54,7 +54,7 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     draw_curves(run)
     _draw_messages(run)
     if run.is_alive:
-        waiting = f" ({len(state.queue)} waiting, see Runs)" if state.queue else ""
+        waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
         if imgui.tree_node(f"Another one after it{waiting}###another"):
             _draw_next(state, run, make_job)
             imgui.tree_pop()
@@ -65,7 +65,7 @@ def _draw_next(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
     _draw_part(state)
     imgui.spacing()
     _draw_start(state, make_job)
-    if not run.is_alive and state.clip is not None:
+    if not run.is_alive and state.source.clip is not None:
         _draw_omissions(state)
 
 
@@ -94,7 +94,7 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
 
 def _draw_part(state: AppState) -> None:
     """What of the clip it will be of, where that is not all of it."""
-    told = "" if state.clip is None else state.part.told(len(state.clip))
+    told = "" if state.source.clip is None else state.source.training_part.told(len(state.source.clip))
     if told:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().warning, f"Of {told}")
@@ -136,7 +136,7 @@ def _steps(config: TrainConfig) -> int:
 
 
 def _draw_start(state: AppState, make_job: MakeJob) -> None:
-    run = state.reconstruction
+    run = state.runs.reconstruction
     reason = job_actions.why_not_reconstruct(state)
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
         start = lambda: job_actions.start_reconstruction(state, make_job)  # noqa: E731
@@ -144,7 +144,7 @@ def _draw_start(state: AppState, make_job: MakeJob) -> None:
         button(f"{label}###start", start, enabled=not reason, width=-1.0)
     soon = "Starts when those before it have ended, as it is set now." if run.is_alive else ""
     explain(reason or soon or "In the background; the pictures stay usable.")
-    if reason and state.clip is not None:
+    if reason and state.source.clip is not None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().muted, reason)
 
@@ -168,7 +168,7 @@ def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
 
 
 def _draw_hold(state: AppState) -> None:
-    run = state.reconstruction
+    run = state.runs.reconstruction
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
     if run.status == "paused":
         button("Resume###pause", lambda: job_actions.resume(state), enabled=run.can_resume, width=half)
@@ -213,11 +213,11 @@ def _draw_preparing(stage: Preparing) -> None:
 
 def _draw_omissions(state: AppState) -> None:
     """Looked up when it is unfolded: what, and why, before anything is started."""
-    state.asks_for_omissions = imgui.tree_node("What will be left out")
+    state.runs.asks_for_omissions = imgui.tree_node("What will be left out")
     explain("Training does without what this clip does not need. Looked up from the photos as they are.")
-    if not state.asks_for_omissions:
+    if not state.runs.asks_for_omissions:
         return
-    found, request = state.omissions, state.omissions_request
+    found, request = state.runs.omissions, state.omissions_request
     # While a part that was just kept or let go is looked at, the lines stay under the hand.
     if found is None or request is None or found.request.unkept != request.unkept:
         imgui.text_colored(theme.now().muted, "Looking at the clip…")
@@ -244,7 +244,7 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
     imgui.table_next_column()
     if (part := omission.part) is None:
         return
-    changed, kept = imgui.checkbox(f"Keep###keep {part}", part in state.reconstruction.config.keep)
+    changed, kept = imgui.checkbox(f"Keep###keep {part}", part in state.runs.reconstruction.config.keep)
     explain(f"Train it all the same, although {omission.why}: it costs {omission.saves}.")
     if changed:
         job_actions.keep_part(state, part, kept=kept)

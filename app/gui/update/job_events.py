@@ -15,25 +15,25 @@ from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progr
 
 def follow_job(state: AppState) -> None:
     """Once a frame: hear what it says; when it has ended, give it back."""
-    job = state.reconstruction.job
+    job = state.runs.reconstruction.job
     if job is None:
         return
     for event in job.poll():
         _hear(state, event)
-    if not state.reconstruction.is_alive:
-        if state.model is not None and state.model.live:
-            state.preview = state.model
-        path = state.reconstruction.run_path
-        state.reconstruction.ended = LeftRequest(path) if path is not None else None
+    if not state.runs.reconstruction.is_alive:
+        if state.scene.model is not None and state.scene.model.live:
+            state.runs.preview = state.scene.model
+        path = state.runs.reconstruction.run_path
+        state.runs.reconstruction.ended = LeftRequest(path) if path is not None else None
         job.close()
-        state.reconstruction.job = None
+        state.runs.reconstruction.job = None
     elif (model := job.latest_model()) is not None:
         job_actions.show_live_model(state, model)
 
 
 def _hear(state: AppState, event: object) -> None:
     """What one message of the job changes."""
-    run = state.reconstruction
+    run = state.runs.reconstruction
     match event:
         case Preparing():
             run.preparing = event

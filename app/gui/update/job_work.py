@@ -34,5 +34,5 @@ class JobWork:
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there."""
-        self.models.want(state.model_wish)
-        self.left.want(state.reconstruction.ended)
+        self.models.want(state.runs.model_wish)
+        self.left.want(state.runs.reconstruction.ended)

@@ -40,7 +40,7 @@ class KeepWork:
 
     def ask(self, state: AppState) -> None:
         """Ask for what has been wished for since the last frame."""
-        wishes, state.wishes = state.wishes, ()
+        wishes, state.window.wishes = state.window.wishes, ()
         for wish in wishes:
             if isinstance(wish, KeepPresets):
                 self.presets.ask(wish)

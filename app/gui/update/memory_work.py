@@ -24,5 +24,5 @@ class MemoryWork:
 
     def ask(self, state: AppState) -> None:
         """Once for everything that is opened, when it has come to rest."""
-        if at_rest(state) and not state.pictures_wait and state.opening is None:
-            self.tidying.want(OnScreen(state.opened_path, state.clip))
+        if at_rest(state) and not state.pictures_wait and state.source.opening is None:
+            self.tidying.want(OnScreen(state.source.path, state.source.clip))

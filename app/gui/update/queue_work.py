@@ -44,7 +44,7 @@ class QueueWork:
         """Ask for what is not there."""
         self.kept.want(KeepRequest(queue_file(state.places.config), queue_actions.to_keep(state)))
         wanted = queue_actions.without_clip(state)
-        request = TakeUpRequest(wanted, state.wakings) if wanted is not None else None
+        request = TakeUpRequest(wanted, state.runs.wakings) if wanted is not None else None
         if request is not None:
             self.clips.want(request)
         clip = f"{wanted.run_path.name} waits for its clip {wanted.clip_path}" if wanted is not None else ""

@@ -33,7 +33,7 @@ def opened(state: AppState, path: Path) -> None:
     (answer,) = open_path(OpenRequest(path))
     actions.show_opened(state, path, answer)
     edit_actions.follow(state)
-    state.view_size = (96, 80)
+    state.scene.size = (96, 80)
 
 
 @pytest.fixture
@@ -69,8 +69,8 @@ def save(state: AppState) -> bool:
 
 
 def shown(state: AppState) -> DynamicGaussians:
-    assert state.model is not None
-    return state.model.model
+    assert state.scene.model is not None
+    return state.scene.model.model
 
 
 def test_a_rectangle_selects_deletes_and_comes_back(splats: AppState) -> None:
@@ -78,7 +78,7 @@ def test_a_rectangle_selects_deletes_and_comes_back(splats: AppState) -> None:
     drag(splats, (0, 0), (48, 80))
     settle(splats)
     chosen = splats.editing.edits.selected
-    camera = splats.model.camera_at(0).fitted(96, 80)  # type: ignore[union-attr]
+    camera = splats.scene.model.camera_at(0).fitted(96, 80)  # type: ignore[union-attr]
     inside = camera.project(before.means.astype(np.float64))[0][:, 0] <= 48
     np.testing.assert_array_equal(chosen.booleans(), inside)
     assert 0 < len(chosen) < len(before)
@@ -127,7 +127,7 @@ def test_a_click_selects_around_the_surface(splats: AppState, tool: str) -> None
     assert 0 < few < len(splats.editing.edits.selected)
     drag(splats, (0.0, 0.0))
     settle(splats)
-    assert splats.toast is not None
+    assert splats.window.toast is not None
 
 
 def test_what_is_asked_for_while_a_selection_is_on_its_way_comes_after_it(splats: AppState) -> None:
@@ -180,13 +180,13 @@ def test_unsaved_edits_are_asked_about_before_they_are_lost(splats: AppState, tm
     edit_actions.delete(splats)
     assert len(shown(splats)) == 0
     actions.open_path(splats, tmp_path / "other.ply")
-    assert splats.opening is None
+    assert splats.source.opening is None
     edit_actions.answer(splats, "stay")
-    assert splats.opening is None
+    assert splats.source.opening is None
     assert splats.editing.leaving is None
     actions.open_path(splats, tmp_path / "other.ply")
     edit_actions.answer(splats, "discard")
-    assert splats.opening is not None
+    assert splats.source.opening is not None
     assert len(shown(splats)) == 30
 
 
@@ -213,19 +213,21 @@ def test_edits_of_a_run_come_back_with_it(
     assert again.editing.edits.hidden == hidden
     assert not again.editing.is_unsaved
     assert len(shown(again)) == count - len(hidden)
-    assert again.model is not None
-    assert again.model.facts["edits"]["n_hidden"] == len(hidden)
+    assert again.scene.model is not None
+    assert again.scene.model.facts["edits"]["n_hidden"] == len(hidden)
     folder.save_model(folder.model().rows(np.arange(count - 1)))
     opened(again, folder.path)
-    assert again.banner is not None
-    assert "has changed" in again.banner.message
+    assert again.window.banner is not None
+    assert "has changed" in again.window.banner.message
     assert len(shown(again)) == count - 1
 
 
 def test_editing_begins_anew_with_another_model(splats: AppState) -> None:
     edit_actions.select_all(splats)
-    assert splats.model is not None
-    splats.model = replace(scene_of(make_model(12), splats.model.cameras, "live", 9), iteration=1, live=True)
+    assert splats.scene.model is not None
+    splats.scene.model = replace(
+        scene_of(make_model(12), splats.scene.model.cameras, "live", 9), iteration=1, live=True
+    )
     update(splats, Channels(), 1.0)
     assert splats.editing.base is None
     assert not splats.editing.active
@@ -251,8 +253,8 @@ def test_edits_that_another_window_saved_are_told_before_they_are_replaced(
     assert halves[id(state)] != halves[id(other)]
     assert save(state)
     assert not save(other)
-    assert other.banner is not None
-    assert "another window" in other.banner.message
+    assert other.window.banner is not None
+    assert "another window" in other.window.banner.message
     saved = read_edits(folder, count)
     assert saved is not None
     assert saved.deleted == halves[id(state)]

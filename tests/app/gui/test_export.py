@@ -106,8 +106,8 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppS
     with pytest.raises(Exception, match="file") as caught:
         list(export(request))
     actions.fail(state, str(caught.value))
-    assert state.banner is not None
-    assert "\n" not in state.banner.message
+    assert state.window.banner is not None
+    assert "\n" not in state.window.banner.message
 
 
 def test_a_run_s_view_names_its_own_clip_whatever_is_open(
@@ -135,12 +135,12 @@ def test_a_model_of_this_session_knows_its_run(
     tmp_path: Path, state: AppState, model: DynamicGaussians
 ) -> None:
     job_actions.start_reconstruction(state, FakeJob)
-    path = state.reconstruction.run_path
+    path = state.runs.reconstruction.run_path
     assert path is not None
     run = make_run(path, phantom_path(), None)
     show_live(state, model)
-    assert state.model is not None
-    assert state.model.facts["run"] == {"name": path.name, "model_sha256": None}
+    assert state.scene.model is not None
+    assert state.scene.model.facts["run"] == {"name": path.name, "model_sha256": None}
     run.save_model(model)
     show_finished(state, model)
-    assert state.model.facts["run"]["model_sha256"] == digest(run.model_path)
+    assert state.scene.model.facts["run"]["model_sha256"] == digest(run.model_path)

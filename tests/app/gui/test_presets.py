@@ -59,22 +59,22 @@ def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     keep_all(state)
     actions.set_params(state, EnhanceParams(z=0.9))
     preset_actions.choose(state, "mine")
-    assert state.params == OWN["mine"]
+    assert state.enhancement.params == OWN["mine"]
     history_actions.undo(state)
-    assert state.params == EnhanceParams(z=0.9)
+    assert state.enhancement.params == EnhanceParams(z=0.9)
     assert load_presets(presets_file(state.places))[0] == {"mine": OWN["mine"]}
     preset_actions.choose(state, "no such preset")
-    assert state.params == EnhanceParams(z=0.9)
+    assert state.enhancement.params == EnhanceParams(z=0.9)
     preset_actions.forget(state, "mine")
     keep_all(state)
-    assert load_presets(presets_file(state.places))[0] == state.presets == {}
+    assert load_presets(presets_file(state.places))[0] == state.enhancement.presets == {}
 
 
 @pytest.mark.parametrize("name", ["", "   ", *BUILT_IN])
 def test_a_name_that_is_taken_or_empty_is_refused(state: AppState, name: str) -> None:
     preset_actions.keep(state, name)
-    assert state.banner is not None
-    assert not state.presets
+    assert state.window.banner is not None
+    assert not state.enhancement.presets
 
 
 def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> None:
@@ -82,9 +82,9 @@ def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> 
     state.places.config.write_text("a file where the folder should be")
     preset_actions.keep(state, "mine")
     keep_all(state)
-    assert state.banner is not None
-    assert "cannot be kept" in state.banner.message
-    assert not state.presets
+    assert state.window.banner is not None
+    assert "cannot be kept" in state.window.banner.message
+    assert not state.enhancement.presets
 
 
 def test_two_windows_keep_each_other_s_presets(state: AppState) -> None:
@@ -93,14 +93,14 @@ def test_two_windows_keep_each_other_s_presets(state: AppState) -> None:
     keep_all(state)
     preset_actions.keep(other, "theirs")
     keep_all(other)
-    assert set(state.presets) | {"theirs"} == set(other.presets) == {"mine", "theirs"}
+    assert set(state.enhancement.presets) | {"theirs"} == set(other.enhancement.presets) == {"mine", "theirs"}
     # What one forgets does not come back by the other, which never heard of it.
     preset_actions.forget(other, "mine")
     keep_all(other)
     preset_actions.keep(state, "third")
     keep_all(state)
     found, _ = load_presets(presets_file(state.places))
-    assert set(found) == set(state.presets) == {"theirs", "third"}
+    assert set(found) == set(state.enhancement.presets) == {"theirs", "third"}
 
 
 def test_the_later_change_of_one_name_counts(tmp_path: Path) -> None:
