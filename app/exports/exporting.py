@@ -73,14 +73,6 @@ class Step:
     """What has been written, at the end."""
 
 
-@dataclass
-class Exporting:
-    """The export that is under way, for the state."""
-
-    request: ExportRequest
-    done: int = 0
-
-
 def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
     name = f"{request.stem}-{stamp()}{SUFFIXES[request.form]}"

@@ -51,11 +51,12 @@ from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
 from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import load_clips
-from app.gui.state.settings import Places, Theme, load_settings
+from app.gui.state.source import Source
 from app.gui.style import theme
 from app.gui.update.update import Channels, take_pictures, update
 from app.gui.work.background import Apart, Worker
+from app.gui.work.clip_settings import load_clips
+from app.gui.work.settings import Places, Theme, load_settings
 from app.runs.job import TrainingJob
 from assets import phantom_path
 from renderer.clip import ByteImage
@@ -77,7 +78,7 @@ def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> N
         UserError: there is no screen, or no OpenGL 3.3 on it.
     """
     places = Places.of_user()
-    window = Window(AppState(places, load_settings(places.settings_file), clip_options))
+    window = Window(AppState(places, load_settings(places.settings_file), Source(clip_options)))
     session_actions.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)
@@ -94,7 +95,7 @@ class Window:
         self.state = state
         preset_actions.load(state)
         queue_actions.take_up(state)
-        state.known_clips = load_clips(state.places.config)
+        state.source.known = load_clips(state.places.config)
         self._make_job = make_job
         self._channels = Channels()
         apart = self._channels.apart
@@ -286,7 +287,9 @@ class Window:
         dockings.follow(self.state)
         dockings.spare_ground()
         idling = params.fps_idling
-        moves = self.state.playing or self.state.viewer.moving or self.state.cameras.playing
+        moves = (
+            self.state.timeline.playing or self.state.scene.viewer.moving or self.state.scene.cameras.playing
+        )
         idling.enable_idling = not moves
         idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
 
@@ -323,7 +326,7 @@ class Window:
         assert self._second_viewport is not None
         beside = partial(second_commands, self.state, self._outside)
         draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture, beside)
-        if self.state.model is not None:
+        if self.state.scene.model is not None:
             draw_edit_tools(self.state)
 
     def _strip_texture(self, image: ByteImage) -> imgui.ImTextureRef:
@@ -371,11 +374,12 @@ class Window:
 
     def _end_work(self) -> None:
         """Also of a window that a signal ends: what the job shares would be left in memory."""
-        if self.state.reconstruction.job is not None:
-            self.state.reconstruction.job.close()
-            self.state.reconstruction.job = None
+        if self.state.runs.reconstruction.job is not None:
+            self.state.runs.reconstruction.job.close()
+            self.state.runs.reconstruction.job = None
         for worker in self._workers:
             worker.close()
+        self._channels.keep.finish(self.state)
 
     def _open(self, path: Path) -> None:
         actions.open_path(self.state, path)

@@ -21,8 +21,8 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from app.files.provenance import KEYWORD
-from app.gui.state.presets import load_presets
-from app.gui.state.settings import load_settings
+from app.gui.work.presets import load_presets
+from app.gui.work.settings import load_settings
 from app.report.saved import read_report
 from app.runs.queue_file import take_over
 from app.runs.run_folder import RunFolder

@@ -61,7 +61,7 @@ import psutil
 from imgui_bundle import imgui
 
 from app.gui.actions import actions
-from app.gui.state.settings import Settings
+from app.gui.work.settings import Settings
 from assets import phantom_path
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.test_window import Driver, is_settled, wait
@@ -75,7 +75,7 @@ def drive(ctx):
     wait(ctx, lambda: is_settled(driver.state), "the phantom")
     driver.window.writing.save_picture()
     driver.window.save_session()
-    wait(ctx, lambda: driver.state.toast is not None, "the saved files")
+    wait(ctx, lambda: driver.state.window.toast is not None, "the saved files")
 
 
 driver.run(drive)

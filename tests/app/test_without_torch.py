@@ -65,7 +65,7 @@ import sys
 from pathlib import Path
 
 from app.gui.actions import actions
-from app.gui.state.settings import Settings
+from app.gui.work.settings import Settings
 from tests.app.gui.kept_session import places_in
 from tests.app.gui.test_window import Driver, is_settled, wait
 
@@ -76,8 +76,9 @@ state = driver.state
 def drive(ctx):
     ctx.item_click("//Before you begin/I understand")
     actions.open_path(state, Path("run"))
-    wait(ctx, lambda: is_settled(state) and state.model is not None, "the run")
-    print(len(state.model.model), "Gaussians of", state.clip.name, state.banner, flush=True)
+    wait(ctx, lambda: is_settled(state) and state.scene.model is not None, "the run")
+    name, banner = state.source.clip.name, state.window.banner
+    print(len(state.scene.model.model), "Gaussians of", name, banner, flush=True)
 
 
 driver.run(drive)

@@ -19,8 +19,8 @@ from typing import get_args
 from imgui_bundle.immapp import testing
 
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import TEXT_PERCENTS, Places, Settings, Theme
 from app.gui.window import Window
+from app.gui.work.settings import TEXT_PERCENTS, Places, Settings, Theme
 from assets import phantom_path
 from tests.app.gui.conftest import FakeJob
 from tests.benchmarks.gui_soak import quieten

@@ -23,8 +23,8 @@ from imgui_bundle import imgui
 from imgui_bundle.immapp import testing
 
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from tests.benchmarks.soak_deeds import DEEDS, Context, Deed, Person
 from tests.benchmarks.soak_health import Health, children
 
@@ -90,9 +90,9 @@ def one_round(person: Person, health: Health, deeds: Iterable[Deed]) -> None:
             break
         done.append(deed.__name__)
         deed(person)
-        if person.state.banner is not None:
-            health.troubles.append(f"{deed.__name__}: {person.state.banner.message}")
-            person.state.banner = None
+        if person.state.window.banner is not None:
+            health.troubles.append(f"{deed.__name__}: {person.state.window.banner.message}")
+            person.state.window.banner = None
     person.rest()
     if left := children():
         health.troubles.append(f"{len(left)} processes at rest after {', '.join(done)}")

@@ -19,8 +19,8 @@ from imgui_bundle.immapp import testing
 
 from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob
 from enhance import EnhanceParams
 
@@ -111,7 +111,10 @@ class Hand:
             return
         if self._began is None:
             self._began = now
-        elif self._state.pictures is not None and self._state.pictures.request.params == self._chosen:
+        elif (
+            self._state.picture.pictures is not None
+            and self._state.picture.pictures.request.params == self._chosen
+        ):
             self.waited = now - self._began
 
 
@@ -133,16 +136,16 @@ def drag(window: Window, *, train: bool) -> None:
     params.callbacks.after_swap = after_swap
 
     def drive(ctx: Context) -> None:
-        wait(ctx, lambda: state.pictures is not None and state.pictures.enhanced is not None)
+        wait(ctx, lambda: state.picture.pictures is not None and state.picture.pictures.enhanced is not None)
         if train:
             job_actions.start_reconstruction(state, TrainingJob)
-            wait(ctx, lambda: state.reconstruction.progress is not None)
+            wait(ctx, lambda: state.runs.reconstruction.progress is not None)
         for warm in (0.21, 0.22, 0.23):
             move(ctx, warm)
         swaps.clear()
         waits.extend(move(ctx, 0.3 + 0.005 * step) for step in range(MOVES))
         job_actions.cancel(state)
-        wait(ctx, lambda: not state.reconstruction.is_alive)
+        wait(ctx, lambda: not state.runs.reconstruction.is_alive)
 
     def move(ctx: Context, z: float) -> float:
         hand.move(EnhanceParams(z=z))

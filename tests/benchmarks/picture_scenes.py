@@ -51,10 +51,10 @@ def start(person: Person, model: Model) -> Iterator[str]:
     yield "welcome"
     actions.fail(person.state, "expected a clip, got a folder of 3 text files: nothing")
     yield "banner"
-    person.state.banner = None
-    person.state.recoverable = person.places.config / "autosave-1.vesselsplat"
+    person.state.window.banner = None
+    person.state.session.recoverable = person.places.config / "autosave-1.vesselsplat"
     yield "recovery"
-    person.state.recoverable = None
+    person.state.session.recoverable = None
     person.ctx.popup_close_all()
     person.press(chord("Ctrl+I"))
     yield "open file"
@@ -71,7 +71,7 @@ def start(person: Person, model: Model) -> Iterator[str]:
 def pictures(person: Person, model: Model) -> Iterator[str]:
     person.open(phantom_path())
     person.ctx.window_focus("//Pictures")
-    person.wait(lambda: person.state.strip is not None, "the strip")
+    person.wait(lambda: person.state.timeline.strip is not None, "the strip")
     person.ctx.mouse_move("//Pictures/left")
     yield "side by side"
     for key, name in ((K.w, "wipe"), (K.t, "flip"), (K.d, "difference")):
@@ -93,11 +93,11 @@ def pictures(person: Person, model: Model) -> Iterator[str]:
     person.choose("//Pictures", "##right", "Method: CLAHE")
     person.wait(person.settled, "the other method")
     yield "other method"
-    person.state.comparison = person.state.comparison.renewed()
+    person.state.comparing.chosen = person.state.comparing.chosen.renewed()
 
 
 def enhancement(person: Person, model: Model) -> Iterator[str]:
-    person.wait(lambda: person.state.measured is not None, "the measures")
+    person.wait(lambda: person.state.picture.measured is not None, "the measures")
     for tab in ("Curves", "Measures", "###windows"):
         person.click(f"//Enhancement/details/{tab}")
         person.ctx.yield_(10)
@@ -110,19 +110,19 @@ def enhancement(person: Person, model: Model) -> Iterator[str]:
 
 
 def clip(person: Person, model: Model) -> Iterator[str]:
-    person.state.frame_index = 4
+    person.state.timeline.frame_index = 4
     clip_actions.trim_here(person.state, start=True)
-    person.state.frame_index = 18
+    person.state.timeline.frame_index = 18
     clip_actions.trim_here(person.state, start=False)
-    mask = person.state.clip_settings.mask.drawn("text", (10, 10), (80, 40))
+    mask = person.state.source.part.mask.drawn("text", (10, 10), (80, 40))
     clip_actions.set_mask(person.state, mask)
     clip_actions.finish_mask(person.state)
-    person.state.overlay = True
+    person.state.picture.overlay = True
     person.click("//**/###mask")
-    person.wait(lambda: person.state.left_out is not None, "the tint")
+    person.wait(lambda: person.state.picture.left_out is not None, "the tint")
     yield "clip mask"
     person.press(K.escape)
-    person.state.overlay = False
+    person.state.picture.overlay = False
     clip_actions.clear_mask(person.state)
     clip_actions.untrim(person.state)
 
@@ -149,53 +149,55 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.ctx.window_focus("//Reconstruction")
     yield "reconstruction idle"
     person.click("//Reconstruction/What will be left out")
-    person.wait(lambda: state.omissions is not None, "what is left out")
+    person.wait(lambda: state.runs.omissions is not None, "what is left out")
     person.ctx.mouse_move("//Reconstruction/###start")
     yield "reconstruction left out"
     person.click("//Reconstruction/**/###keep harmonics")
-    person.wait(lambda: bool(state.omissions and state.omissions.kept), "what is left out with that kept")
+    person.wait(
+        lambda: bool(state.runs.omissions and state.runs.omissions.kept), "what is left out with that kept"
+    )
     person.ctx.sleep_no_skip(1.0, 0.1)
     yield "reconstruction kept"
     person.press(chord("Ctrl+Z"))
     person.click("//Reconstruction/What will be left out")
     person.choose("//Reconstruction", "##input", "Both in turn")
     person.click("//Reconstruction/###start")
-    job = state.reconstruction.job
+    job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
     yield "reconstruction starting"
     job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(1400), Evaluated(1000, 30.2)]
     job.model = model.gaussians
     person.ctx.yield_(3)
     person.ctx.window_focus("//3D view")
-    person.wait(lambda: state.view is not None, "the preview")
+    person.wait(lambda: state.scene.view is not None, "the preview")
     yield "reconstruction running"
     person.ctx.window_focus("//Runs")
     yield "runs waiting"
     person.ctx.window_focus("//Reconstruction")
-    state.closing = "asked"
+    state.window.closing = "asked"
     yield "question closing"
     queue_actions.answer_closing(state, close=False)
     person.ctx.popup_close_all()
     person.ctx.window_focus("//Reconstruction")
-    state.queue = ()
+    state.runs.queue = ()
     job.inbox = [
         Warned("the depth of 3 frames is empty"),
         Failed("the training process was killed by SIGKILL"),
     ]
-    person.wait(lambda: state.reconstruction.status == "failed", "the failure")
+    person.wait(lambda: state.runs.reconstruction.status == "failed", "the failure")
     yield "reconstruction failed"
-    state.banner = None
+    state.window.banner = None
     person.click("//Reconstruction/View model")
     person.ctx.window_focus("//3D view")
-    person.wait(lambda: state.view is not None, "the model as it was last seen")
+    person.wait(lambda: state.scene.view is not None, "the model as it was last seen")
     yield "reconstruction unfinished"
     person.choose("//Reconstruction", "##input", "Original")
     person.click("//Reconstruction/###start")
-    job = state.reconstruction.job
+    job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
     job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(STEPS), Evaluated(STEPS, 33.61)]
     job.inbox += [Finished(STEPS, 39.2, model.gaussians)]
-    person.wait(lambda: state.reconstruction.status == "finished", "the end")
+    person.wait(lambda: state.runs.reconstruction.status == "finished", "the end")
     yield "reconstruction finished"
 
 
@@ -213,10 +215,10 @@ def view(person: Person, model: Model) -> Iterator[str]:
     state = person.state
     person.open(model.run)
     person.ctx.window_focus("//3D view")
-    person.wait(lambda: state.view is not None, "the view")
+    person.wait(lambda: state.scene.view is not None, "the view")
     person.drag("//3D view/view", (0.5, 0.5), (0.6, 0.45))
     person.ctx.window_focus("//Runs")
-    person.wait(lambda: state.found_runs is not None, "the runs")
+    person.wait(lambda: state.runs.found is not None, "the runs")
     yield "view free"
     person.press(K.home)
     person.press(K.c)
@@ -229,13 +231,13 @@ def view(person: Person, model: Model) -> Iterator[str]:
         person.ctx.yield_(20)
     yield "view depth measured"
     person.press(K.m)
-    state.view_kind = "color"
+    state.scene.kind = "color"
     person.press(K.g)
     yield "view flying"
     person.press(K.g)
     person.press(K.home)
     second_actions.open_second(state, model.run)
-    person.wait(lambda: state.second.view is not None, "the second view")
+    person.wait(lambda: state.scene.second.view is not None, "the second view")
     yield "view two"
     second_actions.close_second(state)
 
@@ -287,7 +289,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.press(chord("Ctrl+Shift+E"))
     for panel in ("Log", "Notes"):
         dockings.toggle(panel)
-        state.notes = "Left ureter crosses at frame 14; compare d 2 against d 1."
+        state.session.notes = "Left ureter crosses at frame 14; compare d 2 against d 1."
         person.ctx.yield_(3)
         yield panel.lower()
         dockings.toggle(panel)
@@ -325,7 +327,7 @@ def splats(person: Person, model: Model) -> Iterator[str]:
     file = person.places.pictures / "splats.ply"
     file.write_bytes(ply_bytes(model.gaussians.raw, "default", []))
     person.open(file)
-    person.wait(lambda: person.state.view is not None, "the splats")
+    person.wait(lambda: person.state.scene.view is not None, "the splats")
     person.ctx.yield_(4)
     yield "splats alone"
 

@@ -15,8 +15,8 @@ from app.gui.actions import actions, edit_actions, job_actions, second_actions, 
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places
 from app.gui.window import Window
+from app.gui.work.settings import Places
 from app.gui.work.tuning import Choice
 from app.runs.job import TrainingJob
 from assets import phantom_path
@@ -102,8 +102,9 @@ class Person:
         """What may stand in the way."""
         state = self.state
         asked = {
-            "opening": state.opening, "banner": state.banner, "leaving": state.editing.leaving,
-            "tuning": state.tuning.shown, "grid": state.tuning.grid is not None, "help": state.help_open,
+            "opening": state.source.opening, "banner": state.window.banner, "leaving": state.editing.leaving,
+            "tuning": state.tuning.shown, "grid": state.tuning.grid is not None,
+            "help": state.window.help_open,
             "picture wanted": state.picture_request is not None,
             "popup": imgui.is_popup_open("", imgui.PopupFlags_.any_popup),
         }  # fmt: skip
@@ -113,24 +114,24 @@ class Person:
 
     def settled(self) -> bool:
         state = self.state
-        return state.pictures is not None and not state.pictures_wait and state.opening is None
+        return state.picture.pictures is not None and not state.pictures_wait and state.source.opening is None
 
     def open(self, path: Path) -> None:
         actions.open_path(self.state, path)
         if self.state.editing.leaving is not None:
             edit_actions.answer(self.state, "discard")
-        self.wait(lambda: self.state.opening is None, f"{path.name} to open")
-        if self.state.clip is not None:
+        self.wait(lambda: self.state.source.opening is None, f"{path.name} to open")
+        if self.state.source.clip is not None:
             self.wait(self.settled, f"the pictures of {path.name}")
         self.pace()
 
     def rest(self) -> None:
         """The clip alone, in its first state, with nothing under way: what memory is measured at."""
         state = self.state
-        if state.reconstruction.is_alive:
+        if state.runs.reconstruction.is_alive:
             job_actions.cancel(state)
-            self.wait(lambda: not state.reconstruction.is_alive, "the cancelled job")
-        state.banner, state.help_open, state.exports.shown = None, False, False
+            self.wait(lambda: not state.runs.reconstruction.is_alive, "the cancelled job")
+        state.window.banner, state.window.help_open, state.exports.shown = None, False, False
         if state.tuning.shown:
             tuning_actions.toggle_tuning(state)
         self.open(self.clip)
@@ -188,9 +189,9 @@ def compare(person: Person) -> None:
     person.drag("//Pictures/left", (0.5, 0.5), (0.3, 0.6))
     person.press(K._1)
     person.press(K._0)
-    if person.state.comparison.zebra:
+    if person.state.comparing.chosen.zebra:
         person.press(K.z)
-    person.state.comparison = person.state.comparison.renewed()
+    person.state.comparing.chosen = person.state.comparing.chosen.renewed()
 
 
 def play(person: Person) -> None:
@@ -242,7 +243,7 @@ def fly_a_path(person: Person) -> None:
     while time.monotonic() < end:
         person.ctx.yield_()
         time.sleep(0.04)
-    if person.state.cameras.playing:
+    if person.state.scene.cameras.playing:
         person.press(K.l)
     person.press(K.g)
     person.press(K.g)
@@ -254,7 +255,7 @@ def look_at_two(person: Person) -> None:
         return
     assert person.run is not None
     second_actions.open_second(person.state, person.run)
-    person.wait(lambda: person.state.second.view is not None, "the second view")
+    person.wait(lambda: person.state.scene.second.view is not None, "the second view")
     for _ in range(3):
         person.drag("//3D view/view", (person.rng.random(), 0.5), (person.rng.random(), 0.6))
     second_actions.close_second(person.state)
@@ -282,7 +283,7 @@ def edit(person: Person) -> None:
 
 
 def tune(person: Person) -> None:
-    if not isinstance(person.state.params, EnhanceParams):
+    if not isinstance(person.state.enhancement.params, EnhanceParams):
         return  # What is varied here is of the paper's method.
     person.press(chord("Ctrl+T"))
     tuning_actions.choose_axis(person.state, 0, Choice("d_factor", 0.0, person.rng.uniform(1, 4), 3))
@@ -317,22 +318,23 @@ def export(person: Person) -> None:
 def reconstruct(person: Person) -> None:
     """Fifty steps, to the end or until it is cancelled."""
     state, finish = person.state, person.run is None or person.rng.random() < 0.4
-    state.reconstruction.config = replace(state.reconstruction.config, iterations=STEPS)
+    state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=STEPS)
     job_actions.start_reconstruction(state, TrainingJob)
-    begun = state.reconstruction
-    person.wait(lambda: state.reconstruction is not begun or begun.progress is not None
+    begun = state.runs.reconstruction
+    person.wait(lambda: state.runs.reconstruction is not begun or begun.progress is not None
                 or not begun.is_alive, "the first step")  # fmt: skip
     if finish:
-        person.wait(lambda: not state.reconstruction.is_alive, "the reconstruction")
-        if state.reconstruction.status == "finished":
-            person.run = state.reconstruction.run_path
+        person.wait(lambda: not state.runs.reconstruction.is_alive, "the reconstruction")
+        if state.runs.reconstruction.status == "finished":
+            person.run = state.runs.reconstruction.run_path
     else:
         person.click("//Reconstruction/###pause")
         person.wait(
-            lambda: not state.reconstruction.is_alive or state.reconstruction.status == "paused", "a pause"
+            lambda: not state.runs.reconstruction.is_alive or state.runs.reconstruction.status == "paused",
+            "a pause",
         )
         job_actions.cancel(state)
-        person.wait(lambda: not state.reconstruction.is_alive, "the cancelled job")
+        person.wait(lambda: not state.runs.reconstruction.is_alive, "the cancelled job")
     person.pace()
 
 
@@ -344,11 +346,11 @@ def go_elsewhere(person: Person) -> None:
 
 def keep_session(person: Person) -> None:
     state = person.state
-    state.notes = f"after {person.acts} acts"
+    state.session.notes = f"after {person.acts} acts"
     person.press(chord("Ctrl+S"))
-    person.wait(lambda: state.session_path is not None and state.session_path.is_file(), "the session")
-    assert state.session_path is not None
-    person.open(state.session_path)
+    person.wait(lambda: state.session.path is not None and state.session.path.is_file(), "the session")
+    assert state.session.path is not None
+    person.open(state.session.path)
 
 
 def look_at_panels(person: Person) -> None:
@@ -379,7 +381,7 @@ def with_run(person: Person) -> bool:
         return False
     person.run.touch()  # The newest are kept.
     person.open(person.run)
-    person.wait(lambda: person.state.view is not None, "the 3D view")
+    person.wait(lambda: person.state.scene.view is not None, "the 3D view")
     person.ctx.yield_(3)
     return True
 

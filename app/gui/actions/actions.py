@@ -9,16 +9,17 @@ from pathlib import Path
 from typing import TypeVar
 
 from app.enhancement.methods import EnhancementSettings
-from app.errors import UserError
 from app.files.legible import legible
-from app.gui.state.app_state import AppState, Banner, Toast
+from app.gui.state.app_state import AppState
 from app.gui.state.camera_list import CameraList
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.second import Second
-from app.gui.state.settings import Theme, save_settings
 from app.gui.state.viewer import Viewer
+from app.gui.state.window import Banner, Toast
 from app.gui.views.picture_view import PictureView
+from app.gui.work.file_writing import WriteRequest
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
+from app.gui.work.settings import Theme, settings_content
 from app.runs.clip_selection import WHOLE
 
 TOAST_SECONDS = 6.0
@@ -29,18 +30,18 @@ L = TypeVar("L", bound=EnhancementSettings)
 
 def say(state: AppState, line: str) -> None:
     """A line for the log panel."""
-    state.log.append(legible(line))
+    state.window.log.append(legible(line))
 
 
 def fail(state: AppState, sentence: str) -> None:
     """Show what went wrong until it is dismissed."""
-    state.banner = Banner(legible(sentence))
+    state.window.banner = Banner(legible(sentence))
     say(state, sentence)
 
 
 def announce(state: AppState, sentence: str) -> None:
     """Show what went well for a few seconds."""
-    state.toast = Toast(legible(sentence), state.now + TOAST_SECONDS)
+    state.window.toast = Toast(legible(sentence), state.window.now + TOAST_SECONDS)
     say(state, sentence)
 
 
@@ -67,10 +68,8 @@ def remember_recent(state: AppState, remember: bool) -> None:
 
 
 def _save(state: AppState) -> None:
-    try:
-        save_settings(state.places.settings_file, state.settings)
-    except (OSError, UserError) as error:
-        say(state, f"settings cannot be saved: {error}")
+    file, content = state.places.settings_file, settings_content(state.settings)
+    state.window.wishes += (WriteRequest(file, content, "settings cannot be saved"),)
 
 
 # ---- clip and time
@@ -80,8 +79,8 @@ def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, and unsaved edits for good."""
 
     def go() -> None:
-        state.opening = OpenRequest(path.absolute(), state.clip_options)
-        state.banner = None
+        state.source.opening = OpenRequest(path.absolute(), state.source.clip_options)
+        state.window.banner = None
 
     if path.suffix.lower() in VIEW_SUFFIXES:
         go()  # What joins the session ends no edits.
@@ -91,9 +90,9 @@ def open_path(state: AppState, path: Path) -> None:
 
 def stop_opening(state: AppState) -> None:
     """Wait no longer for what is being opened: its answer, should one come, is of no use."""
-    for request in filter(None, (state.opening, state.second.opening)):
+    for request in filter(None, (state.source.opening, state.scene.second.opening)):
         say(state, f"stopped waiting for {request.path}")
-    state.opening = state.second.opening = state.banner = None
+    state.source.opening = state.scene.second.opening = state.window.banner = None
 
 
 def leave(state: AppState, go: Callable[[], None]) -> None:
@@ -107,24 +106,28 @@ def leave(state: AppState, go: Callable[[], None]) -> None:
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     """Take over what has been opened: the start of a session with it, but for a report, which joins it."""
     if opened.report is not None:
-        state.opening, state.report, state.report_asked = None, opened.report, True
+        state.source.opening, state.reports.shown, state.reports.asked = None, opened.report, True
         say(state, f"opened {path.name}")
         return
-    state.opening, state.opened_path, state.session_path = None, opened.path or path, None
-    if opened.clip is None or state.clip is None or opened.clip.path != state.clip.path:
-        state.cameras = CameraList()
-    state.clip, state.opened_options, state.pictures = opened.clip, opened.options, None
-    state.playing, state.frozen_index = False, None
-    state.picture_view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
+    state.source.opening, state.source.path, state.session.path = None, opened.path or path, None
+    if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
+        state.scene.cameras = CameraList()
+    state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
+    state.timeline.playing, state.timeline.frozen_index = False, None
+    state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
     state.tuning = state.tuning.renewed()
-    state.linked, state.view_time, state.frame_index = True, 0.0, 0
-    state.comparison, state.others, state.difference = state.comparison.renewed(), {}, None
-    state.strip, state.left_out, state.mask_tool = None, None, ""
-    said = state.known_clips.get(str(opened.clip.path)) if opened.clip is not None else None
-    state.clip_settings = opened.run.record.clip.part if opened.run is not None else said or WHOLE
-    if not state.reconstruction.is_alive:
+    state.scene.linked, state.scene.own_time, state.timeline.frame_index = True, 0.0, 0
+    state.comparing.chosen, state.comparing.others, state.comparing.difference = (
+        state.comparing.chosen.renewed(),
+        {},
+        None,
+    )
+    state.timeline.strip, state.picture.left_out, state.picture.mask_tool = None, None, ""
+    said = state.source.known.get(str(opened.clip.path)) if opened.clip is not None else None
+    state.source.part = opened.run.record.clip.part if opened.run is not None else said or WHOLE
+    if not state.runs.reconstruction.is_alive:
         _show_run(state, opened)
-    rebase(state, [step.params for step in state.past])
+    rebase(state, [step.params for step in state.enhancement.past])
     for notice in opened.notices:
         say(state, notice)
     say(state, f"opened {path.name}")
@@ -135,15 +138,18 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
 
 
 def _show_run(state: AppState, opened: Opened) -> None:
-    draft = state.reconstruction
-    state.reconstruction = Reconstruction(config=draft.config, input=draft.input, d_factor=draft.d_factor)
-    state.model, state.view, state.viewer = opened.splats, None, Viewer()
-    state.second = Second()
+    draft = state.runs.reconstruction
+    state.runs.reconstruction = Reconstruction(
+        config=draft.config, input=draft.input, d_factor=draft.d_factor
+    )
+    state.scene.model, state.scene.view, state.scene.viewer = opened.splats, None, Viewer()
+    state.runs.model_wish = None
+    state.scene.second = Second()
     if opened.run is None:
         return
     record, run = opened.run.record, opened.run
-    state.model = run.model
-    state.reconstruction = Reconstruction(
+    state.scene.model = run.model
+    state.runs.reconstruction = Reconstruction(
         config=record.config,
         input=record.input,
         clip=opened.clip,
@@ -157,47 +163,49 @@ def _show_run(state: AppState, opened: Opened) -> None:
 
 def choose_chart(state: AppState, place: int) -> None:
     """Of the report, the diagram to show."""
-    state.report_place = place
+    state.reports.place = place
 
 
 def seek(state: AppState, index: int) -> None:
     """Go to a frame, kept within the clip."""
-    if state.clip is not None:
-        state.frame_index = min(max(index, 0), len(state.clip) - 1)
-        state.playhead = float(state.frame_index)
+    if state.source.clip is not None:
+        state.timeline.frame_index = min(max(index, 0), len(state.source.clip) - 1)
+        state.timeline.playhead = float(state.timeline.frame_index)
 
 
 def step(state: AppState, frames: int) -> None:
     """One frame on or back, standing still; thaws a frozen picture, which would not show it."""
-    state.playing, state.frozen_index = False, None
-    seek(state, state.frame_index + frames)
+    state.timeline.playing, state.timeline.frozen_index = False, None
+    seek(state, state.timeline.frame_index + frames)
 
 
 def toggle_play(state: AppState) -> None:
-    if state.clip is not None and len(state.clip) > 1:
-        state.playing = not state.playing
-        state.playhead = float(state.frame_index)
+    if state.source.clip is not None and len(state.source.clip) > 1:
+        state.timeline.playing = not state.timeline.playing
+        state.timeline.playhead = float(state.timeline.frame_index)
 
 
 def toggle_freeze(state: AppState) -> None:
     """Hold the pictures' frame, or let them follow the time again."""
-    if state.clip is not None:
-        state.frozen_index = state.frame_index if state.frozen_index is None else None
+    if state.source.clip is not None:
+        state.timeline.frozen_index = (
+            state.timeline.frame_index if state.timeline.frozen_index is None else None
+        )
 
 
 def seek_view(state: AppState, time: float) -> None:
     """Time of the 3D view; moves the clip's frame when they are linked."""
-    if state.linked and state.clip is not None:
+    if state.scene.linked and state.source.clip is not None:
         first, count = state.timed
         seek(state, first + min(round(time * count), count - 1))
     else:
-        state.view_time = min(max(time, 0.0), 1.0)
+        state.scene.own_time = min(max(time, 0.0), 1.0)
 
 
 def toggle_link(state: AppState) -> None:
     """Unlinked, the 3D view stays at the time it shows."""
-    state.view_time = state.time
-    state.linked = not state.linked
+    state.scene.own_time = state.time
+    state.scene.linked = not state.scene.linked
 
 
 # ---- enhancement
@@ -205,12 +213,12 @@ def toggle_link(state: AppState) -> None:
 
 def set_params(state: AppState, params: EnhancementSettings) -> None:
     """Live, while a slider moves; `settle_params` makes it a step of undo."""
-    state.params = params
+    state.enhancement.params = params
 
 
 def latest(state: AppState, method: type[L]) -> L:
     """The parameters of a method, as they were when it was last chosen."""
-    looks = (state.params, *(step.params for step in reversed(state.past)))
+    looks = (state.enhancement.params, *(step.params for step in reversed(state.enhancement.past)))
     settled = (params for params in looks if isinstance(params, method))
     return next(settled, method())
 
@@ -218,31 +226,34 @@ def latest(state: AppState, method: type[L]) -> L:
 def choose_method(state: AppState, method: type[EnhancementSettings]) -> None:
     """Enhance by this method, with the parameters that it had."""
     settle_params(state)
-    state.params = latest(state, method)
+    state.enhancement.params = latest(state, method)
 
 
 def settle_params(state: AppState) -> None:
     """Called while no control is held: one drag of a slider is one step of undo."""
     chosen = state.chosen
-    if chosen != state.past[-1]:
-        state.past = [*state.past[-MOST_STEPS:], chosen]
-        state.future.clear()
+    if chosen != state.enhancement.past[-1]:
+        state.enhancement.past = [*state.enhancement.past[-MOST_STEPS:], chosen]
+        state.enhancement.future.clear()
 
 
 def rebase(state: AppState, looks: Iterable[EnhancementSettings]) -> None:
     """Something else is open: of what was set before, only the looks of pictures can be gone back to."""
     now = state.chosen
-    state.past, state.future = [now.with_params(look) for look, _ in groupby(looks)], []
+    state.enhancement.past, state.enhancement.future = (
+        [now.with_params(look) for look, _ in groupby(looks)],
+        [],
+    )
 
 
 def reset_params(state: AppState) -> None:
-    state.params = type(state.params)()
+    state.enhancement.params = type(state.enhancement.params)()
 
 
 def toggle_enhancement(state: AppState) -> None:
-    state.enhancing = not state.enhancing
+    state.enhancement.active = not state.enhancement.active
 
 
 def white_light(state: AppState) -> None:
     """Plain white light on both sides, whatever was on."""
-    state.enhancing = state.peeking = False
+    state.enhancement.active = state.enhancement.peeking = False

@@ -44,8 +44,9 @@ def results_folder(state: AppState) -> Path:
 
 def summary(state: AppState) -> str:
     """The present setting in a line."""
-    measured = "each clip as a whole" if state.scope == "clip" else "each image on its own"
-    return f"{worded(state.params)} · {measured}{' · surround left out' if state.tissue_only else ''}"
+    chosen = state.enhancement
+    measured = "each clip as a whole" if chosen.scope == "clip" else "each image on its own"
+    return f"{worded(chosen.params)} · {measured}{' · surround left out' if chosen.tissue_only else ''}"
 
 
 def why_not_start(state: AppState) -> str:
@@ -60,11 +61,11 @@ def batch_request(state: AppState) -> BatchRequest | None:
     if why_not_start(state):
         return None
     setting = Setting(
-        preset_of(state.params),
-        state.params,
-        state.scope,
-        "tissue" if state.tissue_only else "all",
-        POOLED_FRAMES if state.scope == "clip" else None,
+        preset_of(state.enhancement.params),
+        state.enhancement.params,
+        state.enhancement.scope,
+        "tissue" if state.enhancement.tissue_only else "all",
+        POOLED_FRAMES if state.enhancement.scope == "clip" else None,
     )
     request = BatchRequest(state.batches.inputs, results_folder(state) / f"enhanced-{stamp()}", setting)
     state.batches.under_way, state.batches.progressed = request, None

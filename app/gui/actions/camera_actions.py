@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.gui.state.app_state import AppState, Toast
+from app.gui.state.app_state import AppState
 from app.gui.state.viewer import MAX_SPEED, MIN_SPEED
+from app.gui.state.window import Toast
 from app.gui.views.measurement import Measurement
 from app.gui.work.picking import Picked, PickRequest, Purpose
 from app.scenes.free_camera import FreeView, Vector, vector
@@ -21,113 +22,113 @@ LONGEST_STEP = 0.1
 
 def reset_view(state: AppState) -> None:
     """Back to the clip's own camera, and down from flight."""
-    state.cameras.playing = False
-    state.viewer = replace(state.viewer, free=None, pivot=None, snapped=False, flying=False)
+    state.scene.cameras.playing = False
+    state.scene.viewer = replace(state.scene.viewer, free=None, pivot=None, snapped=False, flying=False)
 
 
 def toggle_snap(state: AppState) -> None:
     """The clip's camera to the pixel, under its photo; and back to filling the view."""
     if not state.has_photos:
         return
-    viewer, state.cameras.playing = state.viewer, False
-    state.viewer = replace(viewer, free=None, pivot=None, flying=False, snapped=not viewer.snapped)
+    viewer, state.scene.cameras.playing = state.scene.viewer, False
+    state.scene.viewer = replace(viewer, free=None, pivot=None, flying=False, snapped=not viewer.snapped)
 
 
 def blend(state: AppState, share: float) -> None:
     """Share of the photo in a snapped view."""
-    state.viewer.blend = min(max(share, 0.0), 1.0)
+    state.scene.viewer.blend = min(max(share, 0.0), 1.0)
 
 
 def turn(state: AppState, yaw: float, pitch: float) -> None:
     """By radians around the orbit's centre; in flight on the spot."""
-    if state.model is None:
+    if state.scene.model is None:
         return
-    view = _leave(state, state.model)
-    if state.viewer.flying:
+    view = _leave(state, state.scene.model)
+    if state.scene.viewer.flying:
         _carry(state, view.looked(yaw, pitch))
     else:
-        state.viewer.free = view.orbited(centre(state, state.model), yaw, pitch)
+        state.scene.viewer.free = view.orbited(centre(state, state.scene.model), yaw, pitch)
 
 
 def pan(state: AppState, x: float, y: float) -> None:
     """So that the orbit's centre follows the hand by so many pixels of the clip's photo."""
-    if state.model is not None:
-        view = _leave(state, state.model)
-        state.viewer.free = view.panned(centre(state, state.model), x, y)
+    if state.scene.model is not None:
+        view = _leave(state, state.scene.model)
+        state.scene.viewer.free = view.panned(centre(state, state.scene.model), x, y)
 
 
 def zoom(state: AppState, factor: float) -> None:
     """Nearer to the orbit's centre for a factor above 1; in flight, faster."""
-    viewer = state.viewer
+    viewer = state.scene.viewer
     if viewer.flying:
         viewer.speed = min(max(viewer.speed * factor, MIN_SPEED), MAX_SPEED)
-    elif state.model is not None:
-        view = _leave(state, state.model)
-        viewer.free = view.zoomed(centre(state, state.model), factor, state.model.distance)
+    elif state.scene.model is not None:
+        view = _leave(state, state.scene.model)
+        viewer.free = view.zoomed(centre(state, state.scene.model), factor, state.scene.model.distance)
 
 
 def toggle_flight(state: AppState) -> None:
-    if state.model is not None:
-        state.viewer.flying = not state.viewer.flying
-        _leave(state, state.model)
+    if state.scene.model is not None:
+        state.scene.viewer.flying = not state.scene.viewer.flying
+        _leave(state, state.scene.model)
 
 
 def fly(state: AppState, right: float, down: float, forward: float, seconds: float) -> None:
     """On in the camera's own directions, each -1, 0 or 1."""
-    if state.model is None or not state.viewer.flying:
+    if state.scene.model is None or not state.scene.viewer.flying:
         return
-    step = state.viewer.speed * state.model.distance * min(seconds, LONGEST_STEP)
-    _carry(state, _leave(state, state.model).flown(step * right, step * down, step * forward))
+    step = state.scene.viewer.speed * state.scene.model.distance * min(seconds, LONGEST_STEP)
+    _carry(state, _leave(state, state.scene.model).flown(step * right, step * down, step * forward))
 
 
 def toggle_measuring(state: AppState) -> None:
     """Clicks measure from now on, or turn and move the view alone again, without a distance shown."""
-    if state.model is not None:
-        viewer = state.viewer
+    if state.scene.model is not None:
+        viewer = state.scene.viewer
         viewer.measuring, viewer.measurement = not viewer.measuring, Measurement()
 
 
 def ask_point(state: AppState, request: ViewRequest, pixel: tuple[int, int], purpose: Purpose) -> None:
     """Wish for the surface point behind a pixel (column, row) of one of the views."""
-    state.viewer.pick = PickRequest(request, pixel, purpose)
+    state.scene.viewer.pick = PickRequest(request, pixel, purpose)
 
 
 def take_point(state: AppState, request: PickRequest, picked: Picked) -> None:
     """The answer to a wish; of a view that is no longer shown, it is dropped."""
-    models = [model for model in (state.model, state.second.shown) if model is not None]
+    models = [model for model in (state.scene.model, state.scene.second.shown) if model is not None]
     if all(request.view.scene.cameras != model.cameras for model in models):
         return
     if picked.point is None:
-        state.toast = Toast("No surface under the pointer", state.now + TOAST_SECONDS)
+        state.window.toast = Toast("No surface under the pointer", state.window.now + TOAST_SECONDS)
     elif request.purpose == "measure":
-        viewer = state.viewer
+        viewer = state.scene.viewer
         view = request.view
         viewer.measurement = viewer.measurement.with_point(picked.point, view.time, view.scene.name)
     else:
-        state.viewer.pivot, state.viewer.flying = picked.point, False
+        state.scene.viewer.pivot, state.scene.viewer.flying = picked.point, False
 
 
 def centre(state: AppState, model: Scene) -> Vector:
     """What the view turns around, in the world."""
-    if state.viewer.pivot is not None:
-        return state.viewer.pivot
-    free = state.viewer.free
+    if state.scene.viewer.pivot is not None:
+        return state.scene.viewer.pivot
+    free = state.scene.viewer.free
     pose = (free.camera if free is not None else model.camera_at(state.time)).world_from_camera
     return vector(pose[:3, 3] + model.distance * pose[:3, 2])
 
 
 def _leave(state: AppState, model: Scene) -> FreeView:
     """The view as it stands, no longer the clip's camera nor under its photo; its centre stays, too."""
-    viewer = state.viewer
+    viewer = state.scene.viewer
     viewer.pivot, viewer.snapped = centre(state, model), False
-    state.cameras.playing = False
+    state.scene.cameras.playing = False
     viewer.free = viewer.free or FreeView.of(model.camera_at(state.time))
     return viewer.free
 
 
 def _carry(state: AppState, view: FreeView) -> None:
     """To a view that takes the orbit's centre along, so that turning goes on around what is ahead."""
-    viewer = state.viewer
+    viewer = state.scene.viewer
     assert viewer.pivot is not None
     assert viewer.free is not None
     seen = viewer.free.camera.camera_from_world @ [*viewer.pivot, 1.0]

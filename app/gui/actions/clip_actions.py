@@ -5,56 +5,56 @@ from __future__ import annotations
 from dataclasses import replace
 
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
-from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import save_clips
+from app.gui.work.clip_settings import FILE, clips_content
+from app.gui.work.file_writing import WriteRequest
 from app.runs.clip_selection import ClipPart
 from enhance.surround import inside
 
 
 def trim_here(state: AppState, *, start: bool) -> None:
     """The clip begins, or ends, with the present frame; the other end moves along where it must."""
-    if state.clip is None:
+    if state.source.clip is None:
         return
-    first, last = state.span
-    now = state.frame_index
+    first, last = state.source.span
+    now = state.timeline.frame_index
     first, last = (now, max(now, last)) if start else (min(now, first), now)
-    whole = (first, last) == (0, len(state.clip) - 1)
-    _set(state, replace(state.clip_settings, trim=None if whole else (first, last)))
+    whole = (first, last) == (0, len(state.source.clip) - 1)
+    _set(state, replace(state.source.part, trim=None if whole else (first, last)))
 
 
 def untrim(state: AppState) -> None:
-    _set(state, replace(state.clip_settings, trim=None))
+    _set(state, replace(state.source.part, trim=None))
 
 
 def set_mask(state: AppState, mask: PictureMask) -> None:
     """Live, while it is drawn; `keep_settings` writes it down."""
-    state.clip_settings = replace(state.clip_settings, mask=mask)
+    state.source.part = replace(state.source.part, mask=mask)
 
 
 def draw_mask(state: AppState, shape: str) -> None:
     """The next drag over a picture draws this: "text", "view", or nothing for ""."""
-    state.mask_tool = "" if state.mask_tool == shape else shape
-    state.overlay = state.overlay or bool(state.mask_tool)
+    state.picture.mask_tool = "" if state.picture.mask_tool == shape else shape
+    state.picture.overlay = state.picture.overlay or bool(state.picture.mask_tool)
 
 
 def finish_mask(state: AppState) -> None:
     """The hand has let go."""
-    state.mask_tool, state.mask_start = "", None
+    state.picture.mask_tool, state.picture.mask_start = "", None
     keep_settings(state)
 
 
 def round_view(state: AppState) -> None:
     """The circle of the black surround of the present picture."""
-    if state.pictures is None:
+    if state.picture.pictures is None:
         return
-    circle = enclosing(inside([state.pictures.photo]))
+    circle = enclosing(inside([state.picture.pictures.photo]))
     if circle is None:
         actions.announce(state, "this frame has no black surround")
         return
-    set_mask(state, replace(state.clip_settings.mask, view=circle))
-    state.overlay = True
+    set_mask(state, replace(state.source.part.mask, view=circle))
+    state.picture.overlay = True
     keep_settings(state)
 
 
@@ -65,23 +65,20 @@ def clear_mask(state: AppState) -> None:
 
 def toggle_overlay(state: AppState) -> None:
     """Tint tools and what is masked."""
-    state.overlay = not state.overlay
+    state.picture.overlay = not state.picture.overlay
 
 
 def _set(state: AppState, settings: ClipPart) -> None:
-    state.clip_settings = settings
+    state.source.part = settings
     keep_settings(state)
 
 
 def keep_settings(state: AppState) -> None:
     """For the next time that this clip is opened, where paths are remembered at all."""
-    if state.clip is None:
+    if state.source.clip is None:
         return
-    others = {path: said for path, said in state.known_clips.items() if path != str(state.clip.path)}
-    state.known_clips = {**others, str(state.clip.path): state.clip_settings}
-    if not state.settings.remember_recent:
-        return
-    try:
-        save_clips(state.places.config, state.known_clips)
-    except (OSError, UserError) as error:
-        actions.say(state, f"the clip's settings cannot be saved: {error}")
+    others = {path: said for path, said in state.source.known.items() if path != str(state.source.clip.path)}
+    state.source.known = {**others, str(state.source.clip.path): state.source.part}
+    if state.settings.remember_recent:
+        file, content = state.places.config / FILE, clips_content(state.source.known)
+        state.window.wishes += (WriteRequest(file, content, "the clip's settings cannot be saved"),)

@@ -14,52 +14,54 @@ WIPE_STEP = 0.02
 
 def choose_mode(state: AppState, mode: Mode) -> None:
     """Compare in this way; asked for again, side by side."""
-    now = state.comparison.mode
-    state.comparison = replace(state.comparison, mode="side by side" if mode == now else mode, flipped=False)
+    now = state.comparing.chosen.mode
+    state.comparing.chosen = replace(
+        state.comparing.chosen, mode="side by side" if mode == now else mode, flipped=False
+    )
 
 
 def flip(state: AppState) -> None:
     """One pane that changes between left and right, and stays so until it is flipped again."""
-    now = state.comparison
+    now = state.comparing.chosen
     flipped = not now.flipped if now.mode == "flip" else True
-    state.comparison = replace(now, mode="flip", flipped=flipped)
+    state.comparing.chosen = replace(now, mode="flip", flipped=flipped)
 
 
 def choose_source(state: AppState, side: Side, source: str) -> None:
     """Show something else on one side."""
-    state.comparison = state.comparison.showing(side, source)
-    state.enhancing = True
+    state.comparing.chosen = state.comparing.chosen.showing(side, source)
+    state.enhancement.active = True
 
 
 def swap(state: AppState) -> None:
-    now = state.comparison
-    state.comparison = replace(now, left=now.right, right=now.left)
+    now = state.comparing.chosen
+    state.comparing.chosen = replace(now, left=now.right, right=now.left)
 
 
 def reset_sources(state: AppState) -> None:
     """Left the original, right the enhanced."""
-    state.comparison = state.comparison.renewed()
+    state.comparing.chosen = state.comparing.chosen.renewed()
 
 
 def move_wipe(state: AppState, by: float) -> None:
     """Move the line of the wipe by a share of the pane, where there is one."""
-    if state.comparison.mode == "wipe":
-        state.comparison = state.comparison.wiped(state.comparison.wipe + by)
+    if state.comparing.chosen.mode == "wipe":
+        state.comparing.chosen = state.comparing.chosen.wiped(state.comparing.chosen.wipe + by)
 
 
 def toggle_zebra(state: AppState) -> None:
-    state.comparison = replace(state.comparison, zebra=not state.comparison.zebra)
+    state.comparing.chosen = replace(state.comparing.chosen, zebra=not state.comparing.chosen.zebra)
 
 
 def store(state: AppState, slot: Slot) -> None:
     """Keep the present setting, to be compared with and gone back to."""
-    state.stored = state.stored | {slot: state.params}
+    state.enhancement.stored = state.enhancement.stored | {slot: state.enhancement.params}
     actions.announce(state, f"settings stored as {slot}; choose them above the panes")
 
 
 def recall(state: AppState, slot: Slot) -> None:
     """The stored setting becomes the present one; a step of undo."""
-    if slot in state.stored:
+    if slot in state.enhancement.stored:
         actions.settle_params(state)
-        actions.set_params(state, state.stored[slot])
-        state.enhancing = True
+        actions.set_params(state, state.enhancement.stored[slot])
+        state.enhancement.active = True

@@ -1,29 +1,15 @@
-"""What a user can do to the shown model, as functions on the state. No ImGui."""
+"""What a person can do to the shown model, as functions on the state. No ImGui."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
-from app.errors import UserError
-from app.exports.make import make
-from app.exports.records import Splats, extended
-from app.exports.sources import Opened
-from app.files.stepping import run_to_end
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
-from app.gui.work.editing import (
-    Around,
-    Change,
-    Editing,
-    Limits,
-    Selected,
-    SelectRequest,
-    Tool,
-    tinted_model,
-)
-from app.runs.run_edits import save_edits, saved_since
-from app.runs.run_folder import RunFolder
+from app.gui.state.editing import Change, Editing, Tool, tinted_model
+from app.gui.work.background import Failure
+from app.gui.work.saving_edits import SavedEdits, SaveRequest
+from app.gui.work.selecting import Around, Limits, Selected, SelectRequest
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Range, Rectangle, Region
@@ -35,7 +21,7 @@ SHORTEST = 3.0
 
 def follow(state: AppState) -> None:
     """Another model has come: editing begins anew with it, and with what was saved of it."""
-    editing, model = state.editing, state.model
+    editing, model = state.editing, state.scene.model
     if model is editing.edited:
         return
     if model is None or model.live:
@@ -63,7 +49,7 @@ def _show(state: AppState) -> None:
     if edits.visible != editing.drawn:
         editing.edited, editing.drawn = editing.base.edited(edits), edits.visible
     assert editing.edited is not None
-    state.model = editing.edited
+    state.scene.model = editing.edited
     editing.tinted = tinted_model(editing.edited, edits) if editing.active else None
 
 
@@ -75,7 +61,7 @@ def toggle(state: AppState) -> None:
     editing.active, editing.stroke = not editing.active, ()
     _show(state)
     if editing.active:
-        state.viewer.flying = False
+        state.scene.viewer.flying = False
         _ask(state, None, "replace")
 
 
@@ -171,7 +157,7 @@ def drained(waiting: list[Change]) -> list[Change]:
 def change(state: AppState, how: Change) -> None:
     """One step of the history; after a selection that is still on its way. None while another model comes."""
     editing = state.editing
-    if not editing.active or state.opening is not None:
+    if not editing.active or state.source.opening is not None:
         return
     if editing.wish is not None:
         editing.waiting.append(how)
@@ -227,51 +213,48 @@ def _step(state: AppState, way: Callable[[History], History]) -> None:
 # ---- keeping
 
 
-def save(state: AppState) -> bool:
-    """Beside the run; of a file of splats, as another file. False when that failed, which is then said."""
+def save(state: AppState) -> None:
+    """Beside the run; of a file of splats, as another file."""
     editing = state.editing
-    if editing.base is None or editing.run_path is None:
-        return False
-    try:
-        if editing.is_of_run:
-            if (other := saved_since(RunFolder(editing.run_path), editing.saved)) is not None:
-                editing.saved = other
-                raise UserError("another window has saved edits meanwhile; save again to replace them")
-            save_edits(RunFolder(editing.run_path), editing.edits)
-            actions.announce(
-                state, f"edits saved beside {editing.run_path.name}; the trained model is not changed"
-            )
-        else:
-            path = write_splats(state, editing.run_path)
-            actions.announce(state, f"edited splats saved as {path.name}; the opened file is not changed")
-    except (OSError, UserError) as error:
-        actions.fail(state, f"the edits were not saved: {error}")
-        return False
-    editing.saved = editing.edits
-    return True
+    if editing.base is None or editing.run_path is None or editing.saving is not None:
+        return
+    editing.saving = SaveRequest(editing.base, editing.run_path, editing.edits, editing.saved, state.time)
 
 
-def write_splats(state: AppState, source: Path) -> Path:
-    """What can be seen at the present time, beside its source; never over another file."""
-    editing = state.editing
-    assert editing.base is not None
-    stem = source.name.removesuffix(source.suffix).removesuffix(".compressed")
-    path, number = source.with_name(f"{stem}-edited.ply"), 2
-    while path.exists():
-        path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
-    scene = editing.base.edited(editing.edits)
-    record = extended(Splats, scene.record, time=state.time)
-    run_to_end(make(record, Opened(scenes=(scene,)), path))
-    return path
+def take_saved(state: AppState, request: SaveRequest, answer: SavedEdits | Failure) -> None:
+    """They are on disk, or why they are not; what waited for that goes on, unless more was edited since."""
+    editing, go = state.editing, None
+    if request is editing.saving:
+        editing.saving, go, editing.after_saving = None, editing.after_saving, None
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the edits are not saved: {answer.message}")
+        return
+    known = answer.replaced_by
+    if editing.base is request.base:
+        editing.saved = request.edits if known is None else known
+    if known is not None:
+        reason = "another window has saved edits meanwhile; save again to replace them"
+        actions.fail(state, f"the edits are not saved: {reason}")
+        return
+    if request.base.is_of_run:
+        said = f"edits saved beside {answer.path.name}; the trained model is as it was"
+    else:
+        said = f"edited splats saved as {answer.path.name}; the file opened is as it was"
+    actions.announce(state, said)
+    if go is not None:
+        actions.leave(state, go)
 
 
 def answer(state: AppState, reply: str) -> None:
     """To "save the edits?": save, discard or stay."""
     editing, go = state.editing, state.editing.leaving
     editing.leaving = None
-    if go is None or reply == "stay" or (reply == "save" and not save(state)):
+    if go is None or reply == "stay":
         return
-    if reply == "discard":
-        editing.history = History(editing.saved)
-        _show(state)
+    if reply == "save":
+        editing.after_saving = go
+        save(state)
+        return
+    editing.history = History(editing.saved)
+    _show(state)
     go()

@@ -8,13 +8,14 @@ from typing import Literal
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED, ORIGINAL
-from app.exports.exporting import Exporting, ExportRequest, Form, Step
+from app.exports.exporting import ExportRequest, Form, Step
 from app.exports.records import Arrangement
 from app.exports.shots import Panes, Shot
 from app.exports.view_pages import Views
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side, label_of
+from app.gui.state.exports import Exporting
 from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
 from app.scenes.photos import PhotoRequest
@@ -99,25 +100,25 @@ def why_not_export(state: AppState, what: What) -> str:
 
 
 def _lacks(state: AppState, offer: Offer) -> str:
-    needs_view = offer.sees != "no" and not (offer.sides and state.clip is not None)
+    needs_view = offer.sees != "no" and not (offer.sides and state.source.clip is not None)
     if needs_view and state.plain_view_request is None:
         return "There is no 3D view yet."
     if offer.sees != "no" and (reason := _too_large(state)):
         return reason
-    if offer.form == "view video" and state.model is not None and state.model.live:
+    if offer.form == "view video" and state.scene.model is not None and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
-    if offer.sees == "path" and not state.cameras.views.path.keyframes:
+    if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
         return "There is no camera path yet: create one in the Cameras panel."
-    seen = offer.sees == "time" and state.viewer.snapped
-    if offer.form == "view video" and state.view_kind == "difference" and not seen:
+    seen = offer.sees == "time" and state.scene.viewer.snapped
+    if offer.form == "view video" and state.scene.kind == "difference" and not seen:
         return "A difference is shown from the clip's camera only: press C or choose another view."
-    if not offer.sides or (offer.sees == "still" and state.clip is None):
+    if not offer.sides or (offer.sees == "still" and state.source.clip is None):
         return ""
-    if state.clip is None:
+    if state.source.clip is None:
         return "Open a clip first."
     if offer.as_shown:
         return ""
-    reasons = (why_not(state, state.comparison.source(side)) for side in offer.sides)
+    reasons = (why_not(state, state.comparing.chosen.source(side)) for side in offer.sides)
     return next((reason for reason in reasons if reason), "")
 
 
@@ -153,25 +154,27 @@ def save_request(state: AppState) -> ExportRequest | None:
 
 def shown_request(state: AppState) -> ExportRequest | None:
     """What there is to see of panes and 3D view; None where there is neither."""
-    seen = state.clip is not None or state.plain_view_request is not None
+    seen = state.source.clip is not None or state.plain_view_request is not None
     return _request(state, OFFERS["panes and 3D view"]) if seen else None
 
 
 def _request(state: AppState, offer: Offer) -> ExportRequest:
-    panes = _panes(state, offer) if state.clip is not None else Panes()
+    panes = _panes(state, offer) if state.source.clip is not None else Panes()
     moments = _moments(state, offer)
-    rate = (state.clip.frames_per_second if state.clip else None) or FRAMES_PER_SECOND
+    rate = (state.source.clip.frames_per_second if state.source.clip else None) or FRAMES_PER_SECOND
     if offer.sees == "path":
         rate = FRAMES_PER_SECOND
     return ExportRequest(
         state.places.pictures,
-        state.clip.path.stem if state.clip is not None and panes.shots else moments[0][0].scene.name,
+        state.source.clip.path.stem
+        if state.source.clip is not None and panes.shots
+        else moments[0][0].scene.name,
         offer.form,
         panes,
         moments,
-        state.span,
+        state.source.span,
         rate,
-        state.opened_options,
+        state.source.options,
     )
 
 
@@ -179,16 +182,16 @@ def _panes(state: AppState, offer: Offer) -> Panes:
     """What the sides show, one of them where both show the same; and how they are laid out."""
     sides, mode = offer.sides, shown_mode(state) if offer.as_shown else "side by side"
     if mode == "flip":
-        sides, mode = ("left" if state.comparison.flipped else "right",), "side by side"
+        sides, mode = ("left" if state.comparing.chosen.flipped else "right",), "side by side"
     shots = tuple(dict.fromkeys(_shot(state, side) for side in sides))
-    return Panes(shots, Arrangement(mode, state.wiped), state.exports.sizing)
+    return Panes(shots, Arrangement(mode, state.comparing.wiped), state.exports.sizing)
 
 
 def _shot(state: AppState, side: Side) -> Shot:
     """What a side shows; in white light and while the original is peeked at the photo, whatever is chosen."""
-    source, picture = state.comparison.source(side), state.picture_request
+    source, picture = state.comparing.chosen.source(side), state.picture_request
     assert picture is not None
-    if source == ORIGINAL or not state.enhancing or state.peeking:
+    if source == ORIGINAL or not state.enhancement.active or state.enhancement.peeking:
         return Shot("Original", _photo(picture))
     if source == ENHANCED:
         return Shot("Enhanced", _photo(picture), picture.params)
@@ -214,7 +217,7 @@ def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
 
 
 def _with_second(state: AppState, first: ViewRequest) -> Views:
-    both = (first, state.beside(first))
+    both = (first, state.scene.beside(first))
     return tuple(_as_chosen(state, one) for one in both if one is not None)
 
 
@@ -225,20 +228,20 @@ def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
 
 def _through_time(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
     """Every frame of the clip, from here or through its own cameras, where a difference is to its photo."""
-    clip = state.clip if state.has_photos else None
+    clip = state.source.clip if state.has_photos else None
     for frame in range(len(scene.cameras)):
-        if state.viewer.snapped:
+        if state.scene.viewer.snapped:
             photo = PhotoRequest(clip, scene.start + frame) if clip is not None else None
-            yield ViewRequest.of_frame(scene, frame).of_kind(state.view_kind, photo)
+            yield ViewRequest.of_frame(scene, frame).of_kind(state.scene.kind, photo)
         else:
-            view = ViewRequest.fitted(scene, scene.time(frame), state.viewer.free, state.view_size)
-            yield view.of_kind(state.view_kind)
+            view = ViewRequest.fitted(scene, scene.time(frame), state.scene.viewer.free, state.scene.size)
+            yield view.of_kind(state.scene.kind)
 
 
 def _along_path(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
     """As `vesselsplat export --path` goes along it."""
-    for key in state.cameras.views.path.moments(FRAMES_PER_SECOND):
-        yield ViewRequest(scene, key.time, key.camera.fitted(*state.view_size)).of_kind(state.view_kind)
+    for key in state.scene.cameras.views.path.moments(FRAMES_PER_SECOND):
+        yield ViewRequest(scene, key.time, key.camera.fitted(*state.scene.size)).of_kind(state.scene.kind)
 
 
 def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:

@@ -11,31 +11,39 @@ from app.gui.state.settings_snapshot import SettingsSnapshot, step_name
 
 def undo(state: AppState) -> None:
     actions.settle_params(state)
-    if len(state.past) > 1:
-        state.future.append(state.past.pop())
-        _take(state, state.past[-1])
+    if len(state.enhancement.past) > 1:
+        state.enhancement.future.append(state.enhancement.past.pop())
+        _take(state, state.enhancement.past[-1])
 
 
 def redo(state: AppState) -> None:
-    if state.future:
-        state.past.append(state.future.pop())
-        _take(state, state.past[-1])
+    if state.enhancement.future:
+        state.enhancement.past.append(state.enhancement.future.pop())
+        _take(state, state.enhancement.past[-1])
 
 
 def undo_name(state: AppState) -> str:
     """The command's, with what it takes back."""
-    return f"Undo {step_name(*state.past[-2:])}" if len(state.past) > 1 else "Undo"
+    return f"Undo {step_name(*state.enhancement.past[-2:])}" if len(state.enhancement.past) > 1 else "Undo"
 
 
 def redo_name(state: AppState) -> str:
-    return f"Redo {step_name(state.past[-1], state.future[-1])}" if state.future else "Redo"
+    return (
+        f"Redo {step_name(state.enhancement.past[-1], state.enhancement.future[-1])}"
+        if state.enhancement.future
+        else "Redo"
+    )
 
 
 def _take(state: AppState, chosen: SettingsSnapshot) -> None:
-    now, draft = state.comparison, state.reconstruction
-    state.params, state.scope, state.tissue_only = chosen.params, chosen.scope, chosen.tissue_only
-    state.comparison = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
+    now, draft = state.comparing.chosen, state.runs.reconstruction
+    state.enhancement.params, state.enhancement.scope, state.enhancement.tissue_only = (
+        chosen.params,
+        chosen.scope,
+        chosen.tissue_only,
+    )
+    state.comparing.chosen = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
     draft.config, draft.input, draft.d_factor = chosen.config, chosen.input, chosen.d_factor
-    if state.clip_settings != chosen.part:
-        state.clip_settings = chosen.part
+    if state.source.part != chosen.part:
+        state.source.part = chosen.part
         clip_actions.keep_settings(state)

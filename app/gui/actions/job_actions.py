@@ -12,9 +12,10 @@ from app.files.legible import capital, legible
 from app.gui.actions.actions import latest, leave, say
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Job, Reconstruction, Waiting
-from app.runs.run_folder import Input, RunFolder
+from app.gui.work.run_models import ModelRequest
+from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
-from app.scenes.scene import Scene, Training, run_scene
+from app.scenes.scene import Scene, Training
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import Part
@@ -24,29 +25,29 @@ MakeJob = Callable[[TrainRequest], Job]
 
 def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Make what is chosen, in another process: at once, or when its turn comes."""
-    if state.clip is None:
+    if state.source.clip is None:
         return
-    chosen = state.reconstruction.input
+    chosen = state.runs.reconstruction.input
     inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
-    enqueue(state, make_job, tuple(Waiting(state.clip, _request(state, each)) for each in inputs))
+    enqueue(state, make_job, tuple(Waiting(state.source.clip, _request(state, each)) for each in inputs))
 
 
 def keep_part(state: AppState, part: Part, *, kept: bool) -> None:
     """Of the next reconstruction: what its clip does not need stays in all the same, or no longer."""
-    draft = state.reconstruction
+    draft = state.runs.reconstruction
     others = tuple(other for other in draft.config.keep if other != part)
     draft.config = replace(draft.config, keep=(*others, part) if kept else others)
 
 
 def _request(state: AppState, frames: Input) -> TrainRequest:
-    clip, draft = state.clip, state.reconstruction
+    clip, draft = state.source.clip, state.runs.reconstruction
     assert clip is not None
     return TrainRequest(
         clip_path=clip.path,
         run_path=_run_path(state, f"-{frames}" if draft.input == "both in turn" else ""),
         config=draft.config,
-        clip_options=state.opened_options,
-        part=state.part,
+        clip_options=state.source.options,
+        part=state.source.training_part,
         input=frames,
         enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
     )
@@ -54,8 +55,8 @@ def _request(state: AppState, frames: Input) -> TrainRequest:
 
 def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
-    run = state.reconstruction
-    clip, request = state.clip, run.request
+    run = state.runs.reconstruction
+    clip, request = state.source.clip, run.request
     if can_continue(state) and clip is not None and request is not None:
         enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), run.told),))
 
@@ -65,12 +66,12 @@ def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) ->
     where none is under way the first starts."""
 
     def go() -> None:
-        awake = tuple(each for each in state.queue if not each.asleep)
-        asleep = tuple(each for each in state.queue if each.asleep)
-        state.queue, state.reconstruction.name = awake + waiting + asleep, ""
+        awake = tuple(each for each in state.runs.queue if not each.asleep)
+        asleep = tuple(each for each in state.runs.queue if each.asleep)
+        state.runs.queue, state.runs.reconstruction.name = awake + waiting + asleep, ""
         start_first(state, make_job)
 
-    if state.reconstruction.is_alive:
+    if state.runs.reconstruction.is_alive:
         go()
     else:
         leave(state, go)
@@ -78,12 +79,15 @@ def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) ->
 
 def start_first(state: AppState, make_job: MakeJob) -> None:
     """Start what waits first, once its clip is open, unless a reconstruction is under way."""
-    first = state.next_waiting
-    if state.reconstruction.is_alive or first is None or first.clip is None:
+    first = state.runs.next_waiting
+    if state.runs.reconstruction.is_alive or first is None or first.clip is None:
         return
-    state.queue, draft = tuple(each for each in state.queue if each is not first), state.reconstruction
+    state.runs.queue, draft = (
+        tuple(each for each in state.runs.queue if each is not first),
+        state.runs.reconstruction,
+    )
     job = make_job(first.request)
-    state.reconstruction = Reconstruction(
+    state.runs.reconstruction = Reconstruction(
         config=draft.config,
         input=draft.input,
         d_factor=draft.d_factor,
@@ -100,11 +104,13 @@ def start_first(state: AppState, make_job: MakeJob) -> None:
 
 def _run_path(state: AppState, suffix: str) -> Path:
     """The name the user gave, or the clip's with the time; never one that is taken or promised."""
-    assert state.clip is not None
+    assert state.source.clip is not None
     stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
-    wanted = (state.reconstruction.name.strip() or f"{state.clip.name}-{stamp}") + suffix
+    wanted = (state.runs.reconstruction.name.strip() or f"{state.source.clip.name}-{stamp}") + suffix
     base = re.sub(r"[^\w.-]+", "-", wanted).strip(".-") or "run"
-    promised = {waiting.request.run_path for waiting in state.queue} | {state.reconstruction.run_path}
+    promised = {waiting.request.run_path for waiting in state.runs.queue} | {
+        state.runs.reconstruction.run_path
+    }
     path, number = state.places.runs / base, 2
     while path.exists() or path in promised:
         path, number = state.places.runs / f"{base}-{number}", number + 1
@@ -112,67 +118,72 @@ def _run_path(state: AppState, suffix: str) -> Path:
 
 
 def pause(state: AppState) -> None:
-    if state.reconstruction.can_pause and state.reconstruction.job:
-        state.reconstruction.job.pause()
+    if state.runs.reconstruction.can_pause and state.runs.reconstruction.job:
+        state.runs.reconstruction.job.pause()
 
 
 def resume(state: AppState) -> None:
-    if state.reconstruction.can_resume and state.reconstruction.job:
-        state.reconstruction.job.resume()
+    if state.runs.reconstruction.can_resume and state.runs.reconstruction.job:
+        state.runs.reconstruction.job.resume()
 
 
 def toggle_pause(state: AppState) -> None:
     """Stand still, and go on."""
-    pause(state) if state.reconstruction.can_pause else resume(state)
+    pause(state) if state.runs.reconstruction.can_pause else resume(state)
 
 
 def cancel(state: AppState) -> None:
-    if state.reconstruction.is_alive and state.reconstruction.job:
-        state.reconstruction.job.cancel()
+    if state.runs.reconstruction.is_alive and state.runs.reconstruction.job:
+        state.runs.reconstruction.job.cancel()
 
 
 def show_live_model(state: AppState, model: DynamicGaussians) -> None:
-    """The newest copy of the model that is being trained, in the 3D view."""
-    job, before = state.reconstruction, state.model
-    if before is not None and before.model is model:
-        return
-    iteration = job.progress.iteration if job.progress else 0
-    scene = _scene(job, model, Training(iteration, job.iterations, live=True))
-    if scene is not None and before is not None and before.cameras == scene.cameras:
-        # A pivot that follows every preview would make the picture wander.
-        scene = replace(scene, distance=before.distance)
-    state.model = scene or before
+    """Ask for the newest copy of the model that is being trained in the 3D view."""
+    job, wish = state.runs.reconstruction, state.runs.model_wish
+    if wish is None or wish.model is not model:
+        iteration = job.progress.iteration if job.progress else 0
+        _wish(state, model, Training(iteration, job.iterations, live=True))
 
 
 def show_finished_model(state: AppState, model: DynamicGaussians) -> None:
-    job = state.reconstruction
-    done = Training(job.iterations, job.iterations, live=False)
-    state.model = _scene(job, model, done) or state.model
+    job = state.runs.reconstruction
+    _wish(state, model, Training(job.iterations, job.iterations, live=False))
 
 
-def _scene(job: Reconstruction, model: DynamicGaussians, training: Training) -> Scene | None:
-    """The model of the present run; None before there was one."""
-    if job.clip is None or job.request is None:
-        return None
-    request = job.request
-    return run_scene(RunFolder(request.run_path), model, job.clip, request.config, request.part, training)
+def _wish(state: AppState, model: DynamicGaussians, training: Training) -> None:
+    job = state.runs.reconstruction
+    if job.clip is not None and job.request is not None:
+        state.runs.model_wish = ModelRequest(job.request, job.clip, model, training)
+
+
+def take_model(state: AppState, request: ModelRequest, scene: Scene) -> None:
+    """Show it; what something else has taken the place of is dropped."""
+    wish, before = state.runs.model_wish, state.scene.model
+    if wish is None or wish.run is not request.run:
+        return
+    if scene.live and before is not None and before.cameras == scene.cameras:
+        # A pivot that follows every preview would make the picture wander.
+        scene = replace(scene, distance=before.distance)
+    state.scene.model = scene
+    if scene.live and not state.runs.reconstruction.is_alive:
+        state.runs.preview = scene
 
 
 def can_continue(state: AppState) -> bool:
     """A run was cut short and its clip is the one that is open."""
-    job = state.reconstruction
+    job = state.runs.reconstruction
     if job.request is None or job.status not in ("cancelled", "failed"):
         return False
-    clip = state.clip
+    clip = state.source.clip
     return clip is not None and job.clip is not None and clip.path == job.clip.path
 
 
 def why_not_reconstruct(state: AppState) -> str:
     """What a reconstruction still lacks, in a sentence; empty when it can start."""
-    if state.clip is None:
+    if state.source.clip is None:
         return "Open a clip first."
-    if not state.clip.has_depth and state.clip.points is None:
+    if not state.source.clip.has_depth and state.source.clip.points is None:
         way = "Start the app with --depth brightness to estimate it."
-        why = state.clip.why_no_depth
+        why = state.source.clip.why_no_depth
         return f"{capital(legible(why))}. {way}" if why else f"This clip has no depth to start from. {way}"
     return ""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from app.files.atomic import write_bytes
 from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
+from app.gui.work.file_writing import WriteRequest
 from app.scenes.free_camera import FreeView
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, off_center, splatting_json
@@ -26,22 +26,24 @@ OUR_FORMAT, THEIR_FORMAT = "views", "cameras"
 
 def present_camera(state: AppState) -> Camera | None:
     """What the 3D view is seen through, with the pixels of the clip's photos."""
-    if state.model is None:
+    if state.scene.model is None:
         return None
-    free = state.viewer.free
-    return free.camera if free is not None else state.model.camera_at(state.time)
+    free = state.scene.viewer.free
+    return free.camera if free is not None else state.scene.model.camera_at(state.time)
 
 
 def go_to(state: AppState, camera: Camera) -> None:
     """The 3D view through a camera; it then turns around what is in the middle of it."""
-    if state.model is not None:
-        viewer = state.viewer
-        state.viewer = replace(viewer, free=FreeView.of(camera), pivot=None, snapped=False, flying=False)
+    if state.scene.model is not None:
+        viewer = state.scene.viewer
+        state.scene.viewer = replace(
+            viewer, free=FreeView.of(camera), pivot=None, snapped=False, flying=False
+        )
 
 
 def save_view(state: AppState) -> None:
     """Keep the present view by the name that was typed, or a number."""
-    camera, cameras = present_camera(state), state.cameras
+    camera, cameras = present_camera(state), state.scene.cameras
     if camera is None:
         return
     taken = {one.name for one in cameras.views.named}
@@ -54,20 +56,20 @@ def save_view(state: AppState) -> None:
 
 def rename_view(state: AppState, index: int, name: str) -> None:
     """An empty name changes nothing."""
-    named = list(state.cameras.views.named)
+    named = list(state.scene.cameras.views.named)
     if name.strip():
         named[index] = NamedCamera(name.strip()[:LONGEST], named[index].camera)
         _change(state, named=tuple(named))
 
 
 def delete_view(state: AppState, index: int) -> None:
-    named = state.cameras.views.named
+    named = state.scene.cameras.views.named
     _change(state, named=named[:index] + named[index + 1 :])
 
 
 def add_keyframe(state: AppState) -> None:
     """The present view and time at the playhead, or after the end when there is one already."""
-    camera, cameras = present_camera(state), state.cameras
+    camera, cameras = present_camera(state), state.scene.cameras
     if camera is None:
         return
     path = cameras.views.path
@@ -82,14 +84,14 @@ def replace_keyframe(state: AppState, index: int) -> None:
     """The keyframe sees what is seen now."""
     camera = present_camera(state)
     if camera is not None:
-        keys = list(state.cameras.views.path.keyframes)
+        keys = list(state.scene.cameras.views.path.keyframes)
         keys[index] = replace(keys[index], camera=camera, time=state.time)
         _change_path(state, keys)
 
 
 def move_keyframe(state: AppState, index: int, seconds: float) -> None:
     """To another moment of the path, between its neighbours."""
-    keys = list(state.cameras.views.path.keyframes)
+    keys = list(state.scene.cameras.views.path.keyframes)
     least = keys[index - 1].seconds + LEAST_STEP if index > 0 else 0.0
     most = keys[index + 1].seconds - LEAST_STEP if index + 1 < len(keys) else float("inf")
     keys[index] = replace(keys[index], seconds=max(min(seconds, most), least))
@@ -98,13 +100,13 @@ def move_keyframe(state: AppState, index: int, seconds: float) -> None:
 
 def retime_keyframe(state: AppState, index: int, time: float) -> None:
     """The moment of the clip that it shows, in [0, 1]."""
-    keys = list(state.cameras.views.path.keyframes)
+    keys = list(state.scene.cameras.views.path.keyframes)
     keys[index] = replace(keys[index], time=min(max(time, 0.0), 1.0))
     _change_path(state, keys)
 
 
 def delete_keyframe(state: AppState, index: int) -> None:
-    keys = state.cameras.views.path.keyframes
+    keys = state.scene.cameras.views.path.keyframes
     _change_path(state, [*keys[:index], *keys[index + 1 :]])
 
 
@@ -118,9 +120,9 @@ def _change_path(state: AppState, keys: list[Keyframe]) -> None:
 
 
 def _change(state: AppState, **parts: object) -> None:
-    unit = state.model.unit if state.model is not None else state.cameras.views.unit
+    unit = state.scene.model.unit if state.scene.model is not None else state.scene.cameras.views.unit
     try:
-        state.cameras.views = replace(state.cameras.views, unit=unit, **parts)  # type: ignore[arg-type]
+        state.scene.cameras.views = replace(state.scene.cameras.views, unit=unit, **parts)  # type: ignore[arg-type]
     except ValueError as error:
         actions.fail(state, str(error))
 
@@ -131,23 +133,23 @@ def set_loop(state: AppState, loop: bool) -> None:
 
 def toggle_path(state: AppState) -> None:
     """Play the path, from its beginning when it is at its end; or stop."""
-    cameras, path = state.cameras, state.cameras.views.path
-    if state.model is None or len(path.keyframes) < 2:
+    cameras, path = state.scene.cameras, state.scene.cameras.views.path
+    if state.scene.model is None or len(path.keyframes) < 2:
         return
     cameras.playing = not cameras.playing
-    state.playing = False
+    state.timeline.playing = False
     if cameras.playing and not path.start <= cameras.playhead < path.end:
         cameras.playhead = path.start
 
 
 def toggle_path_shown(state: AppState) -> None:
     """Draw the path in the 3D view, or not."""
-    state.cameras.path_shown = not state.cameras.path_shown
+    state.scene.cameras.path_shown = not state.scene.cameras.path_shown
 
 
 def sees_path(state: AppState) -> bool:
     """Whether the 3D view shows where the path goes: not while it is what the path itself sees."""
-    cameras, path = state.cameras, state.cameras.views.path
+    cameras, path = state.scene.cameras, state.scene.cameras.views.path
     if not (cameras.path_shown and path.keyframes) or cameras.playing:
         return False
     return present_camera(state) != path.at(cameras.playhead).camera
@@ -155,7 +157,7 @@ def sees_path(state: AppState) -> bool:
 
 def seek_path(state: AppState, seconds: float) -> None:
     """See what the path sees there, at its time of the clip."""
-    cameras = state.cameras
+    cameras = state.scene.cameras
     cameras.playhead = seconds
     if cameras.views.path.keyframes:
         key = cameras.views.path.at(seconds)
@@ -165,10 +167,10 @@ def seek_path(state: AppState, seconds: float) -> None:
 
 def advance_path(state: AppState, elapsed: float) -> None:
     """On by seconds on the clock; at the end again from the beginning, or still."""
-    cameras, path = state.cameras, state.cameras.views.path
+    cameras, path = state.scene.cameras, state.scene.cameras.views.path
     if not cameras.playing:
         return
-    if len(path.keyframes) < 2 or state.model is None or state.view_dragged or state.playing:
+    if len(path.keyframes) < 2 or state.scene.model is None or state.scene.dragged or state.timeline.playing:
         cameras.playing = False
         return
     seconds = cameras.playhead + elapsed
@@ -180,7 +182,7 @@ def advance_path(state: AppState, elapsed: float) -> None:
 
 def add_views(state: AppState, read: Views, path: Path) -> None:
     """Add the named views of a file, ours or another program's, and take over its path if it has one."""
-    now = state.cameras.views
+    now = state.scene.cameras.views
     try:
         added = replace(read, named=(*now.named, *read.named))
     except ValueError as error:
@@ -188,21 +190,21 @@ def add_views(state: AppState, read: Views, path: Path) -> None:
         return
     if not read.path.keyframes:
         added = replace(added, path=now.path, loop=now.loop)
-    state.cameras.views = added
+    state.scene.cameras.views = added
     keys = f" and a path of {len(read.path.keyframes)} keyframes" if read.path.keyframes else ""
     actions.announce(state, f"{len(read.named)} views{keys} from {path.name}")
-    if state.model is not None and read.unit not in (Views().unit, state.model.unit):
-        actions.say(state, f"{path.name} is in {read.unit}, this scene in {state.model.unit}")
+    if state.scene.model is not None and read.unit not in (Views().unit, state.scene.model.unit):
+        actions.say(state, f"{path.name} is in {read.unit}, this scene in {state.scene.model.unit}")
 
 
 def save_views(state: AppState) -> None:
     """All named views and the path, for this app and `vesselsplat export --path`."""
-    _write(state, OUR_FORMAT, lambda: views_json(state.cameras.views))
+    _write(state, OUR_FORMAT, views_json(state.scene.cameras.views))
 
 
 def export_clip_cameras(state: AppState) -> None:
     """Those of the clip as cameras.json, for other programs."""
-    model = state.model
+    model = state.scene.model
     if model is not None:
         named = [NamedCamera(f"frame-{index:06d}", camera) for index, camera in enumerate(model.cameras)]
         _write_cameras(state, named)
@@ -210,25 +212,23 @@ def export_clip_cameras(state: AppState) -> None:
 
 def export_path_cameras(state: AppState) -> None:
     """Those along the path as cameras.json."""
-    keys = state.cameras.views.path.moments(EXPORT_RATE) if state.cameras.views.path.keyframes else ()
+    keys = (
+        state.scene.cameras.views.path.moments(EXPORT_RATE)
+        if state.scene.cameras.views.path.keyframes
+        else ()
+    )
     named = [NamedCamera(f"path-{index:06d}", key.camera) for index, key in enumerate(keys)]
     _write_cameras(state, named)
 
 
 def _write_cameras(state: AppState, named: Sequence[NamedCamera]) -> None:
-    _write(state, THEIR_FORMAT, lambda: splatting_json(named))
+    _write(state, THEIR_FORMAT, splatting_json(named))
     if notice := off_center(named):
         actions.say(state, notice)
 
 
-def _write(state: AppState, kind: str, content: Callable[[], bytes]) -> None:
+def _write(state: AppState, kind: str, content: bytes) -> None:
     """A JSON file among the saved pictures, named after what is open and the time."""
-    name = Path(state.model.name).stem if state.model is not None else "vesselsplat"
+    name = Path(state.scene.model.name).stem if state.scene.model is not None else "vesselsplat"
     path = state.places.pictures / f"{name}-{kind}-{stamp()}.json"
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_bytes(path, content())
-    except OSError as error:
-        actions.fail(state, f"the cameras were not saved: {error}")
-    else:
-        actions.announce(state, f"saved {path.name} in {path.parent.name}/")
+    state.window.wishes += (WriteRequest(path, content, "the cameras were not saved", announced=True),)

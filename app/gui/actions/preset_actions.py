@@ -4,34 +4,34 @@ from __future__ import annotations
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME
-from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import (
+from app.gui.work.background import Failure
+from app.gui.work.presets import (
     BUILT_IN,
     MOST_PRESETS,
+    KeepPresets,
+    KeptPresets,
     is_preset_name,
     load_presets,
-    merged_presets,
     presets_file,
-    save_presets,
 )
 
 
 def load(state: AppState) -> None:
     """At the start: own presets of earlier sessions."""
-    state.presets, trouble = load_presets(presets_file(state.places))
+    state.enhancement.presets, trouble = load_presets(presets_file(state.places))
     if trouble:
         actions.fail(state, trouble)
 
 
 def choose(state: AppState, name: str) -> None:
     """The preset becomes the present setting; a step of undo."""
-    presets = {**BUILT_IN, **state.presets}
+    presets = {**BUILT_IN, **state.enhancement.presets}
     if name in presets:
         actions.settle_params(state)
         actions.set_params(state, presets[name])
-        state.enhancing = True
+        state.enhancement.active = True
 
 
 def keep(state: AppState, name: str) -> None:
@@ -40,25 +40,28 @@ def keep(state: AppState, name: str) -> None:
     if not is_preset_name(name):
         actions.fail(state, "expected a name other than those of the built-in presets")
         return
-    if len(state.presets | {name: state.params}) > MOST_PRESETS:
+    if len(state.enhancement.presets | {name: state.enhancement.params}) > MOST_PRESETS:
         actions.fail(state, f"expected at most {MOST_PRESETS} presets: delete some first")
         return
-    _save(state, {**state.presets, name: state.params}, f"saved as preset {name}")
+    _save(state, {**state.enhancement.presets, name: state.enhancement.params}, f"saved as preset {name}")
 
 
 def forget(state: AppState, name: str) -> None:
     """Delete an own preset."""
-    left = {known: look for known, look in state.presets.items() if known != name}
+    left = {known: look for known, look in state.enhancement.presets.items() if known != name}
     _save(state, left, f"preset {name} deleted")
 
 
 def _save(state: AppState, presets: dict[str, EnhancementSettings], done: str) -> None:
-    file = presets_file(state.places)
-    presets = merged_presets(file, presets, state.presets)
-    try:
-        save_presets(file, presets)
-    except (OSError, UserError) as error:
-        actions.fail(state, f"the presets cannot be saved: {error}")
+    state.window.wishes += (
+        KeepPresets(presets_file(state.places), presets, state.enhancement.presets, done),
+    )
+
+
+def take_kept(state: AppState, request: KeepPresets, answer: KeptPresets | Failure) -> None:
+    """They are on disk, or cannot be kept and are as before."""
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the presets cannot be saved: {answer.message}")
         return
-    state.presets = presets
-    actions.announce(state, done)
+    state.enhancement.presets = answer.presets
+    actions.announce(state, request.done)

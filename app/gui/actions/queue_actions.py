@@ -18,7 +18,7 @@ from renderer.clip import Clip
 
 def advance(state: AppState, make_job: MakeJob) -> None:
     """Once a frame: when one has ended, in whatever way, the next starts."""
-    run = state.reconstruction
+    run = state.runs.reconstruction
     if not run.is_alive and run.job is None and not why_held(state):
         job_actions.start_first(state, make_job)
 
@@ -33,25 +33,25 @@ def why_held(state: AppState) -> str:
 
 def withdraw(state: AppState, waiting: Waiting) -> None:
     """It is not made; nothing of it is on disk yet that was not there before."""
-    state.queue = tuple(each for each in state.queue if each is not waiting)
+    state.runs.queue = tuple(each for each in state.runs.queue if each is not waiting)
 
 
 def empty(state: AppState) -> None:
     """None of those that wait is made."""
-    state.queue = ()
+    state.runs.queue = ()
 
 
 def to_front(state: AppState, waiting: Waiting) -> None:
     """It is the next one, also if it is of an earlier session."""
-    if any(each is waiting for each in state.queue):
-        others = tuple(each for each in state.queue if each is not waiting)
-        state.wakings += waiting.asleep
-        state.queue = (replace(waiting, asleep=False) if waiting.asleep else waiting, *others)
+    if any(each is waiting for each in state.runs.queue):
+        others = tuple(each for each in state.runs.queue if each is not waiting)
+        state.runs.wakings += waiting.asleep
+        state.runs.queue = (replace(waiting, asleep=False) if waiting.asleep else waiting, *others)
 
 
 def last_to_front(state: AppState) -> None:
-    if state.queue:
-        to_front(state, state.queue[-1])
+    if state.runs.queue:
+        to_front(state, state.runs.queue[-1])
 
 
 # ---- from one session to the next
@@ -64,14 +64,14 @@ def take_up(state: AppState) -> None:
     except (OSError, UserError) as error:
         actions.say(state, f"the queue of the earlier session cannot be restored: {error}")
         return
-    state.queue = tuple(Waiting(None, request, asleep=True) for request in requests)
+    state.runs.queue = tuple(Waiting(None, request, asleep=True) for request in requests)
     if damage:
         actions.fail(state, damage)
 
 
 def to_keep(state: AppState) -> tuple[TrainRequest, ...]:
     """What the next session is to find; nothing where paths are not remembered."""
-    return tuple(waiting.request for waiting in state.queue) if state.settings.remember_recent else ()
+    return tuple(waiting.request for waiting in state.runs.queue) if state.settings.remember_recent else ()
 
 
 def keep_now(state: AppState) -> None:
@@ -82,35 +82,37 @@ def keep_now(state: AppState) -> None:
 
 def sleeps(state: AppState) -> bool:
     """Some of those that wait are of an earlier session, and nobody has said that they are to be made."""
-    return any(waiting.asleep for waiting in state.queue)
+    return any(waiting.asleep for waiting in state.runs.queue)
 
 
 def wake(state: AppState) -> None:
     """Those of an earlier session are to be made, each in its turn."""
-    state.wakings += 1
-    state.queue = tuple(replace(each, asleep=False) if each.asleep else each for each in state.queue)
+    state.runs.wakings += 1
+    state.runs.queue = tuple(
+        replace(each, asleep=False) if each.asleep else each for each in state.runs.queue
+    )
 
 
 def without_clip(state: AppState) -> TrainRequest | None:
     """The next one, where its clip is still to be opened."""
-    first = state.next_waiting
+    first = state.runs.next_waiting
     return first.request if first is not None and first.clip is None else None
 
 
 def give_clip(state: AppState, request: TrainRequest, clip: Clip, told: TrainingLog) -> None:
     """Its clip is open. Where it is the one that is shown, that very one."""
-    shown = state.clip
-    if shown is not None and (shown.path, state.opened_options) == (clip.path, request.clip_options):
+    shown = state.source.clip
+    if shown is not None and (shown.path, state.source.options) == (clip.path, request.clip_options):
         clip = shown
-    state.queue = tuple(
-        replace(each, clip=clip, told=told) if each.request == request else each for each in state.queue
+    state.runs.queue = tuple(
+        replace(each, clip=clip, told=told) if each.request == request else each for each in state.runs.queue
     )
 
 
 def put_back(state: AppState, request: TrainRequest, reason: str) -> None:
     """Its clip cannot be opened: it waits until it is asked for again, or taken out."""
-    state.queue = tuple(
-        replace(each, asleep=True) if each.request == request else each for each in state.queue
+    state.runs.queue = tuple(
+        replace(each, asleep=True) if each.request == request else each for each in state.runs.queue
     )
     actions.fail(state, f"{request.run_path.name} was not started; it stays in the queue: {reason}")
 
@@ -120,7 +122,7 @@ def put_back(state: AppState, request: TrainRequest, reason: str) -> None:
 
 def at_stake(state: AppState) -> str:
     """What closing the window would end, in a sentence; empty when it ends nothing."""
-    run, count = state.reconstruction, len(state.queue)
+    run, count = state.runs.reconstruction, len(state.runs.queue)
     waits = "1 more is queued" if count == 1 else f"{count} more are queued"
     if run.is_alive:
         name = run.run_path.name if run.run_path else "A reconstruction"
@@ -134,21 +136,21 @@ def at_stake(state: AppState) -> str:
 
 def what_is_kept(state: AppState) -> str:
     """Of that, in sentences."""
-    if not state.reconstruction.is_alive and state.batches.under_way is not None:
+    if not state.runs.reconstruction.is_alive and state.batches.under_way is not None:
         return "Finished files are kept; the rest are not written."
     begun = "The last checkpoint is kept: Continue resumes from it."
-    if not state.queue:
+    if not state.runs.queue:
         return begun
     return f"{begun} The queue is {'kept for the next start' if to_keep(state) else 'discarded'}."
 
 
 def may_close(state: AppState) -> bool:
     """Whether the window can close without a question; else the question is asked."""
-    if state.closing == "agreed" or not at_stake(state):
+    if state.window.closing == "agreed" or not at_stake(state):
         return True
-    state.closing = "asked"
+    state.window.closing = "asked"
     return False
 
 
 def answer_closing(state: AppState, *, close: bool) -> None:
-    state.closing = "agreed" if close else "no"
+    state.window.closing = "agreed" if close else "no"

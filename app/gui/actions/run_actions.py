@@ -8,32 +8,32 @@ from pathlib import Path
 from app.gui.actions import actions, job_actions, second_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
-from app.gui.state.reconstruction import Reconstruction, Waiting
+from app.gui.state.reconstruction import Waiting
 from app.gui.state.second import Second
 from app.gui.work.background import Failure
 from app.gui.work.run_list import FoundRuns, ListedRun
-from app.runs.run_folder import RunFolder
+from app.gui.work.run_models import Left, LeftRequest
 
 
 def take_found(state: AppState, answer: FoundRuns | Failure) -> None:
     """Show what was found for the clip that is open."""
     if isinstance(answer, FoundRuns):
-        state.found_runs = answer
-    elif state.runs_trouble != answer.message:
-        state.runs_trouble = answer.message
+        state.runs.found = answer
+    elif state.runs.trouble != answer.message:
+        state.runs.trouble = answer.message
         actions.fail(state, f"earlier reconstructions cannot be listed: {answer.message}")
 
 
 def is_present(state: AppState, run: ListedRun) -> bool:
     """It is the very one that this window makes now."""
-    return state.reconstruction.is_alive and state.reconstruction.run_path == run.path
+    return state.runs.reconstruction.is_alive and state.runs.reconstruction.run_path == run.path
 
 
 def open_run(state: AppState, run: ListedRun) -> None:
     """In place of what is shown; while another one is made, beside it. An unfinished one as last kept."""
     if why_not_open(state, run):
         return
-    if state.reconstruction.is_alive:
+    if state.runs.reconstruction.is_alive:
         second_actions.open_second(state, run.path)
     else:
         actions.open_path(state, run.path)
@@ -43,17 +43,17 @@ def why_not_open(state: AppState, run: ListedRun) -> str:
     """In a sentence; empty when it can be opened."""
     if is_present(state, run):
         return "This one is in training: see Reconstruction."
-    if not state.reconstruction.is_alive:
+    if not state.runs.reconstruction.is_alive:
         return ""
     if run.made != "finished" and not run.has_checkpoint:
         return "It has no model to show beside the one in training."
-    return "" if state.model is not None else "Wait for the first preview of the one in training."
+    return "" if state.scene.model is not None else "Wait for the first preview of the one in training."
 
 
 def continue_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
     """Go on with it as it was begun: at once, or when its turn comes."""
-    if state.clip is not None and not why_not_continue(state, run):
-        waiting = Waiting(state.clip, replace(run.request, resume=True), run.told)
+    if state.source.clip is not None and not why_not_continue(state, run):
+        waiting = Waiting(state.source.clip, replace(run.request, resume=True), run.told)
         job_actions.enqueue(state, make_job, (waiting,))
 
 
@@ -63,26 +63,33 @@ def why_not_continue(state: AppState, run: ListedRun) -> str:
         return "It is finished."
     if is_present(state, run) or run.made == "training":
         return "It is in training."
-    if any(waiting.request.run_path == run.path for waiting in state.queue):
+    if any(waiting.request.run_path == run.path for waiting in state.runs.queue):
         return "It is queued."
-    if run.request.clip_options != state.opened_options:
+    if run.request.clip_options != state.source.options:
         return "It was started with other options for reading the clip: open it first."
     return ""
 
 
-def way_out(run: Reconstruction) -> str:
+def take_left(state: AppState, request: LeftRequest, left: Left) -> None:
+    """What the run has left that ended last."""
+    run = state.runs.reconstruction
+    if request is run.ended:
+        run.has_checkpoint = left.has_checkpoint
+        run.way_out = way_out(left) if run.status == "failed" else ""
+
+
+def way_out(left: Left) -> str:
     """What can be done with a run that failed, in a sentence."""
-    folder = RunFolder(run.run_path) if run.run_path is not None else None
-    if folder is None or not folder.is_run:
+    if not left.is_run:
         return "Nothing was saved: correct the problem named above and start again."
-    if folder.has_checkpoint:
+    if left.has_checkpoint:
         return "Continue resumes from the last checkpoint; View model shows the model as last seen."
     return "There is no checkpoint: Continue starts over."
 
 
 def has_preview(state: AppState, path: Path | None) -> bool:
     """The model as it was before this run was cut short is still there."""
-    return state.preview is not None and path is not None and state.preview.name == path.name
+    return state.runs.preview is not None and path is not None and state.runs.preview.name == path.name
 
 
 def why_not_look(state: AppState, path: Path | None, *, has_checkpoint: bool) -> str:
@@ -96,7 +103,7 @@ def look(state: AppState, path: Path | None) -> None:
     """At a run that was cut short: the model as it was last seen, else as its last checkpoint has it."""
     if has_preview(state, path):
         _show_preview(state)
-    elif path is not None and state.reconstruction.is_alive:
+    elif path is not None and state.runs.reconstruction.is_alive:
         second_actions.open_second(state, path)
     elif path is not None:
         actions.open_path(state, path)
@@ -104,21 +111,21 @@ def look(state: AppState, path: Path | None) -> None:
 
 def look_at_present(state: AppState) -> None:
     """At the one that this window made last."""
-    run = state.reconstruction
+    run = state.runs.reconstruction
     if not why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint):
         look(state, run.run_path)
 
 
 def _show_preview(state: AppState) -> None:
     """At the model as it was last seen before its run was cut short."""
-    preview = state.preview
+    preview = state.runs.preview
     if preview is None:
         return
 
     def show() -> None:
-        state.model = preview
+        state.scene.model = preview
 
-    if state.reconstruction.is_alive and state.model is not None:
-        state.second = Second(shown=preview)
+    if state.runs.reconstruction.is_alive and state.scene.model is not None:
+        state.scene.second = Second(shown=preview)
     else:
         actions.leave(state, show)

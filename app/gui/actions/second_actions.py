@@ -12,35 +12,35 @@ from app.gui.work.opening import Opened, OpenRequest
 
 def open_second(state: AppState, path: Path) -> None:
     """Ask for a finished run or a file of splats, to be seen beside the first."""
-    if state.model is not None:
-        state.second.opening = OpenRequest(path.absolute(), state.clip_options)
-        state.banner = None
+    if state.scene.model is not None:
+        state.scene.second.opening = OpenRequest(path.absolute(), state.source.clip_options)
+        state.window.banner = None
 
 
 def take_second(state: AppState, request: OpenRequest, opened: Opened) -> None:
     """Show what has been opened; what has no reconstruction is refused."""
-    if request is not state.second.opening:
+    if request is not state.scene.second.opening:
         return
     shown = opened.splats or (opened.run.model if opened.run is not None else None)
-    state.second.opening = None
+    state.scene.second.opening = None
     if shown is None:
         actions.fail(state, f"expected a finished run or a splat file beside the first: {request.path}")
         return
-    state.second = Second(shown=shown)
-    if state.model is not None and shown.first != state.model.first:
+    state.scene.second = Second(shown=shown)
+    if state.scene.model is not None and shown.first != state.scene.model.first:
         actions.say(
             state, f"{shown.name} covers another part of the clip: the same time is a different moment"
         )
-    elif state.model is not None and shown.cameras != state.model.cameras:
+    elif state.scene.model is not None and shown.cameras != state.scene.model.cameras:
         actions.say(state, f"{shown.name} is of another clip: the first one's camera may not see it")
 
 
 def refuse_second(state: AppState, request: OpenRequest, reason: str) -> None:
     """It cannot be opened; what is beside the first stays."""
-    if request is state.second.opening:
-        state.second.opening = None
+    if request is state.scene.second.opening:
+        state.scene.second.opening = None
         actions.fail(state, reason)
 
 
 def close_second(state: AppState) -> None:
-    state.second = Second()
+    state.scene.second = Second()

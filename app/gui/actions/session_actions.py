@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from datetime import datetime
 from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
-from app.files.provenance import digest
 from app.gui.actions import actions, edit_actions
 from app.gui.session_file import (
     MOST_STEPS,
@@ -24,11 +22,11 @@ from app.gui.session_file import (
     Varied,
     autosave_path,
     recoverable,
-    write_session,
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
 from app.gui.work.background import Failure
+from app.gui.work.session_writing import SessionRequest
 from app.gui.work.tuning import Choice
 from app.runs.run_edits import packed, unpacked
 from app.scenes.free_camera import FreeView
@@ -40,58 +38,33 @@ AUTOSAVE_SECONDS = 1.0
 """At least so long between two sessions that are saved in passing."""
 
 
-@dataclass(frozen=True, eq=False)
-class WriteRequest:
-    """A session to be written."""
-
-    path: Path
-    session: Session
-    in_passing: bool
-    """Without the sources' digests, which take time, and without a word."""
-
-
-def write(request: WriteRequest) -> Iterator[Path]:
-    """Answers a WriteRequest. Raises OSError or UserError."""
-    session, folder = request.session, request.path.parent
-    if not request.in_passing:
-        source, run = _hashed(session.source, folder), _hashed(session.run, folder)
-        session = replace(session, source=source, run=run)
-    write_session(request.path, session)
-    yield request.path
-
-
-def _hashed(source: SessionSource | None, folder: Path) -> SessionSource | None:
-    path = source.found(folder / "session") if source is not None else None
-    return replace(source, sha256=digest(path)) if source is not None and path is not None else source
-
-
 def snapshot(state: AppState, folder: Path) -> Session:
     """The session as it stands, for a file in `folder`."""
-    free, run, draft = state.viewer.free, state.reconstruction.run_path, state.reconstruction
+    free, run, draft = state.scene.viewer.free, state.runs.reconstruction.run_path, state.runs.reconstruction
     return Session(
-        source=SessionSource.of(state.opened_path, folder) if state.opened_path else None,
+        source=SessionSource.of(state.source.path, folder) if state.source.path else None,
         run=SessionSource.of(run, folder) if run else None,
-        clip_options=state.opened_options,
-        part=state.clip_settings,
+        clip_options=state.source.options,
+        part=state.source.part,
         edits=_unsaved(state),
-        frame=state.frame_index,
-        frozen=state.frozen_index,
-        params=state.params,
-        past=tuple(look for look, _ in groupby(step.params for step in state.past))[-MOST_STEPS:],
-        scope=state.scope,
-        tissue_only=state.tissue_only,
-        enhancing=state.enhancing,
-        stored=dict(state.stored),
-        comparison=ComparedAs(**vars(state.comparison)),
-        zoom=state.picture_view.zoom,
-        center=state.picture_view.center,
-        linked=state.linked,
-        view_time=state.view_time,
+        frame=state.timeline.frame_index,
+        frozen=state.timeline.frozen_index,
+        params=state.enhancement.params,
+        past=tuple(look for look, _ in groupby(step.params for step in state.enhancement.past))[-MOST_STEPS:],
+        scope=state.enhancement.scope,
+        tissue_only=state.enhancement.tissue_only,
+        enhancing=state.enhancement.active,
+        stored=dict(state.enhancement.stored),
+        comparison=ComparedAs(**vars(state.comparing.chosen)),
+        zoom=state.picture.view.zoom,
+        center=state.picture.view.center,
+        linked=state.scene.linked,
+        view_time=state.scene.own_time,
         free=FreeCamera(free.camera.to_json(), free.down) if free else None,
-        views=parsed(views_json(state.cameras.views)),
-        view_kind=state.view_kind,
-        snapped=state.viewer.snapped,
-        blend=state.viewer.blend,
+        views=parsed(views_json(state.scene.cameras.views)),
+        view_kind=state.scene.kind,
+        snapped=state.scene.viewer.snapped,
+        blend=state.scene.viewer.blend,
         config=draft.config,
         input=draft.input,
         d_factor=draft.d_factor,
@@ -99,7 +72,7 @@ def snapshot(state: AppState, folder: Path) -> Session:
         varied=tuple(Varied(one.name, one.first, one.last, one.count) for one in state.tuning.choices),
         tuning_shown=state.tuning.shown,
         sort=state.tuning.sort,
-        notes=state.notes,
+        notes=state.session.notes,
     )
 
 
@@ -113,21 +86,25 @@ def _unsaved(state: AppState) -> UnsavedEdits | None:
 
 def restore(state: AppState, session: Session) -> None:
     """All of it but the sources, which are open by now."""
-    if session.part is not None and state.clip is not None:
-        state.clip_settings = session.part
+    if session.part is not None and state.source.clip is not None:
+        state.source.part = session.part
     if session.edits is not None:
         _restore_edits(state, session.edits)
     actions.seek(state, session.frame)
-    last = len(state.clip) - 1 if state.clip is not None else 0
-    state.frozen_index = min(session.frozen, last) if session.frozen is not None else None
-    state.params = session.params
-    state.scope, state.tissue_only, state.enhancing = session.scope, session.tissue_only, session.enhancing
-    state.stored = dict(session.stored)
-    state.comparison = Comparison(**asdict(session.comparison)).wiped(session.comparison.wipe)
-    state.picture_view = replace(state.picture_view, zoom=session.zoom, center=session.center)
-    state.linked, state.view_time = session.linked, session.view_time
+    last = len(state.source.clip) - 1 if state.source.clip is not None else 0
+    state.timeline.frozen_index = min(session.frozen, last) if session.frozen is not None else None
+    state.enhancement.params = session.params
+    state.enhancement.scope, state.enhancement.tissue_only, state.enhancement.active = (
+        session.scope,
+        session.tissue_only,
+        session.enhancing,
+    )
+    state.enhancement.stored = dict(session.stored)
+    state.comparing.chosen = Comparison(**asdict(session.comparison)).wiped(session.comparison.wipe)
+    state.picture.view = replace(state.picture.view, zoom=session.zoom, center=session.center)
+    state.scene.linked, state.scene.own_time = session.linked, session.view_time
     _restore_views(state, session)
-    draft = state.reconstruction
+    draft = state.runs.reconstruction
     draft.name, draft.d_factor = session.run_name, session.d_factor
     if draft.request is None:
         draft.config, draft.input = session.config, session.input
@@ -136,7 +113,7 @@ def restore(state: AppState, session: Session) -> None:
         state.tuning.choices = (first, second)
     state.tuning.shown = session.tuning_shown
     state.tuning.sort = session.sort
-    state.notes = session.notes
+    state.session.notes = session.notes
     actions.rebase(state, session.past or (session.params,))
 
 
@@ -159,78 +136,78 @@ def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
 
 
 def _restore_views(state: AppState, session: Session) -> None:
-    state.view_kind = session.view_kind
-    state.viewer.snapped = session.snapped and state.has_photos
-    state.viewer.blend = session.blend
+    state.scene.kind = session.view_kind
+    state.scene.viewer.snapped = session.snapped and state.has_photos
+    state.scene.viewer.blend = session.blend
     if session.free is not None:
-        state.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
+        state.scene.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
     if session.views is not None:
-        state.cameras.views = views_of(session.views)
+        state.scene.cameras.views = views_of(session.views)
 
 
-def save_request(state: AppState) -> WriteRequest | None:
+def save_request(state: AppState) -> SessionRequest | None:
     """A file with the pictures, or the one that was opened or saved before; None: nothing is open."""
-    if state.opened_path is None:
+    if state.source.path is None:
         return None
-    if state.session_path is None:
+    if state.session.path is None:
         stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
-        state.session_path = state.places.pictures / f"{state.opened_path.stem}-{stamp}{SUFFIX}"
-    path = state.session_path
-    return WriteRequest(path, snapshot(state, path.parent), in_passing=False)
+        state.session.path = state.places.pictures / f"{state.source.path.stem}-{stamp}{SUFFIX}"
+    path = state.session.path
+    return SessionRequest(path, snapshot(state, path.parent), in_passing=False)
 
 
-def autosave_request(state: AppState) -> WriteRequest | None:
+def autosave_request(state: AppState) -> SessionRequest | None:
     """What has changed since it was last saved in passing, once in a while."""
-    if state.opened_path is None or state.now - state.autosaved_at < AUTOSAVE_SECONDS:
+    if state.source.path is None or state.window.now - state.session.autosaved_at < AUTOSAVE_SECONDS:
         return None
-    state.autosaved_at = state.now
+    state.session.autosaved_at = state.window.now
     path = autosave_path(state.places.config)
     session = snapshot(state, path.parent)
-    if session == state.autosaved:
+    if session == state.session.autosaved:
         return None
-    state.autosaved = session
-    return WriteRequest(path, session, in_passing=True)
+    state.session.autosaved = session
+    return SessionRequest(path, session, in_passing=True)
 
 
-def take_written(state: AppState, request: WriteRequest, answer: Path | Failure) -> None:
+def take_written(state: AppState, request: SessionRequest, answer: Path | Failure) -> None:
     """Say how it went; the same trouble with saving in passing is told once."""
     if isinstance(answer, Path):
         if request.in_passing:
-            state.autosave_trouble = ""
+            state.session.autosave_trouble = ""
         else:
             actions.announce(state, f"saved {answer.name} in {answer.parent.name}/")
     elif not request.in_passing:
         actions.fail(state, f"the session was not saved: {answer.message}")
     else:
-        state.autosaved = None
-        if state.autosave_trouble != answer.message:
-            state.autosave_trouble = answer.message
+        state.session.autosaved = None
+        if state.session.autosave_trouble != answer.message:
+            state.session.autosave_trouble = answer.message
             actions.fail(state, f"the session cannot be autosaved: {answer.message}")
 
 
 def offer_recovery(state: AppState) -> None:
     """At the start: whether an earlier session ended without an end."""
     try:
-        state.recoverable = recoverable(state.places.config)
+        state.session.recoverable = recoverable(state.places.config)
     except OSError as error:
         actions.say(state, f"earlier sessions cannot be listed: {error}")
 
 
 def recover(state: AppState) -> None:
     """Open what a crash left; its file goes only when all of it is open."""
-    if state.recoverable is not None:
-        actions.open_path(state, state.recoverable)
-    state.recoverable = None
+    if state.session.recoverable is not None:
+        actions.open_path(state, state.session.recoverable)
+    state.session.recoverable = None
 
 
 def decline(state: AppState) -> None:
     """Start afresh; the file is kept under another name, for a second thought."""
-    if state.recoverable is not None:
-        kept = state.recoverable.with_name(f"declined{SUFFIX}")
+    if state.session.recoverable is not None:
+        kept = state.session.recoverable.with_name(f"declined{SUFFIX}")
         with suppress(OSError):
-            os.replace(state.recoverable, kept)
+            os.replace(state.session.recoverable, kept)
             actions.say(state, f"the earlier session was saved as {kept}")
-    state.recoverable = None
+    state.session.recoverable = None
 
 
 def taken_up(state: AppState, path: Path) -> None:
@@ -239,7 +216,7 @@ def taken_up(state: AppState, path: Path) -> None:
         with suppress(OSError):
             os.replace(path, autosave_path(state.places.config))
     else:
-        state.session_path = path
+        state.session.path = path
 
 
 def end(state: AppState) -> None:

@@ -30,20 +30,20 @@ def start_grid(state: AppState) -> None:
         return
     try:
         axes = [_axis(state, choice) for choice in tuning.choices if choice.name]
-        wanted = settings(state.params, axes)
+        wanted = settings(state.enhancement.params, axes)
     except UserError as error:
         actions.fail(state, str(error).removeprefix("--vary: "))
         return
     columns = columns_of([len(one.values) for one in axes], in_order=True)
-    tuning.grid = Grid(picture.with_params(state.params), wanted, columns)
+    tuning.grid = Grid(picture.with_params(state.enhancement.params), wanted, columns)
     tuning.cells, tuning.running, tuning.chosen, tuning.look = {}, True, None, None
 
 
 def _axis(state: AppState, choice: Choice) -> Axis:
     """Raises UserError: chosen while another method was on."""
-    if not hasattr(state.params, choice.name):
+    if not hasattr(state.enhancement.params, choice.name):
         raise UserError(f"{choice.name} is not a parameter of this method: choose another one to vary")
-    return choice.axis(whole=isinstance(getattr(state.params, choice.name), int))
+    return choice.axis(whole=isinstance(getattr(state.enhancement.params, choice.name), int))
 
 
 def stop_grid(state: AppState) -> None:
@@ -61,7 +61,7 @@ def use_setting(state: AppState, setting: Setting) -> None:
     actions.settle_params(state)
     actions.set_params(state, setting.params)
     actions.settle_params(state)
-    state.enhancing = True
+    state.enhancement.active = True
     actions.announce(state, f"now using {setting.label}")
 
 

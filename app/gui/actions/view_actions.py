@@ -14,13 +14,13 @@ def choices(state: AppState) -> tuple[ViewKind, ...]:
 
 def choose_view(state: AppState, kind: ViewKind) -> None:
     """A difference is to the photo, so it is seen through the clip's camera."""
-    state.view_kind = kind
-    if kind == "difference" and not state.viewer.snapped:
+    state.scene.kind = kind
+    if kind == "difference" and not state.scene.viewer.snapped:
         camera_actions.toggle_snap(state)
 
 
 def next_view(state: AppState) -> None:
-    if state.model is not None:
+    if state.scene.model is not None:
         kinds = choices(state)
-        now = kinds.index(state.view_kind) if state.view_kind in kinds else -1
+        now = kinds.index(state.scene.kind) if state.scene.kind in kinds else -1
         choose_view(state, kinds[(now + 1) % len(kinds)])

@@ -16,19 +16,19 @@ def camera_sections(state: AppState, outside: WindowServices) -> tuple[Section, 
                 text="return the 3D view to the clip's camera", applies=_has_model),
         Command("Frame overlay", camera_actions.toggle_snap, ("C",),
                 text="3D view from the clip's camera, with its frame over it",
-                applies=lambda s: s.has_photos, ticked=lambda s: s.viewer.snapped),
+                applies=lambda s: s.has_photos, ticked=lambda s: s.scene.viewer.snapped),
         Command("Less of the frame", lambda s: _blend(s, -BLEND_STEP), ("[",),
-                applies=lambda s: s.viewer.snapped, repeats=True),
+                applies=lambda s: s.scene.viewer.snapped, repeats=True),
         Command("More of the frame", lambda s: _blend(s, BLEND_STEP), ("]",),
-                applies=lambda s: s.viewer.snapped, repeats=True),
+                applies=lambda s: s.scene.viewer.snapped, repeats=True),
         Command("Next kind of view", view_actions.next_view, ("N",),
                 text="3D view: colour, depth, normals and others", applies=_has_model),
         Command("Measure", camera_actions.toggle_measuring, ("M",),
                 text="measure between two clicks on the 3D view",
-                applies=_has_model, ticked=lambda s: s.viewer.measuring),
+                applies=_has_model, ticked=lambda s: s.scene.viewer.measuring),
         Command("Fly", camera_actions.toggle_flight, ("G",),
                 text="fly through the 3D view, or return to orbiting",
-                applies=_has_model, ticked=lambda s: s.viewer.flying),
+                applies=_has_model, ticked=lambda s: s.scene.viewer.flying),
     )  # fmt: skip
     path = (
         Command("Add this view", path_actions.save_view, ("B",),
@@ -36,16 +36,16 @@ def camera_sections(state: AppState, outside: WindowServices) -> tuple[Section, 
         Command("Add a keyframe", path_actions.add_keyframe, ("I",),
                 text="add this 3D view to the camera path", applies=_has_model),
         Command("Play the path", path_actions.toggle_path, ("L",), text="play the camera path",
-                applies=lambda s: len(s.cameras.views.path.keyframes) > 1,
-                ticked=lambda s: s.cameras.playing),
+                applies=lambda s: len(s.scene.cameras.views.path.keyframes) > 1,
+                ticked=lambda s: s.scene.cameras.playing),
     )  # fmt: skip
     files = (
         Command("Import views…", start(outside.import_views), applies=_has_model),
         Command("Save views and path", path_actions.save_views,
-                applies=lambda s: bool(s.cameras.views.path.keyframes or s.cameras.views.named)),
+                applies=lambda s: bool(s.scene.cameras.views.path.keyframes or s.scene.cameras.views.named)),
         Command("Export the clip's cameras", path_actions.export_clip_cameras, applies=_has_model),
         Command("Export the path's cameras", path_actions.export_path_cameras,
-                applies=lambda s: bool(s.cameras.views.path.keyframes)),
+                applies=lambda s: bool(s.scene.cameras.views.path.keyframes)),
     )  # fmt: skip
     return (
         Section("Camera", views),
@@ -64,14 +64,14 @@ def second_commands(state: AppState, outside: WindowServices) -> tuple[Command, 
         Command(
             "Close the second view",
             second_actions.close_second,
-            applies=lambda s: s.second.shown is not None,
+            applies=lambda s: s.scene.second.shown is not None,
         ),
     )
 
 
 def _blend(state: AppState, by: float) -> None:
-    camera_actions.blend(state, state.viewer.blend + by)
+    camera_actions.blend(state, state.scene.viewer.blend + by)
 
 
 def _has_model(state: AppState) -> bool:
-    return state.model is not None
+    return state.scene.model is not None

@@ -50,11 +50,11 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
 
 
 def has_clip(state: AppState) -> bool:
-    return state.clip is not None
+    return state.source.clip is not None
 
 
 def has_something(state: AppState) -> bool:
-    return state.pictures is not None or state.model is not None
+    return state.picture.pictures is not None or state.scene.model is not None
 
 
 def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
@@ -101,7 +101,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
             start(outside.session),
             ("Ctrl+S",),
             text="save the open files, settings, views and notes; open it like a clip",
-            applies=lambda s: s.opened_path is not None,
+            applies=lambda s: s.source.path is not None,
         ),
     )
     return (
@@ -121,7 +121,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             ("E",),
             text="enhancement on or off",
             applies=has_clip,
-            ticked=lambda s: s.enhancing,
+            ticked=lambda s: s.enhancement.active,
         ),
         Command("Plain white light", actions.white_light, ("Esc",), applies=has_clip),
         Command(
@@ -130,7 +130,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             ("F",),
             text="hold this frame in both panes",
             applies=has_clip,
-            ticked=lambda s: s.frozen_index is not None,
+            ticked=lambda s: s.timeline.frozen_index is not None,
         ),
     )
     zooms = (
@@ -144,7 +144,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             history_actions.undo,
             ("Ctrl+Z",),
             text="undo the last change",
-            applies=lambda s: len(s.past) > 1 and not s.editing.active,
+            applies=lambda s: len(s.enhancement.past) > 1 and not s.editing.active,
             repeats=True,
         ),
         Command(
@@ -152,7 +152,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
             history_actions.redo,
             ("Ctrl+Y",),
             text="redo the last undone change",
-            applies=lambda s: bool(s.future) and not s.editing.active,
+            applies=lambda s: bool(s.enhancement.future) and not s.editing.active,
             repeats=True,
         ),
         Command("Reset all parameters", actions.reset_params, ("R",)),
@@ -178,7 +178,7 @@ def _compare() -> tuple[Section, ...]:
             comparing.toggle_zebra,
             ("Z",),
             applies=has_clip,
-            ticked=lambda s: s.comparison.zebra,
+            ticked=lambda s: s.comparing.chosen.zebra,
         ),
     )
     slots = tuple(command for slot in SLOTS for command in _slot(slot))
@@ -191,7 +191,7 @@ def _compare() -> tuple[Section, ...]:
 
 def _mode(mode: Mode) -> Command:
     act: Act = comparing.flip if mode == "flip" else partial(_choose_mode, mode=mode)
-    ticked: Asks = lambda state: state.comparison.mode == mode  # noqa: E731
+    ticked: Asks = lambda state: state.comparing.chosen.mode == mode  # noqa: E731
     keys = (MODE_KEYS[mode],)
     return Command(mode.capitalize(), act, keys, text=MODE_TEXTS[mode], applies=has_clip, ticked=ticked)
 
@@ -208,7 +208,9 @@ def _slot(slot: Slot) -> tuple[Command, Command]:
     return (
         Command(f"Store settings {slot}", lambda s: comparing.store(s, slot), (f"Shift+{slot}",)),
         Command(
-            f"Use settings {slot}", lambda s: comparing.recall(s, slot), applies=lambda s: slot in s.stored
+            f"Use settings {slot}",
+            lambda s: comparing.recall(s, slot),
+            applies=lambda s: slot in s.enhancement.stored,
         ),
     )
 
@@ -220,8 +222,8 @@ def _clip() -> tuple[Section, ...]:
             actions.toggle_play,
             ("P", "K"),
             text="play or pause",
-            applies=lambda s: s.clip is not None and len(s.clip) > 1,
-            ticked=lambda s: s.playing,
+            applies=lambda s: s.source.clip is not None and len(s.source.clip) > 1,
+            ticked=lambda s: s.timeline.playing,
         ),
         Command("Previous frame", partial(actions.step, frames=-1), ("comma",), applies=has_clip,
                 repeats=True),
@@ -234,9 +236,9 @@ def _clip() -> tuple[Section, ...]:
         Command("End here", partial(clip_actions.trim_here, start=False), ("Shift+O",),
                 text="end the clip at this frame", applies=has_clip),
         Command("Whole clip", clip_actions.untrim, text="from its first frame to its last",
-                applies=lambda s: s.clip_settings.trim is not None),
+                applies=lambda s: s.source.part.trim is not None),
         Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),
-                text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.overlay),
+                text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.picture.overlay),
     )  # fmt: skip
     return Section("Clip", time), Section("Clip", parts)
 
@@ -256,17 +258,17 @@ def _help() -> tuple[Section, ...]:
 
 
 def _open_palette(state: AppState) -> None:
-    state.palette.open()
+    state.window.palette.open()
 
 
 def fit_pictures(state: AppState) -> None:
-    state.picture_view = state.picture_view.fitted()
+    state.picture.view = state.picture.view.fitted()
 
 
 def one_to_one(state: AppState) -> None:
     """One picture pixel a pixel of the screen, also where the window counts in larger units."""
-    state.picture_view = state.picture_view.one_to_one(1 / imgui.get_io().display_framebuffer_scale.x)
+    state.picture.view = state.picture.view.one_to_one(1 / imgui.get_io().display_framebuffer_scale.x)
 
 
 def toggle_help(state: AppState) -> None:
-    state.help_open = not state.help_open
+    state.window.help_open = not state.window.help_open

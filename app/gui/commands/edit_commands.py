@@ -8,7 +8,7 @@ from functools import partial
 from app.gui.actions import edit_actions
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
-from app.gui.work.editing import Tool
+from app.gui.state.editing import Tool
 
 TOOL_KEYS: dict[Tool, str] = {
     "look": "Shift+V", "rectangle": "Shift+R", "lasso": "Shift+L", "sphere": "Shift+S", "box": "Shift+K"

@@ -14,11 +14,11 @@ def job_sections(outside: WindowServices) -> tuple[Section, ...]:
                 text="reconstruct with the current settings: now, or after those in the queue",
                 applies=lambda s: not job_actions.why_not_reconstruct(s)),
         Command("Pause reconstruction", job_actions.toggle_pause, ("Ctrl+P",),
-                text="pause or resume training", ticked=lambda s: s.reconstruction.can_resume,
-                applies=lambda s: s.reconstruction.can_pause or s.reconstruction.can_resume),
+                text="pause or resume training", ticked=lambda s: s.runs.reconstruction.can_resume,
+                applies=lambda s: s.runs.reconstruction.can_pause or s.runs.reconstruction.can_resume),
         Command("Cancel reconstruction", job_actions.cancel, ("Ctrl+Shift+X",),
                 text="stop training; the last checkpoint is kept",
-                applies=lambda s: s.reconstruction.is_alive),
+                applies=lambda s: s.runs.reconstruction.is_alive),
     )  # fmt: skip
     ended = (
         Command("Continue the interrupted run", lambda s: job_actions.continue_reconstruction(s, make_job),
@@ -31,14 +31,14 @@ def job_sections(outside: WindowServices) -> tuple[Section, ...]:
                 text="run the reconstructions queued in an earlier session",
                 applies=queue_actions.sleeps),
         Command("Move the last to the front", queue_actions.last_to_front,
-                text="move the last of the queue to its front", applies=lambda s: len(s.queue) > 1),
+                text="move the last of the queue to its front", applies=lambda s: len(s.runs.queue) > 1),
         Command("Empty the queue", queue_actions.empty,
-                text="remove all queued reconstructions", applies=lambda s: bool(s.queue)),
+                text="remove all queued reconstructions", applies=lambda s: bool(s.runs.queue)),
     )  # fmt: skip
     return tuple(Section("Reconstruct", commands) for commands in (making, ended, waiting))
 
 
 def _can_look(state: AppState) -> bool:
-    run = state.reconstruction
+    run = state.runs.reconstruction
     ended = run.status in ("failed", "cancelled")
     return ended and not run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)

@@ -63,8 +63,8 @@ class Keyboard:
         # The key that has just closed a menu or ended typing has done its work.
         acts, self._was_free = free and self._was_free, free
         # While controls are walked by keyboard, Space presses the one in focus.
-        state.peeking = acts and not io.nav_visible and imgui.is_key_down(PEEK)
-        flies = state.viewer.flying
+        state.enhancement.peeking = acts and not io.nav_visible and imgui.is_key_down(PEEK)
+        flies = state.scene.viewer.flying
         for command in _pressed(state, sections) if acts else ():
             command.act(state)
         held = FLIGHT if acts and flies and not io.key_mods else {}
@@ -73,7 +73,7 @@ class Keyboard:
 
 def _pressed(state: AppState, sections: Iterable[Section]) -> list[Command]:
     """Commands that apply and whose keys went down; in flight its own keys do nothing else."""
-    flies = state.viewer.flying
+    flies = state.scene.viewer.flying
     return [
         command
         for section in sections
@@ -95,6 +95,6 @@ def _is_pressed(code: int, repeats: bool) -> bool:
 def _fly(state: AppState, ways: list[tuple[int, int, int]], seconds: float) -> None:
     """Where the held keys together lead."""
     right, down, forward = (sum(way[axis] for way in ways) for axis in range(3))
-    state.viewer.moving = any((right, down, forward))
-    if state.viewer.moving:
+    state.scene.viewer.moving = any((right, down, forward))
+    if state.scene.viewer.moving:
         camera_actions.fly(state, right, down, forward, seconds)

@@ -26,7 +26,7 @@ def beside(state: AppState) -> tuple[Command, ...]:
             label,
             partial(second_actions.open_second, path=Path(text)),
             text=text,
-            applies=lambda s: s.model is not None,
+            applies=lambda s: s.scene.model is not None,
         )
         for label, text in _named(state)
     )

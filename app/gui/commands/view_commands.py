@@ -6,7 +6,7 @@ from functools import partial
 
 from app.gui.actions import actions, path_actions
 from app.gui.commands.command import Command, Section, WindowServices, start
-from app.gui.state.settings import TEXT_PERCENTS, Theme
+from app.gui.work.settings import TEXT_PERCENTS, Theme
 
 
 def view_sections(outside: WindowServices) -> tuple[Section, ...]:
@@ -27,8 +27,8 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
         "Camera path",
         path_actions.toggle_path_shown,
         text="show the camera path in the 3D view",
-        applies=lambda s: bool(s.cameras.views.path.keyframes),
-        ticked=lambda s: s.cameras.path_shown,
+        applies=lambda s: bool(s.scene.cameras.views.path.keyframes),
+        ticked=lambda s: s.scene.cameras.path_shown,
     )
     layout = Command(
         "Standard layout", start(outside.layout), text="all panels back to their standard places"

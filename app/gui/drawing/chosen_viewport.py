@@ -17,7 +17,7 @@ FAILURES = (moderngl.Error, ValueError, MemoryError)
 
 
 class ChosenViewport:
-    """Sets `state.processor_draws`, and says why in `state.drawn_by`.
+    """Sets `state.scene.processor_draws`, and says why in `state.scene.drawn_by`.
 
     On a software driver the numba rasteriser begins; once it has drawn a few pictures of a model, OpenGL
     draws the last of them, too, and takes over if it is faster. A card that fails gives way to the
@@ -29,13 +29,13 @@ class ChosenViewport:
         self._graphics, self._processor = GraphicsViewport(ctx, textures), ProcessorViewport(textures)
         self._compares = is_software(ctx)
         self._views: list[View] = []
-        state.processor_draws = self._compares
-        state.drawn_by = f"OpenGL here is {renderer_name(ctx)}."
+        state.scene.processor_draws = self._compares
+        state.scene.drawn_by = f"OpenGL here is {renderer_name(ctx)}."
 
     def show(self, state: AppState) -> OnScreen | None:
         if self._compares:
             self._compare(state)
-        if state.processor_draws:
+        if state.scene.processor_draws:
             return self._processor.show(state)
         try:
             return self._graphics.show(state)
@@ -45,7 +45,7 @@ class ChosenViewport:
 
     def _compare(self, state: AppState) -> None:
         """Once, between two frames of the window, as long as one picture takes."""
-        view = state.view
+        view = state.scene.view
         if view is None or view.request.kind != "color" or any(view is one for one in self._views):
             return
         self._views.append(view)
@@ -59,19 +59,19 @@ class ChosenViewport:
             return
         alike = [one for one in self._views if one.request.reduced == view.request.reduced]
         own = min(one.milliseconds for one in alike)
-        state.processor_draws = own <= card
-        faster = "the numba rasteriser" if state.processor_draws else "OpenGL"
+        state.scene.processor_draws = own <= card
+        faster = "the numba rasteriser" if state.scene.processor_draws else "OpenGL"
         self._say(
             state, f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms an image: {faster} draws"
         )
 
     def _give_up(self, state: AppState, error: Exception) -> None:
-        state.processor_draws, self._compares = True, False
+        state.scene.processor_draws, self._compares = True, False
         self._say(state, f"OpenGL failed ({error}): the numba rasteriser draws")
 
     def _say(self, state: AppState, why: str) -> None:
-        state.drawn_by = f"3D view: {why}"
-        actions.say(state, state.drawn_by)
+        state.scene.drawn_by = f"3D view: {why}"
+        actions.say(state, state.scene.drawn_by)
 
     def release(self) -> None:
         self._graphics.release()

@@ -11,14 +11,14 @@ from app.gui.state.app_state import AppState
 
 
 class SecondViewport:
-    """Follows `state.processor_draws`, which the first view's drawing decides."""
+    """Follows `state.scene.processor_draws`, which the first view's drawing decides."""
 
     def __init__(self, ctx: moderngl.Context, textures: Textures) -> None:
         self._graphics = GraphicsViewport(ctx, textures, SECOND)
         self._processor = ProcessorViewport(textures, SECOND)
 
     def show(self, state: AppState) -> OnScreen | None:
-        if state.processor_draws:
+        if state.scene.processor_draws:
             return self._processor.show(state)
         try:
             return self._graphics.show(state)

@@ -57,14 +57,14 @@ def keyframes_of(shown: Scene | None, baked: Baked | None) -> Keyframes | None:
 FIRST = Watch(
     "view",
     lambda state: state.view_request,
-    lambda state: state.view,
-    lambda state: keyframes_of(state.model, state.baked),
+    lambda state: state.scene.view,
+    lambda state: keyframes_of(state.scene.model, state.scene.baked),
 )
 SECOND = Watch(
     "second view",
     lambda state: state.second_request,
-    lambda state: state.second.view,
-    lambda state: keyframes_of(state.second.shown, state.second.baked),
+    lambda state: state.scene.second.view,
+    lambda state: keyframes_of(state.scene.second.shown, state.scene.second.baked),
 )
 
 
@@ -81,7 +81,7 @@ class ProcessorViewport:
 
     def show(self, state: AppState) -> OnScreen | None:
         view = self._watch.view(state)
-        if view is None or state.model is None:
+        if view is None or state.scene.model is None:
             return None
         texture = self._textures.whole(self._watch.slot, view.image)
         return OnScreen(texture, (0, 0), (1, 1), view.request, view.scale)

@@ -141,10 +141,10 @@ def follow(state: AppState) -> None:
     panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
     _show(panel(TUNING), state.tuning.shown)
     _show(panel(EDIT), state.editing.active)
-    if state.report_asked:
+    if state.reports.asked:
         # Once in front, it is as the View menu says.
         panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True
-        state.report_asked = False
+        state.reports.asked = False
 
 
 def _show(window: hello_imgui.DockableWindow, wanted: bool) -> None:

@@ -21,13 +21,13 @@ def ask_before_quitting(state: AppState) -> None:
         params.app_shall_exit = False
         glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
         if state.editing.is_unsaved:
-            state.closing = "no"
+            state.window.closing = "no"
             actions.leave(state, dockings.quit_app)
     _draw_question(state)
 
 
 def _draw_question(state: AppState) -> None:
-    if state.closing != "asked":
+    if state.window.closing != "asked":
         return
     with question("Close VesselSplat?", 27) as opened:
         if not opened:

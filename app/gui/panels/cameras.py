@@ -20,7 +20,7 @@ Act = Callable[[], None]
 
 def draw_cameras(state: AppState, ask_file: Act) -> None:
     """`ask_file` lets a person choose a file of views."""
-    if state.model is None:
+    if state.scene.model is None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(
                 theme.now().muted, "Views and camera paths need a reconstruction: start or open one."
@@ -29,15 +29,15 @@ def draw_cameras(state: AppState, ask_file: Act) -> None:
     _draw_files(state, ask_file)
     imgui.separator_text("Views")
     _draw_new_view(state)
-    for index in range(len(state.cameras.views.named)):
-        if index < len(state.cameras.views.named):
+    for index in range(len(state.scene.cameras.views.named)):
+        if index < len(state.scene.cameras.views.named):
             _draw_view(state, index)
     imgui.separator_text("Path")
-    _draw_path(state, state.model)
+    _draw_path(state, state.scene.model)
 
 
 def _draw_files(state: AppState, ask_file: Act) -> None:
-    views = state.cameras.views
+    views = state.scene.cameras.views
     button("Import…###import", ask_file)
     explain(
         "Saved views, cameras.json, transforms.json or COLMAP's images.txt; or drop the file on the window."
@@ -63,14 +63,16 @@ def _open_export() -> None:
 
 def _draw_new_view(state: AppState) -> None:
     imgui.set_next_item_width(-em(6))
-    _, state.cameras.name = imgui.input_text_with_hint("##name", "name of this view", state.cameras.name)
+    _, state.scene.cameras.name = imgui.input_text_with_hint(
+        "##name", "name of this view", state.scene.cameras.name
+    )
     imgui.same_line()
     button(f"{icons.ICON_FA_PLUS} Add###keep", lambda: path_actions.save_view(state), width=-1)
     explain("B: add this viewpoint under this name.")
 
 
 def _draw_view(state: AppState, index: int) -> None:
-    one = state.cameras.views.named[index]
+    one = state.scene.cameras.views.named[index]
     with imgui_ctx.push_id(f"view {index}"):
         width = imgui.get_content_region_avail().x - em(5.2)
         if imgui.selectable(f"{legible(one.name)}###go", False, 0, ImVec2(width, 0))[0]:
@@ -100,7 +102,7 @@ def _draw_rename(state: AppState, index: int, name: str) -> None:
 
 
 def _draw_path(state: AppState, model: Scene) -> None:
-    cameras, path = state.cameras, state.cameras.views.path
+    cameras, path = state.scene.cameras, state.scene.cameras.views.path
     button(f"{icons.ICON_FA_PLUS} Keyframe###keyframe", lambda: path_actions.add_keyframe(state))
     explain("I: add this view and time to the path, at its current second or after its end.")
     imgui.same_line()
@@ -139,7 +141,7 @@ def _draw_keyframes(state: AppState, model: Scene) -> None:
         imgui.table_setup_column("Frame")
         imgui.table_setup_column("", imgui.TableColumnFlags_.width_fixed, em(7.2))
         imgui.table_headers_row()
-        for index, key in enumerate(state.cameras.views.path.keyframes):
+        for index, key in enumerate(state.scene.cameras.views.path.keyframes):
             with imgui_ctx.push_id(f"key {index}"):
                 _draw_keyframe(state, model, index, key)
 

@@ -22,40 +22,40 @@ from app.gui.style.widgets import beside, beside_of, button, centered, em, expla
 
 MODE_LABELS = [mode.capitalize() for mode in MODES]
 MODE_TEXT = (
-    "V: side by side. W: wipe, with a line to drag. T: one pane that flips between left and right. "
-    "D: where and by how much they differ."
+    "V: side by side. W: wipe, with a line to drag. T: one pane that flips between left and "
+    "right. D: where and by how much they differ."
 )
 ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, blue where all are at 0."
 
 
 def draw_compare(state: AppState, textures: ShowsPictures, draw_welcome: Callable[[], None]) -> None:
     """Both pictures with their tags, or what to do when there is no clip yet."""
-    if state.clip is None:
+    if state.source.clip is None:
         draw_welcome()
         return
     _draw_toolbar(state)
     gap = em(0.3)
     half = max((imgui.get_content_region_avail().x - gap) / 2, em(4))
     _draw_sources(state, half, gap)
-    if state.pictures is None:
+    if state.picture.pictures is None:
         imgui.dummy(ImVec2(0, em(4)))
         centered("Reading the first frame…")
         return
     space = imgui.get_content_region_avail()
     height = max(space.y, em(4))
     if shown_mode(state) == "side by side":
-        _draw_pair(state, state.pictures, textures, ImVec2(half, height), gap)
+        _draw_pair(state, state.picture.pictures, textures, ImVec2(half, height), gap)
     else:
-        _draw_one(state, state.pictures, textures, ImVec2(2 * half + gap, height))
+        _draw_one(state, state.picture.pictures, textures, ImVec2(2 * half + gap, height))
 
 
 def _draw_toolbar(state: AppState) -> None:
-    label = "Enhancement on" if state.enhancing else "Enhancement off"
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.enhancing)):
+    label = "Enhancement on" if state.enhancement.active else "Enhancement off"
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.enhancement.active)):
         button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=8)
     explain("E: on or off. Esc: plain white light. Hold Space: the original in every pane.")
     beside("Frozen")
-    freezing = state.frozen_index is not None
+    freezing = state.timeline.frozen_index is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(freezing, caution=True)):
         button("Frozen###freeze" if freezing else "Freeze###freeze", lambda: actions.toggle_freeze(state))
     explain("F: hold this frame in both panes while the clip plays on.")
@@ -70,7 +70,7 @@ def _draw_toolbar(state: AppState) -> None:
     explain("1: actual pixels (1:1).")
     beside_of(em(4))
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.now().muted, f"{100 * state.zoom:.0f} %".rjust(6))
+    imgui.text_colored(theme.now().muted, f"{100 * state.picture.zoom:.0f} %".rjust(6))
     explain("Screen pixels per image pixel.")
     _draw_slots(state)
 
@@ -84,13 +84,13 @@ def _draw_slots(state: AppState) -> None:
 
 def _draw_modes(state: AppState) -> None:
     imgui.set_next_item_width(em(7))
-    now = MODES.index(state.comparison.mode)
+    now = MODES.index(state.comparing.chosen.mode)
     changed, chosen = imgui.combo("##mode", now, MODE_LABELS)
     explain(MODE_TEXT)
     if changed and chosen != now:
         comparing.choose_mode(state, MODES[chosen])
     beside("Zebra")
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.comparison.zebra)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.comparing.chosen.zebra)):
         button("Zebra", lambda: comparing.toggle_zebra(state))
     explain(ZEBRA_TEXT)
 
@@ -107,7 +107,7 @@ def _draw_sources(state: AppState, half: float, gap: float) -> None:
 
 
 def _draw_source(state: AppState, side: Side, width: float) -> None:
-    source = state.comparison.source(side)
+    source = state.comparing.chosen.source(side)
     imgui.set_next_item_width(min(width, em(15)))
     if imgui.begin_combo(f"##{side}", label_of(source), imgui.ComboFlags_.height_large):
         for choice in SOURCES:
@@ -131,7 +131,7 @@ def _draw_pair(
             imgui.same_line(0, gap)
         area = Area.here(size)
         pointer = draw_side(state, textures, side, shown, area) or pointer
-    state.pointer = pointer
+    state.picture.pointer = pointer
 
 
 def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2) -> None:
@@ -139,13 +139,13 @@ def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, size
     area, mode = Area.here(size), shown_mode(state)
     left, right = (pane(state, pictures, side) for side in SIDES)
     if mode == "wipe":
-        state.pointer = draw_divider(state, textures, left, right, area)
+        state.picture.pointer = draw_divider(state, textures, left, right, area)
         return
-    difference = state.difference
-    if mode == "difference" and difference is not None and not state.peeking:
+    difference = state.comparing.difference
+    if mode == "difference" and difference is not None and not state.enhancement.peeking:
         heat = difference_pane(state, pictures, difference)
-        state.pointer = draw_single(state, textures, heat, (left, right), area)
+        state.picture.pointer = draw_single(state, textures, heat, (left, right), area)
         draw_bar(difference.top, area)
         return
-    shown = left if state.comparison.flipped else right
-    state.pointer = draw_single(state, textures, shown, (left, right), area)
+    shown = left if state.comparing.chosen.flipped else right
+    state.picture.pointer = draw_single(state, textures, shown, (left, right), area)

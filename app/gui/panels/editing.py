@@ -9,9 +9,10 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from app.files.legible import grouped
 from app.gui.actions import edit_actions
 from app.gui.state.app_state import AppState
+from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain, question, row
-from app.gui.work.editing import TOOLS, TRAITS, Editing, Limits, Tool
+from app.gui.work.selecting import TRAITS, Limits
 from renderer.editing.edits import Combination
 from renderer.editing.sight import Trait
 

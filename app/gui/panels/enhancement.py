@@ -16,9 +16,9 @@ from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measur
 from app.gui.panels.enhancement_scales import draw_scales
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import BUILT_IN, preset_name
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain, row, slide, slide_auto
+from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 
@@ -46,8 +46,8 @@ def draw_enhancement(state: AppState) -> None:
     """Method, preset and the main sliders always; windows, curves and measures by tab."""
     _draw_method(state)
     _draw_presets(state)
-    used = state.pictures.statistics if state.pictures else None
-    _change(state, _draw_main(state.params, used))
+    used = state.picture.pictures.statistics if state.picture.pictures else None
+    _change(state, _draw_main(state.enhancement.params, used))
     _draw_edits(state)
     imgui.spacing()
     with imgui_ctx.begin_tab_bar("details") as bar:
@@ -57,7 +57,7 @@ def draw_enhancement(state: AppState) -> None:
 
 
 def _draw_tabs(state: AppState, used: Statistics | None) -> None:
-    first = "Windows" if isinstance(state.params, EnhanceParams) else "More"
+    first = "Windows" if isinstance(state.enhancement.params, EnhanceParams) else "More"
     _draw_tab(f"{first}###windows", partial(_draw_settings, state, used))
     _draw_tab("Curves", partial(draw_curves, state))
     _draw_tab("Measures", partial(draw_measures, state))
@@ -72,21 +72,21 @@ def _draw_tab(label: str, draw: Callable[[], None]) -> None:
 
 
 def _draw_settings(state: AppState, used: Statistics | None) -> None:
-    _change(state, _draw_rest(state.params, used))
+    _change(state, _draw_rest(state.enhancement.params, used))
     _draw_scope(state)
 
 
 def _change(state: AppState, params: EnhancementSettings) -> None:
-    if params != state.params:
+    if params != state.enhancement.params:
         actions.set_params(state, params)
 
 
 def _draw_method(state: AppState) -> None:
     text = (
-        "The paper's method, or VesselSplat's preset, which darkens and reddens narrow "
-        "dark structures as blood would."
+        "The paper's method, or VesselSplat's preset, which darkens and reddens narrow dark "
+        "structures as blood would."
     )
-    now = METHODS.index(type(state.params))
+    now = METHODS.index(type(state.enhancement.params))
     chosen = _choose("Method", now, METHOD_LABELS, text)
     if chosen != now:
         actions.choose_method(state, METHODS[chosen])
@@ -95,7 +95,7 @@ def _draw_method(state: AppState) -> None:
 def _draw_presets(state: AppState) -> None:
     row("Preset", "Named settings. Save stores the current ones under a name of yours.")
     imgui.set_next_item_width(-em(4.0))
-    shown = preset_name(state.params, state.presets) or "custom"
+    shown = preset_name(state.enhancement.params, state.enhancement.presets) or "custom"
     if imgui.begin_combo("##preset", legible(shown)):
         for name in BUILT_IN:
             if imgui.selectable(name, name == shown)[0]:
@@ -110,9 +110,9 @@ def _draw_presets(state: AppState) -> None:
 
 
 def _draw_own(state: AppState, shown: str) -> None:
-    if state.presets:
+    if state.enhancement.presets:
         imgui.separator()
-    for name in sorted(state.presets):
+    for name in sorted(state.enhancement.presets):
         with imgui_ctx.push_id(name):
             if imgui.small_button("×"):
                 preset_actions.forget(state, name)
@@ -126,19 +126,21 @@ def _draw_keep(state: AppState) -> None:
     if not imgui.begin_popup("keep preset"):
         return
     if imgui.is_window_appearing():
-        state.preset_draft = ""
+        state.enhancement.preset_draft = ""
         imgui.set_keyboard_focus_here()
     imgui.set_next_item_width(em(14))
     flags = imgui.InputTextFlags_.enter_returns_true
-    entered, state.preset_draft = imgui.input_text_with_hint("##name", "name", state.preset_draft, flags)
-    state.preset_draft = state.preset_draft[:LONGEST_NAME]
+    entered, state.enhancement.preset_draft = imgui.input_text_with_hint(
+        "##name", "name", state.enhancement.preset_draft, flags
+    )
+    state.enhancement.preset_draft = state.enhancement.preset_draft[:LONGEST_NAME]
     imgui.same_line()
-    named = bool(state.preset_draft.strip())
+    named = bool(state.enhancement.preset_draft.strip())
     imgui.begin_disabled(not named)
     entered |= imgui.button("Save")
     imgui.end_disabled()
     if entered and named:
-        preset_actions.keep(state, state.preset_draft)
+        preset_actions.keep(state, state.enhancement.preset_draft)
         imgui.close_current_popup()
     imgui.end_popup()
 
@@ -184,9 +186,13 @@ def _draw_scope(state: AppState) -> None:
     text = (
         "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
     )
-    state.scope = SCOPES[_choose("Statistics", SCOPES.index(state.scope), SCOPE_LABELS, text)]
+    state.enhancement.scope = SCOPES[
+        _choose("Statistics", SCOPES.index(state.enhancement.scope), SCOPE_LABELS, text)
+    ]
     text = "Measured on all pixels as in the paper, or without tools and the black surround."
-    state.tissue_only = bool(_choose("Pixels", int(state.tissue_only), PIXEL_LABELS, text))
+    state.enhancement.tissue_only = bool(
+        _choose("Pixels", int(state.enhancement.tissue_only), PIXEL_LABELS, text)
+    )
 
 
 def _choose(label: str, index: int, values: list[str], text: str) -> int:
@@ -199,12 +205,12 @@ def _choose(label: str, index: int, values: list[str], text: str) -> int:
 
 def _draw_edits(state: AppState) -> None:
     width = (imgui.get_content_region_avail().x / em() - 1) / 3
-    button("Undo", partial(history_actions.undo, state), enabled=len(state.past) > 1, width=width)
+    button("Undo", partial(history_actions.undo, state), enabled=len(state.enhancement.past) > 1, width=width)
     explain("Ctrl+Z")
     imgui.same_line(0, em(0.5))
-    button("Redo", partial(history_actions.redo, state), enabled=bool(state.future), width=width)
+    button("Redo", partial(history_actions.redo, state), enabled=bool(state.enhancement.future), width=width)
     explain("Ctrl+Y")
     imgui.same_line(0, em(0.5))
-    changed = state.params != type(state.params)()
+    changed = state.enhancement.params != type(state.enhancement.params)()
     button("Reset all", partial(actions.reset_params, state), enabled=changed, width=width)
     explain("R. For a single value, double click or right click its slider.")

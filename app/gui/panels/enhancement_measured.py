@@ -56,14 +56,14 @@ def _number(value: float, form: str) -> str:
 
 def draw_curves(state: AppState) -> None:
     """V and S before and after, over their histograms, with L and S_m marked."""
-    pictures = state.pictures
+    pictures = state.picture.pictures
     if pictures is None or pictures.statistics is None or pictures.request.params is None:
         imgui.text_colored(theme.now().muted, "—")
         return
     used, made = pictures.statistics, curves(pictures.request.params, pictures.statistics)
     space = imgui.get_content_region_avail()
     size = ImVec2((space.x - em(0.5)) / 2, min(max(space.y - 1.6 * em(), em(5)), em(11)))
-    seen = state.measured if _is_of_frame(state.measured, pictures) else None
+    seen = state.picture.measured if _is_of_frame(state.picture.measured, pictures) else None
     spreads = None if seen is None else (seen.photo.value, seen.enhanced.value)
     _draw_plot("V", size, spreads, (made.given, made.value), used.level / 255)
     explain("Eq 1: V to Vn, at the marked L. Histograms: grey, the original frame; blue, the enhanced one.")
@@ -113,7 +113,7 @@ def _draw_plot(
 
 def draw_measures(state: AppState) -> None:
     """Photo and enhanced picture in numbers, greyed while they are of an earlier setting."""
-    seen, pictures = state.measured, state.pictures
+    seen, pictures = state.picture.measured, state.picture.pictures
     if seen is None or pictures is None:
         imgui.text_colored(theme.now().muted, "Not measured yet.")
     else:

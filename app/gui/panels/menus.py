@@ -56,8 +56,8 @@ def draw_status(state: AppState) -> None:
     if x > imgui.calc_text_size(LONG_NOTICE).x + em(3):
         imgui.same_line(x)
         imgui.text_colored(theme.now().muted, text)
-        if state.model is not None:
-            explain(state.drawn_by)
+        if state.scene.model is not None:
+            explain(state.scene.drawn_by)
 
 
 def _hide_border(ground: imgui.Col_) -> None:
@@ -72,14 +72,18 @@ def _hide_border(ground: imgui.Col_) -> None:
 
 def _facts(state: AppState) -> list[str]:
     facts = []
-    if state.clip is not None:
-        width, height = state.clip.size
-        facts.append(f"{legible(state.clip.name)}  {width}×{height}")
-    if state.pictures is not None and state.pictures.enhanced is not None:
-        facts.append(f"enhanced in {_while(state.pictures.milliseconds)}")
-    if state.model is not None:
-        who = "on the CPU" if state.processor_draws else "with OpenGL"
-        took = f" in {_while(state.view.milliseconds)}" if state.view and state.processor_draws else ""
+    if state.source.clip is not None:
+        width, height = state.source.clip.size
+        facts.append(f"{legible(state.source.clip.name)}  {width}×{height}")
+    if state.picture.pictures is not None and state.picture.pictures.enhanced is not None:
+        facts.append(f"enhanced in {_while(state.picture.pictures.milliseconds)}")
+    if state.scene.model is not None:
+        who = "on the CPU" if state.scene.processor_draws else "with OpenGL"
+        took = (
+            f" in {_while(state.scene.view.milliseconds)}"
+            if state.scene.view and state.scene.processor_draws
+            else ""
+        )
         facts.append(f"3D rendered {who}{took}")
     return facts
 

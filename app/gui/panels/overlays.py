@@ -18,10 +18,9 @@ from app.gui.style.widgets import button, em, explain, question, within
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
-    "VesselSplat makes vessels easier to see. It does not detect, measure or assess them, "
-    "and enhanced images may show structures that are not there. "
-    "Screens and cameras are not calibrated. You are responsible for how you use it. "
-    "Nothing leaves this computer."
+    "VesselSplat makes vessels easier to see. It does not detect, measure or assess them, and "
+    "enhanced images may show structures that are not there. Screens and cameras are not "
+    "calibrated. You are responsible for how you use it. Nothing leaves this computer."
 )
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
@@ -52,7 +51,7 @@ def draw_notice(state: AppState) -> None:
 
 def draw_banner(state: AppState) -> None:
     """An error, at the top, until it is dismissed; everything else stays usable."""
-    if state.banner is None:
+    if state.window.banner is None:
         return
     viewport = imgui.get_main_viewport()
     top = ImVec2(viewport.get_center().x, viewport.work_pos.y + em(0.8))
@@ -64,15 +63,15 @@ def draw_banner(state: AppState) -> None:
         imgui_ctx.push_style_color(imgui.Col_.border, theme.now().danger),
         imgui_ctx.begin("##banner", None, FIXED),
     ):
-        message = capital(state.banner.message)
+        message = capital(state.window.banner.message)
         wrap = min(imgui.calc_text_size(message).x + em(1), width - em(7))
         with imgui_ctx.begin_group(), imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + wrap):
             imgui.align_text_to_frame_padding()
             imgui.text_unformatted(message)
         imgui.same_line(0, em(1))
-        can_stop = state.banner.can_stop
+        can_stop = state.window.banner.can_stop
         if imgui.button("Dismiss"):
-            state.banner = None
+            state.window.banner = None
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
@@ -80,7 +79,7 @@ def draw_banner(state: AppState) -> None:
 
 def draw_toast(state: AppState) -> None:
     """Good news, at the bottom, for a few seconds."""
-    if state.toast is None:
+    if state.window.toast is None:
         return
     viewport = imgui.get_main_viewport()
     bottom = ImVec2(viewport.get_center().x, viewport.work_pos.y + viewport.work_size.y - em(6))
@@ -92,12 +91,12 @@ def draw_toast(state: AppState) -> None:
     ):
         # Also over the dialog that it answers, which may reach as far down.
         imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
-        imgui.text_unformatted(capital(state.toast.message))
+        imgui.text_unformatted(capital(state.window.toast.message))
 
 
 def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
     """Every key and gesture; nothing is hidden elsewhere."""
-    if not state.help_open:
+    if not state.window.help_open:
         return
     viewport = imgui.get_main_viewport()
     imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
@@ -105,7 +104,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
     imgui.set_next_window_size(ImVec2(within(36, 48).x, height), imgui.Cond_.appearing)
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
     with imgui_ctx.begin("Keys and mouse", True, flags) as window:
-        state.help_open = bool(window.opened)
+        state.window.help_open = bool(window.opened)
         if not window:
             return
         for menu, grouped in groupby(sections, lambda section: section.menu):
@@ -133,13 +132,13 @@ def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
 
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
     """What happened in this session, newest last; the newest stays in sight unless one scrolls back."""
-    button("Copy all", lambda: copy("\n".join(state.log)), enabled=bool(state.log))
+    button("Copy all", lambda: copy("\n".join(state.window.log)), enabled=bool(state.window.log))
     explain("Copy all lines to the clipboard. Click a line to copy it alone.")
     with imgui_ctx.begin_child("lines"):
-        if not state.log:
+        if not state.window.log:
             imgui.text_colored(theme.now().muted, "No messages yet.")
         with imgui_ctx.push_text_wrap_pos(0):
-            for line in state.log:
+            for line in state.window.log:
                 imgui.text_unformatted(capital(line))
                 if imgui.is_item_clicked():
                     copy(line)

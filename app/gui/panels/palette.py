@@ -21,7 +21,7 @@ FLAGS = (
 
 def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
     """Over the window, until a command is run or it is closed."""
-    palette = state.palette
+    palette = state.window.palette
     if not palette.shown:
         return
     appears = not imgui.is_popup_open(NAME)
@@ -59,7 +59,7 @@ def _move(state: AppState, count: int) -> bool:
     ways = ((imgui.Key.up_arrow, -1), (imgui.Key.down_arrow, 1))
     by = sum(way for key, way in ways if imgui.is_key_pressed(key))
     if by:
-        state.palette.move(by, count)
+        state.window.palette.move(by, count)
     return bool(by)
 
 

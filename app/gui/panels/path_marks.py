@@ -22,12 +22,12 @@ def draw_path_marks(state: AppState, request: ViewRequest, corner: ImVec2, size:
     """Over a picture of the request, unless it is what the path itself sees."""
     if not path_actions.sees_path(state):
         return
-    path, depth = state.cameras.views.path, SHARE * request.scene.distance
+    path, depth = state.scene.cameras.views.path, SHARE * request.scene.distance
     track = path.track
     _draw(np.stack([track[:-1], track[1:]], axis=1), theme.PATH, request, corner, size)
     for key in path.keyframes:
         _draw(frustum(key.camera, depth), theme.PATH, request, corner, size)
-    _draw(frustum(path.at(state.cameras.playhead).camera, depth), theme.MARK, request, corner, size)
+    _draw(frustum(path.at(state.scene.cameras.playhead).camera, depth), theme.MARK, request, corner, size)
 
 
 def _draw(segments: FloatArray, color: ImVec4, request: ViewRequest, corner: ImVec2, size: ImVec2) -> None:

@@ -83,7 +83,7 @@ def draw_divider(
     pointer = _button(state, "wipe", left.image, area, allow_overlap=True)
     x = _drag_line(state, area)
     across = _placement(state, left.image, area).picture_at(x - area.corner.x, 0)[0] / left.image.shape[1]
-    state.wiped = min(max(across, 0.0), 1.0)
+    state.comparing.wiped = min(max(across, 0.0), 1.0)
     draw = imgui.get_window_draw_list()
     draw.push_clip_rect(area.corner, area.end, True)
     for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
@@ -148,7 +148,7 @@ def _button(
 
 
 def _placement(state: AppState, image: ByteImage, area: Area) -> Placement:
-    return state.picture_view.place((image.shape[1], image.shape[0]), area.inside)
+    return state.picture.view.place((image.shape[1], image.shape[0]), area.inside)
 
 
 def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
@@ -158,16 +158,16 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel != 0:
             at = (io.mouse_pos.x - area.corner.x, io.mouse_pos.y - area.corner.y)
-            state.picture_view = state.picture_view.zoomed(WHEEL_STEP**io.mouse_wheel, at, picture, pane)
+            state.picture.view = state.picture.view.zoomed(WHEEL_STEP**io.mouse_wheel, at, picture, pane)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             fit_pictures(state)
             return
     dragged = io.mouse_delta.x != 0 or io.mouse_delta.y != 0
-    if state.mask_tool:
+    if state.picture.mask_tool:
         _draw_mask(state, image, area)
     elif imgui.is_item_active() and dragged:
-        state.picture_view = state.picture_view.panned((io.mouse_delta.x, io.mouse_delta.y), picture, pane)
-    state.zoom = io.display_framebuffer_scale.x * state.picture_view.place(picture, pane).zoom
+        state.picture.view = state.picture.view.panned((io.mouse_delta.x, io.mouse_delta.y), picture, pane)
+    state.picture.zoom = io.display_framebuffer_scale.x * state.picture.view.place(picture, pane).zoom
 
 
 def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
@@ -177,9 +177,9 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
     if imgui.is_item_hovered():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
     if imgui.is_item_activated():
-        state.mask_start = at
-    if imgui.is_item_active() and state.mask_start is not None and at != state.mask_start:
-        mask = state.clip_settings.mask.drawn(state.mask_tool, state.mask_start, at)
+        state.picture.mask_start = at
+    if imgui.is_item_active() and state.picture.mask_start is not None and at != state.picture.mask_start:
+        mask = state.source.part.mask.drawn(state.picture.mask_tool, state.picture.mask_start, at)
         clip_actions.set_mask(state, mask)
     if imgui.is_item_deactivated():
         clip_actions.finish_mask(state)
@@ -189,8 +189,8 @@ def _draw_image(state: AppState, textures: ShowsPictures, slot: str, image: Byte
     """Sampled and placed in whole pixels of the screen, which a window may count in larger units."""
     scale = imgui.get_io().display_framebuffer_scale.x
     pane = (area.size.x * scale, area.size.y * scale)
-    place = state.picture_view.scaled(scale).place((image.shape[1], image.shape[0]), pane)
-    shown = textures.part(slot, image, place, pane, Marks(state.comparison.zebra, tinted(state)))
+    place = state.picture.view.scaled(scale).place((image.shape[1], image.shape[0]), pane)
+    shown = textures.part(slot, image, place, pane, Marks(state.comparing.chosen.zebra, tinted(state)))
     if shown is None:
         fill_around(area.corner, area.end, area.end, area.end, theme.SURROUND)
         return
@@ -206,9 +206,12 @@ def _draw_tags(tags: Sequence[Tag], corner: ImVec2, width: float) -> None:
 
 def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:
     """At the bottom: the frame, and above it the values of the pixel under the pointer."""
-    assert state.pictures is not None
+    assert state.picture.pictures is not None
     short = area.size.x < em(NARROW)
-    lines = [*_values(panes, state.pointer, short=short), frame_text(state.pictures, short=short)]
+    lines = [
+        *_values(panes, state.picture.pointer, short=short),
+        frame_text(state.picture.pictures, short=short),
+    ]
     y, room = area.end.y - em(0.26), area.size.x - em(0.8)
     for line in reversed(lines):
         y -= tag_height(line, room) + em(0.14)
@@ -237,11 +240,11 @@ def _spoken(name: str) -> str:
 
 def _draw_cross(state: AppState, image: ByteImage, area: Area) -> None:
     """Where the pointer of the other pane is in this one."""
-    if state.pointer is None:
+    if state.picture.pointer is None:
         return
     place = _placement(state, image, area)
-    x = area.corner.x + place.offset_x + place.zoom_x * (state.pointer[0] + 0.5)
-    y = area.corner.y + place.offset_y + place.zoom * (state.pointer[1] + 0.5)
+    x = area.corner.x + place.offset_x + place.zoom_x * (state.picture.pointer[0] + 0.5)
+    y = area.corner.y + place.offset_y + place.zoom * (state.picture.pointer[1] + 0.5)
     draw, reach = imgui.get_window_draw_list(), em(0.5)
     for color, weight in ((theme.grey(0.0, 0.8), 3.0), (theme.grey(1.0), 1.0)):
         ink = imgui.get_color_u32(color)
@@ -252,17 +255,17 @@ def _draw_cross(state: AppState, image: ByteImage, area: Area) -> None:
 def _drag_line(state: AppState, area: Area) -> float:
     """The line as a control over the pane; its place on the screen. A double click centres it."""
     reach = em(0.6)
-    x = area.corner.x + state.comparison.wipe * area.size.x
+    x = area.corner.x + state.comparing.chosen.wipe * area.size.x
     imgui.set_cursor_screen_pos(ImVec2(x - reach, area.corner.y))
     imgui.invisible_button("line", ImVec2(2 * reach, area.size.y))
     if imgui.is_item_hovered() or imgui.is_item_active():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
     if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-        state.comparison = replace(state.comparison, wipe=0.5)
+        state.comparing.chosen = replace(state.comparing.chosen, wipe=0.5)
     elif imgui.is_item_active() and imgui.get_io().mouse_delta.x:
         wipe = (imgui.get_io().mouse_pos.x - area.corner.x) / area.size.x
-        state.comparison = state.comparison.wiped(wipe)
-    return area.corner.x + state.comparison.wipe * area.size.x
+        state.comparing.chosen = state.comparing.chosen.wiped(wipe)
+    return area.corner.x + state.comparing.chosen.wipe * area.size.x
 
 
 def _draw_line(area: Area, x: float) -> None:

@@ -35,14 +35,14 @@ STATUS = {
 }
 
 PART = (
-    "Trim and mask are set below the panes (In, Out, All, Mask). What they leave out is neither trained "
-    "on nor evaluated; a run keeps the trim and mask it was started with."
+    "Trim and mask are set below the panes (In, Out, All, Mask). What they leave out is neither "
+    "trained on nor evaluated; a run keeps the trim and mask it was started with."
 )
 
 
 def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     """Choices before, buttons always, progress during and after."""
-    run = state.reconstruction
+    run = state.runs.reconstruction
     if run.is_alive:
         _draw_hold(state)
     else:
@@ -54,7 +54,7 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     draw_curves(run)
     _draw_messages(run)
     if run.is_alive:
-        waiting = f" ({len(state.queue)} waiting, see Runs)" if state.queue else ""
+        waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
         if imgui.tree_node(f"Queue another{waiting}###another"):
             _draw_next(state, run, make_job)
             imgui.tree_pop()
@@ -65,7 +65,7 @@ def _draw_next(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
     _draw_part(state)
     imgui.spacing()
     _draw_start(state, make_job)
-    if not run.is_alive and state.clip is not None:
+    if not run.is_alive and state.source.clip is not None:
         _draw_omissions(state)
 
 
@@ -74,8 +74,8 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     text = declared(TrainConfig, "method").text
     method = _choose("Method", "method", METHODS.index(config.method), [*map(named, METHODS)], text)
     frames = (
-        "Reconstruct the original frames, or frames enhanced with the settings above; "
-        "both in turn runs two reconstructions to compare."
+        "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
+        "runs two reconstructions to compare."
     )
     run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)]
     if run.input != "original":
@@ -94,7 +94,7 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
 
 def _draw_part(state: AppState) -> None:
     """What of the clip it will be of, where that is not all of it."""
-    told = "" if state.clip is None else state.part.told(len(state.clip))
+    told = "" if state.source.clip is None else state.source.training_part.told(len(state.source.clip))
     if told:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().warning, f"Trains on {told}")
@@ -136,7 +136,7 @@ def _steps(config: TrainConfig) -> int:
 
 
 def _draw_start(state: AppState, make_job: MakeJob) -> None:
-    run = state.reconstruction
+    run = state.runs.reconstruction
     reason = job_actions.why_not_reconstruct(state)
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
         start = lambda: job_actions.start_reconstruction(state, make_job)  # noqa: E731
@@ -144,7 +144,7 @@ def _draw_start(state: AppState, make_job: MakeJob) -> None:
         button(f"{label}###start", start, enabled=not reason, width=-1.0)
     soon = "Starts with the current settings when the runs before it have ended." if run.is_alive else ""
     explain(reason or soon or "Runs in the background; the window stays usable.")
-    if reason and state.clip is not None:
+    if reason and state.source.clip is not None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().muted, reason)
 
@@ -172,7 +172,7 @@ def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
 
 
 def _draw_hold(state: AppState) -> None:
-    run = state.reconstruction
+    run = state.runs.reconstruction
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
     if run.status == "paused":
         button("Resume###pause", lambda: job_actions.resume(state), enabled=run.can_resume, width=half)
@@ -217,11 +217,11 @@ def _draw_preparing(stage: Preparing) -> None:
 
 def _draw_omissions(state: AppState) -> None:
     """Looked up when it is unfolded: what, and why, before anything is started."""
-    state.asks_for_omissions = imgui.tree_node("What will be left out")
+    state.runs.asks_for_omissions = imgui.tree_node("What will be left out")
     explain("Training leaves out what this clip does not need. Judged on the original frames.")
-    if not state.asks_for_omissions:
+    if not state.runs.asks_for_omissions:
         return
-    found, request = state.omissions, state.omissions_request
+    found, request = state.runs.omissions, state.omissions_request
     # While a part that was just kept or let go is looked at, the lines stay under the hand.
     if found is None or request is None or found.request.unkept != request.unkept:
         imgui.text_colored(theme.now().muted, "Analysing the clip…")
@@ -248,7 +248,7 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
     imgui.table_next_column()
     if (part := omission.part) is None:
         return
-    changed, kept = imgui.checkbox(f"Keep###keep {part}", part in state.reconstruction.config.keep)
+    changed, kept = imgui.checkbox(f"Keep###keep {part}", part in state.runs.reconstruction.config.keep)
     explain(f"Train it although {omission.why}: it costs {omission.saves}.")
     if changed:
         job_actions.keep_part(state, part, kept=kept)

@@ -18,11 +18,11 @@ NEAR = 0.75
 
 def draw_report(state: AppState) -> None:
     """A diagram, which one, and what the report says in words and tables."""
-    if state.report is None:
+    if state.reports.shown is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered("Open a report.json written by vesselsplat report: Ctrl+I, or drop it here.")
         return
-    report = state.report
+    report = state.reports.shown
     imgui.text_colored(theme.now().muted, report.about)
     if report.charts:
         chart = report.charts[_chosen(state, report)]
@@ -34,7 +34,7 @@ def draw_report(state: AppState) -> None:
 def _chosen(state: AppState, report: Reported) -> int:
     names = [chart.name for chart in report.charts]
     imgui.set_next_item_width(-1)
-    changed, place = imgui.combo("##diagram", min(state.report_place, len(names) - 1), names)
+    changed, place = imgui.combo("##diagram", min(state.reports.place, len(names) - 1), names)
     explain("Which diagram to show. Each point is a setting; the line joins the Pareto-optimal settings.")
     if changed:
         actions.choose_chart(state, place)
@@ -42,7 +42,7 @@ def _chosen(state: AppState, report: Reported) -> int:
 
 
 def _draw_chart(state: AppState, chart: Chart) -> None:
-    now = current(chart, state.params)
+    now = current(chart, state.enhancement.params)
     size = ImVec2(-1, max(em(12), imgui.get_content_region_avail().y * 0.62))
     if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, FLAGS):
         return

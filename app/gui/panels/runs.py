@@ -19,15 +19,15 @@ from app.gui.work.run_list import ListedRun
 
 def draw_runs(state: AppState, make_job: MakeJob) -> None:
     """What waits, the next one first; below it what lies on disk of the open clip, the newest first."""
-    state.asks_for_runs = state.clip is not None
-    if state.queue:
+    state.runs.is_listed = state.source.clip is not None
+    if state.runs.queue:
         _draw_queue(state)
         imgui.separator()
-    if state.clip is None:
+    if state.source.clip is None:
         imgui.text_colored(theme.now().muted, "Open a clip to see its reconstructions.")
         return
-    found = state.found_runs
-    if found is None or found.request.clip is not state.clip:
+    found = state.runs.found
+    if found is None or found.request.clip is not state.source.clip:
         imgui.text_colored(theme.now().muted, "Looking for reconstructions of this clip…")
         return
     if not found.runs:
@@ -43,26 +43,26 @@ def draw_runs(state: AppState, make_job: MakeJob) -> None:
 def _draw_queue(state: AppState) -> None:
     imgui.text_unformatted("Queue")
     explain("Reconstructions run one at a time; these start automatically.")
-    if not state.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
+    if not state.runs.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().warning, reason)
     if queue_actions.sleeps(state):
         button("Start the queue", lambda: queue_actions.wake(state), width=-1.0)
         explain("These were queued when the window was closed. Press Start the queue to run them.")
-    for place, waiting in enumerate(state.queue):
+    for place, waiting in enumerate(state.runs.queue):
         with imgui_ctx.push_id(f"queued {place}"):
             _draw_waiting(state, waiting, first=place == 0 and not waiting.asleep)
 
 
 def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
-    config, shown = run.request.config, state.reconstruction.run_path == run.path
+    config, shown = run.request.config, state.runs.reconstruction.run_path == run.path
     reason = run_actions.why_not_open(state, run)
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
     imgui.begin_disabled(bool(reason))
     if imgui.selectable(f"{named(config.method)} · {run.request.input} frames###open", shown)[0]:
         run_actions.open_run(state, run)
     imgui.end_disabled()
-    beside = "Open it beside the one in training: " if state.reconstruction.is_alive else "Open "
+    beside = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
     part = f" Trained on {said}." if (said := run.request.part.told_alone()) else ""
     explain(reason or f"{beside}{run.path}.{part}")
     if run.psnr is not None:

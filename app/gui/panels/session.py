@@ -15,15 +15,17 @@ OFFER = "The last session ended unexpectedly"
 def draw_notes(state: AppState) -> None:
     """What a person writes down; kept with the session."""
     space = imgui.get_content_region_avail()
-    changed, text = imgui.input_text_multiline("##notes", state.notes, ImVec2(-1, max(space.y, em(3))))
+    changed, text = imgui.input_text_multiline(
+        "##notes", state.session.notes, ImVec2(-1, max(space.y, em(3)))
+    )
     explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
     if changed:
-        state.notes = text[:LONGEST_NOTES]
+        state.session.notes = text[:LONGEST_NOTES]
 
 
 def draw_recovery(state: AppState) -> None:
     """Once at the start, after the notice."""
-    if state.recoverable is None or not state.settings.acknowledged:
+    if state.session.recoverable is None or not state.settings.acknowledged:
         return
     imgui.open_popup(OFFER)
     center = imgui.get_main_viewport().get_center()

@@ -25,17 +25,19 @@ def draw_timeline(
     state: AppState, screenshot: Callable[[], None], texture: Callable[[ByteImage], imgui.ImTextureRef]
 ) -> None:
     """Two rows; greyed out without a clip."""
-    count = 1 if state.clip is None else len(state.clip)
+    count = 1 if state.source.clip is None else len(state.source.clip)
     _draw_strip(state, count, texture)
     imgui.begin_disabled(count < 2)
     _draw_transport(state)
     imgui.same_line()
     imgui.set_next_item_width(-em(24.5))
-    label = "no clip" if state.clip is None else f"frame %d / {count}"
+    label = "no clip" if state.source.clip is None else f"frame %d / {count}"
     flags = imgui.SliderFlags_.always_clamp
     grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
     with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
-        changed, frame = imgui.slider_int("##frame", state.frame_index + 1, 1, max(count, 2), label, flags)
+        changed, frame = imgui.slider_int(
+            "##frame", state.timeline.frame_index + 1, 1, max(count, 2), label, flags
+        )
     if changed:
         actions.seek(state, frame - 1)
     imgui.same_line()
@@ -50,7 +52,7 @@ def draw_timeline(
 
 
 def _draw_transport(state: AppState) -> None:
-    play = icons.ICON_FA_PAUSE if state.playing else icons.ICON_FA_PLAY
+    play = icons.ICON_FA_PAUSE if state.timeline.playing else icons.ICON_FA_PLAY
     button(f"{icons.ICON_FA_STEP_BACKWARD}##back", lambda: actions.step(state, -1), width=2.2)
     explain("Comma: previous frame")
     imgui.same_line(0, em(0.2))
@@ -68,18 +70,18 @@ def _draw_trim(state: AppState) -> None:
     button("Out", lambda: clip_actions.trim_here(state, start=False), width=2.6)
     explain("Shift+O: end the clip at this frame.")
     imgui.same_line(0, em(0.2))
-    trimmed = state.clip_settings.trim is not None
+    trimmed = state.source.part.trim is not None
     button("All", lambda: clip_actions.untrim(state), enabled=trimmed, width=2.4)
     explain("Use the whole clip again.")
 
 
 def _draw_mask(state: AppState) -> None:
-    clip = state.clip is not None
+    clip = state.source.clip is not None
     imgui.begin_disabled(not clip)
-    said = TOOL_LABELS.get(state.mask_tool, "Mask")
-    color = theme.switch(bool(state.mask_tool), caution=True)
+    said = TOOL_LABELS.get(state.picture.mask_tool, "Mask")
+    color = theme.switch(bool(state.picture.mask_tool), caution=True)
     imgui.push_style_color(imgui.Col_.button, color)
-    if imgui.button(f"{'Drag now' if state.mask_tool else said}###mask", ImVec2(em(5), 0)):
+    if imgui.button(f"{'Drag now' if state.picture.mask_tool else said}###mask", ImVec2(em(5), 0)):
         imgui.open_popup("mask")
     imgui.pop_style_color()
     explain(
@@ -88,18 +90,18 @@ def _draw_mask(state: AppState) -> None:
     imgui.end_disabled()
     if not imgui.begin_popup("mask"):
         return
-    mask = state.clip_settings.mask
+    mask = state.source.part.mask
     for shape, label in TOOL_LABELS.items():
         drawn = getattr(mask, shape) is not None
         if imgui.menu_item_simple(f"{label}: draw", "", drawn, True):
             clip_actions.draw_mask(state, shape)
         explain("Then drag over the frame: from corner to corner, or from the centre to the rim.")
-    if imgui.menu_item_simple("View circle: detect", "", False, state.pictures is not None):
+    if imgui.menu_item_simple("View circle: detect", "", False, state.picture.pictures is not None):
         clip_actions.round_view(state)
     if imgui.menu_item_simple("Clear", "", False, mask != NO_MASK):
         clip_actions.clear_mask(state)
     imgui.separator()
-    if imgui.menu_item_simple("Tint tools and masked areas", "Shift+M", state.overlay, True):
+    if imgui.menu_item_simple("Tint tools and masked areas", "Shift+M", state.picture.overlay, True):
         clip_actions.toggle_overlay(state)
     imgui.end_popup()
 
@@ -108,18 +110,20 @@ def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgu
     """The clip in small; a click or drag goes to that frame."""
     corner = imgui.get_cursor_screen_pos()
     size = ImVec2(max(imgui.get_content_region_avail().x, em(4)), em(STRIP_HEIGHT))
-    state.strip_count = 0 if state.clip is None else count_for(state.clip, size.x, size.y)
+    state.timeline.strip_count = (
+        0 if state.source.clip is None else count_for(state.source.clip, size.x, size.y)
+    )
     imgui.invisible_button("strip", size)
-    if imgui.is_item_active() and state.clip is not None:
+    if imgui.is_item_active() and state.source.clip is not None:
         actions.seek(state, int((imgui.get_io().mouse_pos.x - corner.x) / size.x * count))
     explain("Thumbnails of the clip: click or drag to go to a frame.")
     draw, end = imgui.get_window_draw_list(), ImVec2(corner.x + size.x, corner.y + size.y)
-    if state.clip is None:
+    if state.source.clip is None:
         _draw_empty(corner, size)
         return
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
-    if state.strip is not None and state.strip.request.clip is state.clip:
-        draw.add_image(texture(state.strip.image), corner, end)
+    if state.timeline.strip is not None and state.timeline.strip.request.clip is state.source.clip:
+        draw.add_image(texture(state.timeline.strip.image), corner, end)
     _draw_marks(state, count, corner, size)
 
 
@@ -135,17 +139,17 @@ def _draw_empty(corner: ImVec2, size: ImVec2) -> None:
 def _draw_marks(state: AppState, count: int, corner: ImVec2, size: ImVec2) -> None:
     """The present frame, and what the trim leaves out in the dark."""
     draw, bottom = imgui.get_window_draw_list(), corner.y + size.y
-    first, last = state.span
+    first, last = state.source.span
     edges = [corner.x + size.x * edge / count for edge in (0, first, last + 1, count)]
     for left, right in (edges[:2], edges[2:]):
         draw.add_rect_filled(
             ImVec2(left, corner.y), ImVec2(right, bottom), imgui.get_color_u32(theme.grey(0.05, 0.75))
         )
-    if state.clip_settings.trim is not None:
+    if state.source.part.trim is not None:
         for x in edges[1:3]:
             ink = imgui.get_color_u32(theme.MARK)
             draw.add_line(ImVec2(x, corner.y), ImVec2(x, bottom), ink, em(0.15))
-    left = corner.x + size.x * state.frame_index / count
-    right = max(corner.x + size.x * (state.frame_index + 1) / count, left + em(0.2))
+    left = corner.x + size.x * state.timeline.frame_index / count
+    right = max(corner.x + size.x * (state.timeline.frame_index + 1) / count, left + em(0.2))
     ink = imgui.get_color_u32(theme.INK)
     draw.add_rect(ImVec2(left, corner.y), ImVec2(right, bottom), ink, 0, em(0.12))

@@ -55,7 +55,7 @@ class ShowsTiles(ShowsPictures, Protocol):
 
 def draw_tuning(state: AppState, textures: ShowsTiles) -> None:
     """The grid, or one of its cells as it is."""
-    if state.clip is None:
+    if state.source.clip is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered("Open a clip, then try a range of settings on one of its frames.")
         return
@@ -75,18 +75,20 @@ def draw_tuning(state: AppState, textures: ShowsTiles) -> None:
 
 
 def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
-    names = ["", *NAMES[isinstance(state.params, EnhanceParams)]]
+    names = ["", *NAMES[isinstance(state.enhancement.params, EnhanceParams)]]
     index = names.index(choice.name) if choice.name in names else 0
     imgui.set_next_item_width(em(8))
     labels = ["None", *(LABELS[name] for name in names[1:])]
     moved, index = imgui.combo(f"##vary{place}", index, labels)
     explain("The parameter of the rows." if place == 0 else "The parameter of the columns.")
     if moved:
-        tuning_actions.choose_axis(state, place, _whole_range(type(state.params), names[index], choice.count))
+        tuning_actions.choose_axis(
+            state, place, _whole_range(type(state.enhancement.params), names[index], choice.count)
+        )
         return
     if not names[index]:
         return
-    about = declared(type(state.params), names[index])
+    about = declared(type(state.enhancement.params), names[index])
     explain(about.text)
     values = []
     for label, value in (("from", choice.first), ("to", choice.last)):
@@ -173,7 +175,7 @@ def _draw_tile(state: AppState, textures: ShowsTiles, setting: Setting, size: Im
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
     if cell is not None:
         draw.add_image(textures.whole(f"tile{key}", cell.image), corner, end)
-    marked = setting.params == state.params
+    marked = setting.params == state.enhancement.params
     if marked or imgui.is_item_hovered() or imgui.is_item_focused():
         draw.add_rect(corner, end, imgui.get_color_u32(theme.MARK if marked else theme.INK), 0.0, 2.0)
     with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):

@@ -52,18 +52,18 @@ def draw_view3d(
 
     `choices` gives the ways to choose that. The first view is the last item drawn, for those who draw on it.
     """
-    if state.model is None:
-        state.view_size = (0, 0)
+    if state.scene.model is None:
+        state.scene.size = (0, 0)
         _draw_empty(state)
         return
     _draw_toolbar(state, choices)
     space, gap = imgui.get_content_region_avail(), em(0.3)
-    corner, count = imgui.get_cursor_screen_pos(), 1 if state.second.shown is None else 2
+    corner, count = imgui.get_cursor_screen_pos(), 1 if state.scene.second.shown is None else 2
     size = ImVec2(max((space.x + gap) / count - gap, em(4)), max(space.y, em(4)))
     scale = imgui.get_io().display_framebuffer_scale
-    state.view_size = (int(size.x * scale.x), int(size.y * scale.y))
-    state.view_dragged = False
-    if state.second.shown is not None:
+    state.scene.size = (int(size.x * scale.x), int(size.y * scale.y))
+    state.scene.dragged = False
+    if state.scene.second.shown is not None:
         imgui.set_cursor_screen_pos(ImVec2(corner.x + size.x + gap, corner.y))
         _draw_pane(state, "second view", second, state.second_request, photo_texture, size)
     imgui.set_cursor_screen_pos(corner)
@@ -99,12 +99,12 @@ def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
     button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
     explain("Home: the clip camera's view.")
     beside(FLY)
-    flying = state.viewer.flying
+    flying = state.scene.viewer.flying
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(flying)):
         button(FLY, lambda: camera_actions.toggle_flight(state))
     explain("G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back.")
     beside(MEASURE)
-    measuring = state.viewer.measuring
+    measuring = state.scene.viewer.measuring
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(measuring)):
         button(MEASURE, lambda: camera_actions.toggle_measuring(state))
     explain("M: click two points on the surface. Measured on the model, at its expected depth.")
@@ -112,20 +112,20 @@ def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
     _draw_second(state, choices)
     _draw_snap(state)
     _draw_kind(state)
-    if state.clip is None:
+    if state.source.clip is None:
         _draw_time(state)
         return
     beside_of(em(12))
-    changed, _ = imgui.checkbox("Follow the clip's time", state.linked)
+    changed, _ = imgui.checkbox("Follow the clip's time", state.scene.linked)
     explain("Off: the 3D view has its own time.")
     if changed:
         actions.toggle_link(state)
-    if not state.linked:
+    if not state.scene.linked:
         _draw_time(state)
 
 
 def _draw_second(state: AppState, choices: Callable[[], Commands]) -> None:
-    shown = state.second.shown is not None
+    shown = state.scene.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
         button(SECOND, _open_second_menu)
     explain(
@@ -142,7 +142,7 @@ def _open_second_menu() -> None:
 
 
 def _draw_snap(state: AppState) -> None:
-    snapped = state.viewer.snapped
+    snapped = state.scene.viewer.snapped
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(snapped)):
         button(PHOTO, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
     explain(
@@ -153,7 +153,9 @@ def _draw_snap(state: AppState) -> None:
     beside_of(em(8))
     imgui.set_next_item_width(em(8))
     flags = imgui.SliderFlags_.always_clamp
-    changed, percent = imgui.slider_float("##blend", 100 * state.viewer.blend, 0, 100, "frame %.0f %%", flags)
+    changed, percent = imgui.slider_float(
+        "##blend", 100 * state.scene.viewer.blend, 0, 100, "frame %.0f %%", flags
+    )
     explain("[ and ]: from the reconstruction alone (0) to the frame alone (100).")
     if changed:
         camera_actions.blend(state, percent / 100)
@@ -164,7 +166,7 @@ def _draw_kind(state: AppState) -> None:
     beside_of(em(7.2))
     imgui.set_next_item_width(em(7.2))
     labels = [kind.capitalize().replace("Color", "Colour") for kind in kinds]
-    now = kinds.index(state.view_kind) if state.view_kind in kinds else 0
+    now = kinds.index(state.scene.kind) if state.scene.kind in kinds else 0
     changed, chosen = imgui.combo("##kind", now, labels)
     explain(f"N: next view. {EXPLAINED[kinds[now]]}")
     if changed:
@@ -172,7 +174,7 @@ def _draw_kind(state: AppState) -> None:
 
 
 def _draw_time(state: AppState) -> None:
-    model = state.model
+    model = state.scene.model
     if model is None or len(model.cameras) < 2:
         return
     beside_of(em(8))
@@ -193,17 +195,17 @@ def _move(state: AppState, size: ImVec2) -> None:
     held = imgui.is_item_active() and not imgui.is_mouse_double_clicked(imgui.MouseButton_.left)
     selects = state.editing.takes_drags and not io.key_alt and imgui.is_mouse_down(imgui.MouseButton_.left)
     held = held and not selects
-    state.view_dragged |= held and any(imgui.is_mouse_down(index) for index in range(3))
+    state.scene.dragged |= held and any(imgui.is_mouse_down(index) for index in range(3))
     if held and (io.mouse_delta.x or io.mouse_delta.y):
         if imgui.is_mouse_down(imgui.MouseButton_.left):
             camera_actions.turn(state, -TURN * io.mouse_delta.x / size.x, TURN * io.mouse_delta.y / size.x)
         else:
-            zoom = placement(state.model.cameras[0], size).zoom if state.model else 1.0
+            zoom = placement(state.scene.model.cameras[0], size).zoom if state.scene.model else 1.0
             camera_actions.pan(state, io.mouse_delta.x / zoom, io.mouse_delta.y / zoom)
     if imgui.is_item_hovered():
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel:
-            step = SPEED_STEP if state.viewer.flying else WHEEL_STEP
+            step = SPEED_STEP if state.scene.viewer.flying else WHEEL_STEP
             camera_actions.zoom(state, step**io.mouse_wheel)
 
 
@@ -213,7 +215,7 @@ def _pick(state: AppState, request: ViewRequest, corner: ImVec2, size: ImVec2) -
     if not imgui.is_item_hovered() or state.editing.takes_drags:
         return
     pixel = pixel_at(request.camera, corner, size)
-    left, measuring = imgui.MouseButton_.left, state.viewer.measuring
+    left, measuring = imgui.MouseButton_.left, state.scene.viewer.measuring
     wants_centre = imgui.is_key_pressed(imgui.Key.o, False) and not io.want_text_input
     if wants_centre or (imgui.is_mouse_double_clicked(left) and not measuring):
         camera_actions.ask_point(state, request, pixel, "orbit")
@@ -233,10 +235,10 @@ def _draw_picture(
         low, high = bounds(shown.request.camera, corner, size)
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
         if (photo := photo_over(state)) is not None:
-            tint = imgui.get_color_u32(theme.grey(1.0, state.viewer.blend))
+            tint = imgui.get_color_u32(theme.grey(1.0, state.scene.viewer.blend))
             draw.add_image(photo_texture(photo.image), low, high, (0, 0), (1, 1), tint)
         draw_path_marks(state, shown.request, corner, size)
-        draw_marks(state.viewer, shown.request, corner, size)
+        draw_marks(state.scene.viewer, shown.request, corner, size)
         if shown.scale is not None:
             draw_color_bar(shown.scale, ImVec2(end.x, corner.y), size.y)
     stack_tags(view_tags(state, shown), corner, size.x)
@@ -245,7 +247,7 @@ def _draw_picture(
 
 def photo_over(state: AppState) -> Photo | None:
     """The photo that lies over the picture; a difference to it shows it already."""
-    return None if state.view_kind == "difference" else state.photo
+    return None if state.scene.kind == "difference" else state.photo
 
 
 def made_by(model: Scene, other: Scene | None) -> str:
@@ -265,15 +267,15 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     """What the view says of itself: what it is of, how new, how fine; of two, the first speaks for both."""
     if shown is None:
         return [("DRAWING…", theme.TAG_CAUTION)]
-    model, second = shown.request.scene, state.second.shown
+    model, second = shown.request.scene, state.scene.second.shown
     tags: list[Tag] = []
     moment = model.moment(shown.request.time)
     if model.live:
         count = f"{grouped(model.iteration)} / {grouped(model.iterations)}"
-        name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
+        name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
         tags.append((f"{name} · iteration {count}", theme.TAG_CAUTION))
     if second is not None:
-        other = state.model if model is second else second
+        other = state.scene.model if model is second else second
         tags.append((f"{made_by(model, other)} · {moment}", theme.TAG_ENHANCED))
     elif not model.is_of_run:
         tags.append((f"SPLATS · {legible(model.name)}", theme.TAG_ORIGINAL))
@@ -291,20 +293,22 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
 def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     """What the hand does, and from where it is seen."""
     tags: list[Tag] = []
-    if state.viewer.flying:
-        tags.append((f"FLYING · W A S D Q E · speed {state.viewer.speed:.2f} · G to stop", theme.TAG_CAUTION))
-    if state.viewer.measuring:
+    if state.scene.viewer.flying:
+        tags.append(
+            (f"FLYING · W A S D Q E · speed {state.scene.viewer.speed:.2f} · G to stop", theme.TAG_CAUTION)
+        )
+    if state.scene.viewer.measuring:
         told = "MEASURING on the model, at expected depth"
         tags.append((told, theme.TAG_CAUTION))
-    if state.viewer.snapped:
-        share = f"FRAME {100 * state.viewer.blend:.0f} % over the reconstruction"
+    if state.scene.viewer.snapped:
+        share = f"FRAME {100 * state.scene.viewer.blend:.0f} % over the reconstruction"
         if state.photo is None:
             share = "READING THE FRAME…"
         elif shown.request.kind == "difference":
             share = "DIFFERENCE to the frame"
         tags.append((share, theme.TAG_ENHANCED))
-    elif state.view_kind == "difference":
+    elif state.scene.kind == "difference":
         tags.append(("DIFFERENCE only from the clip's camera: C", theme.TAG_CAUTION))
-    if state.viewer.free is not None:
+    if state.scene.viewer.free is not None:
         tags.append(("FREE VIEW · not the endoscope's view", theme.TAG_ORIGINAL))
     return tags

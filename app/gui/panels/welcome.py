@@ -43,8 +43,8 @@ def draw_welcome(state: AppState, openers: Openers) -> None:
     for label, choose in choices:
         imgui.set_cursor_pos_x((imgui.get_window_width() - em(WIDTH)) / 2)
         button(label, choose, width=WIDTH)
-    if state.opening is not None:
-        centered(f"Opening {state.opening.path.name}…", theme.now().text)
+    if state.source.opening is not None:
+        centered(f"Opening {state.source.opening.path.name}…", theme.now().text)
     elif state.settings.recent:
         _draw_recent(state)
 

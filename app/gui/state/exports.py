@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from app.exports.exporting import Exporting
+from app.exports.exporting import ExportRequest
 from app.exports.sizing import Sizing
+
+
+@dataclass
+class Exporting:
+    """The export that is under way."""
+
+    request: ExportRequest
+    done: int = 0
 
 
 @dataclass

@@ -45,24 +45,28 @@ class Pane:
 
 def shown_mode(state: AppState) -> Mode:
     """As chosen; white light has no difference to itself."""
-    mode = state.comparison.mode
-    return "side by side" if mode == "difference" and not state.enhancing else mode
+    mode = state.comparing.chosen.mode
+    return "side by side" if mode == "difference" and not state.enhancement.active else mode
 
 
 def why_not(state: AppState, source: str) -> str:
     """What a source still lacks, in a sentence; empty when it can be shown."""
-    if source in ("A", "B") and source not in state.stored:
+    if source in ("A", "B") and source not in state.enhancement.stored:
         return f"No settings are stored as {source} yet: Shift+{source} stores the current ones."
     if source == RENDER and not _renders(state):
         return "No reconstruction of this clip is open."
-    if source == RENDER and state.model is not None and not state.model.has_clip_frame(state.shown_index):
+    if (
+        source == RENDER
+        and state.scene.model is not None
+        and not state.scene.model.has_clip_frame(state.timeline.shown_index)
+    ):
         return "The reconstruction covers a part of the clip without this frame."
     return ""
 
 
 def _renders(state: AppState) -> bool:
     """The open model was made through this clip's cameras."""
-    model, clip = state.model, state.clip
+    model, clip = state.scene.model, state.source.clip
     if model is None or clip is None or not (state.has_photos or len(model.cameras) == len(clip)):
         return False
     camera = model.cameras[0]
@@ -71,13 +75,18 @@ def _renders(state: AppState) -> bool:
 
 def other_request(state: AppState, side: Side) -> OtherRequest | None:
     """What is to be made for a side; None where the photo or the present setting is shown."""
-    source, pictures = state.comparison.source(side), state.picture_request
-    if source in (ORIGINAL, ENHANCED) or pictures is None or not state.enhancing or why_not(state, source):
+    source, pictures = state.comparing.chosen.source(side), state.picture_request
+    if (
+        source in (ORIGINAL, ENHANCED)
+        or pictures is None
+        or not state.enhancement.active
+        or why_not(state, source)
+    ):
         return None
     photo = replace(pictures, params=None)
     if source == RENDER:
-        assert state.model is not None
-        return OtherRequest(replace(photo, scope="image", tissue_only=False), state.model)
+        assert state.scene.model is not None
+        return OtherRequest(replace(photo, scope="image", tissue_only=False), state.scene.model)
     look = _look(state, source)
     if look is None:
         return OtherRequest(replace(photo, scope="image", tissue_only=False), source)
@@ -87,7 +96,7 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
 def _look(state: AppState, source: str) -> EnhancementSettings | None:
     """The parameters behind a source, None for a method without."""
     defaults: dict[str, EnhancementSettings] = {PAPER: EnhanceParams(), VESSEL: VesselParams()}
-    stored = (look for slot, look in state.stored.items() if slot == source)
+    stored = (look for slot, look in state.enhancement.stored.items() if slot == source)
     return next(stored, defaults.get(source))
 
 
@@ -99,15 +108,15 @@ def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
 
 
 def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
-    source, photo = state.comparison.source(side), pictures.photo
+    source, photo = state.comparing.chosen.source(side), pictures.photo
     stale = state.pictures_are_stale
     original = Tag("ORIGINAL")
-    if not state.enhancing:
+    if not state.enhancement.active:
         said = original if side == "left" else Tag("WHITE LIGHT · enhancement off", "caution")
         return photo, (said,), stale
     if source == ORIGINAL:
         return photo, (original,), stale
-    if state.peeking:
+    if state.enhancement.peeking:
         return photo, (Tag("ORIGINAL · peek", "caution"),), stale
     if source == ENHANCED:
         if pictures.enhanced is None:
@@ -120,7 +129,10 @@ def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage
 
 def _other(state: AppState, photo: ByteImage, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
     wanted = other_request(state, side)
-    made = next((other for other in state.others.values() if other.request == wanted), state.others.get(side))
+    made = next(
+        (other for other in state.comparing.others.values() if other.request == wanted),
+        state.comparing.others.get(side),
+    )
     if made is None or wanted is None or not _is_earlier(made.request, wanted):
         return photo, (Tag("PREPARING… original shown", "caution"),), True
     return made.image, _named(state, side, made), made.request != wanted
@@ -137,11 +149,11 @@ def _is_earlier(made: OtherRequest, wanted: OtherRequest) -> bool:
 
 
 def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
-    source, model = state.comparison.source(side), state.model
+    source, model = state.comparing.chosen.source(side), state.scene.model
     if source == RENDER and model is not None:
         frames = model.record.input
         what = f"RENDER · {legible(model.name)}" + (f" · of {frames} frames" if frames else "")
-        name = "LIVE PREVIEW" if state.reconstruction.is_of(model.name) else "UNFINISHED"
+        name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
         live = (Tag(f"{name} · iteration {model.iteration}", "caution"),) if model.live else ()
         return Tag(what, "enhanced"), *live
     if made.made is None:
@@ -152,28 +164,28 @@ def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
 
 def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
     tags = []
-    if state.frozen_index is not None:
-        tags.append(Tag(f"FROZEN · frame {state.frozen_index + 1}", "caution"))
+    if state.timeline.frozen_index is not None:
+        tags.append(Tag(f"FROZEN · frame {state.timeline.frozen_index + 1}", "caution"))
     if tinted(state) is not None:
         tags.append(Tag("TINTED · tools and mask", "caution"))
-    if stale and not state.playing and state.now - state.asked_at > STALE_SECONDS:
+    if stale and not state.timeline.playing and state.window.now - state.picture.asked_at > STALE_SECONDS:
         tags.append(Tag("UPDATING…", "caution"))
     return tuple(tags)
 
 
 def tinted(state: AppState) -> BoolImage | None:
     """(H, W), True where the pictures on screen are to be tinted as left out."""
-    masked = state.left_out
-    if not state.overlay or masked is None or masked.request.clip is not state.clip:
+    masked = state.picture.left_out
+    if not state.picture.overlay or masked is None or masked.request.clip is not state.source.clip:
         return None
-    return masked.pixels if masked.request.frame_index == state.shown_index else None
+    return masked.pixels if masked.request.frame_index == state.timeline.shown_index else None
 
 
 def difference_request(state: AppState) -> DifferenceRequest | None:
     """The two pictures whose difference is to be shown; None in other modes, or where they have two sizes."""
-    if state.pictures is None or shown_mode(state) != "difference":
+    if state.picture.pictures is None or shown_mode(state) != "difference":
         return None
-    left, right = (pane(state, state.pictures, side).image for side in SIDES)
+    left, right = (pane(state, state.picture.pictures, side).image for side in SIDES)
     return DifferenceRequest(left, right) if left.shape == right.shape else None
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from app.enhancement.settable import InputKind
+from app.gui.work.run_models import LeftRequest
 from app.runs.progress_log import EMPTY_LOG, TrainingLog
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
 from renderer.clip import Clip
@@ -73,6 +74,8 @@ class Reconstruction:
     told: TrainingLog = EMPTY_LOG
     """For the curves: also of the run's earlier processes."""
     warnings: list[str] = field(default_factory=list)
+    ended: LeftRequest | None = None
+    """Asks what it has left, once it has ended."""
     has_checkpoint: bool = False
     """It was cut short, and something of it can be looked at."""
     failure: str = ""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, ImVec4, hello_imgui, imgui, implot
 
-from app.gui.state.settings import Theme
+from app.gui.work.settings import Theme
 
 FONT_SIZE = 16.0
 

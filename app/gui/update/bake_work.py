@@ -28,15 +28,15 @@ class BakeWork:
 
     def take(self, state: AppState) -> None:
         """Keep what has been made since the last frame of what is still shown."""
-        second = state.second
-        state.baked = _taken(state, self.first, state.model, "the 3D view") or state.baked
+        second = state.scene.second
+        state.scene.baked = _taken(state, self.first, state.scene.model, "the 3D view") or state.scene.baked
         second.baked = _taken(state, self.second, second.shown, "the second 3D view") or second.baked
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there, where the card draws."""
-        if not state.processor_draws:
-            _ask(self.first, state.model, state.baked)
-            _ask(self.second, state.second.shown, state.second.baked)
+        if not state.scene.processor_draws:
+            _ask(self.first, state.scene.model, state.scene.baked)
+            _ask(self.second, state.scene.second.shown, state.scene.second.baked)
 
 
 def _taken(state: AppState, channel: Bakes, shown: Scene | None, view: str) -> Baked | None:

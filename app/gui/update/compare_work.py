@@ -45,18 +45,18 @@ class CompareWork:
                 continue
             request, answer = taken
             if not isinstance(answer, Failure):
-                state.others[side] = answer
+                state.comparing.others[side] = answer
             elif request == other_request(state, side):
-                state.playing = False
+                state.timeline.playing = False
                 actions.fail(state, f"the {side} pane cannot be shown: {answer.message}")
         if (made := answered(state, self.difference, "the difference cannot be shown")) is not None:
-            state.difference = made[1]
+            state.comparing.difference = made[1]
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there; say whether the panes wait for it."""
         wanted = {side: other_request(state, side) for side in SIDES}
-        have = {other.request for other in state.others.values()}
-        state.panes_wait = any(one is not None and one not in have for one in wanted.values())
+        have = {other.request for other in state.comparing.others.values()}
+        state.comparing.waits = any(one is not None and one not in have for one in wanted.values())
         for side, one in wanted.items():
             # A failed request is not asked for again until something has changed.
             if one is not None and one not in have and self.sides[side].asked != one:

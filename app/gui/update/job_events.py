@@ -4,36 +4,36 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.gui.actions import actions, job_actions, run_actions
+from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
+from app.gui.work.run_models import LeftRequest
 from app.runs.job import Cancelled, Failed, Paused, Resumed
 from app.runs.resource_check import told
-from app.runs.run_folder import RunFolder
 from app.runs.wall_clock import in_all
 from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 
 
 def follow_job(state: AppState) -> None:
     """Once a frame: hear what it says; when it has ended, give it back."""
-    job = state.reconstruction.job
+    job = state.runs.reconstruction.job
     if job is None:
         return
     for event in job.poll():
         _hear(state, event)
-    if not state.reconstruction.is_alive:
-        if state.model is not None and state.model.live:
-            state.preview = state.model
-        path = state.reconstruction.run_path
-        state.reconstruction.has_checkpoint = path is not None and RunFolder(path).has_checkpoint
+    if not state.runs.reconstruction.is_alive:
+        if state.scene.model is not None and state.scene.model.live:
+            state.runs.preview = state.scene.model
+        path = state.runs.reconstruction.run_path
+        state.runs.reconstruction.ended = LeftRequest(path) if path is not None else None
         job.close()
-        state.reconstruction.job = None
+        state.runs.reconstruction.job = None
     elif (model := job.latest_model()) is not None:
         job_actions.show_live_model(state, model)
 
 
 def _hear(state: AppState, event: object) -> None:
     """What one message of the job changes."""
-    run = state.reconstruction
+    run = state.runs.reconstruction
     match event:
         case Preparing():
             run.preparing = event
@@ -65,5 +65,5 @@ def _hear(state: AppState, event: object) -> None:
             run.status = "cancelled"
             actions.announce(state, "reconstruction cancelled; Continue resumes from its last checkpoint")
         case Failed():
-            run.status, run.failure, run.way_out = "failed", event.reason, run_actions.way_out(run)
+            run.status, run.failure = "failed", event.reason
             actions.fail(state, f"the reconstruction failed: {event.reason}")

@@ -18,7 +18,7 @@ REST = 0.25
 
 def at_rest(state: AppState) -> bool:
     """Whether no new picture has been asked for lately."""
-    return not state.playing and state.now - state.asked_at >= REST
+    return not state.timeline.playing and state.window.now - state.picture.asked_at >= REST
 
 
 @dataclass
@@ -39,11 +39,11 @@ class MeasureWork:
         if isinstance(taken[1], Failure):
             actions.say(state, f"the frame cannot be measured: {taken[1].message}")
         else:
-            state.measured = taken[1]
+            state.picture.measured = taken[1]
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there."""
-        pictures = state.pictures
+        pictures = state.picture.pictures
         if pictures is None or pictures.enhanced is None or self.measures.asked is pictures:
             return
         if at_rest(state) and not state.pictures_are_stale:

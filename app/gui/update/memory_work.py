@@ -2,30 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from app.gui.state.app_state import AppState
 from app.gui.update.measure_work import at_rest
 from app.gui.work.background import Channel
-from app.runs.memory import give_back
-from renderer.clip import Clip
-
-
-@dataclass(frozen=True)
-class OnScreen:
-    """What has been opened."""
-
-    path: Path | None
-    clip: Clip | None
-
-
-def tidy(request: OnScreen) -> Iterator[None]:
-    """Answers with nothing: the system has the memory."""
-    give_back()
-    yield None
+from app.gui.work.tidying import OnScreen, tidy
 
 
 @dataclass
@@ -40,5 +24,5 @@ class MemoryWork:
 
     def ask(self, state: AppState) -> None:
         """Once for everything that is opened, when it has come to rest."""
-        if at_rest(state) and not state.pictures_wait and state.opening is None:
-            self.tidying.want(OnScreen(state.opened_path, state.clip))
+        if at_rest(state) and not state.pictures_wait and state.source.opening is None:
+            self.tidying.want(OnScreen(state.source.path, state.source.clip))

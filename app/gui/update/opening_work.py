@@ -8,7 +8,8 @@ from typing import Any, Final
 
 from app.files.legible import legible
 from app.gui.actions import actions, path_actions, second_actions, session_actions
-from app.gui.state.app_state import AppState, Banner
+from app.gui.state.app_state import AppState
+from app.gui.state.window import Banner
 from app.gui.work.background import Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
 
@@ -30,13 +31,13 @@ class Patience:
         """Once a frame: say the sentence when the same request has had no answer for long; what was said goes
         when the answer has come."""
         if request != self.request:
-            if self.said is not None and state.banner is self.said:
-                state.banner = None
-            self.request, self.since, self.said = request, state.now, None
-        elif request is not None and self.said is None and state.now - self.since > LONG:
+            if self.said is not None and state.window.banner is self.said:
+                state.window.banner = None
+            self.request, self.since, self.said = request, state.window.now, None
+        elif request is not None and self.said is None and state.window.now - self.since > LONG:
             why = "it is large, or its drive does not respond. You can open something else meanwhile"
             whole = f"{sentence} after {LONG:.0f} s: {why}"
-            self.said = state.banner = Banner(legible(whole), self.can_stop)
+            self.said = state.window.banner = Banner(legible(whole), self.can_stop)
             actions.say(state, whole)
 
 
@@ -55,7 +56,7 @@ class OpeningWork:
 
     def take(self, state: AppState) -> None:
         """Show what has been opened since the last frame."""
-        if (taken := self.first.take()) is not None and taken[0] is state.opening:
+        if (taken := self.first.take()) is not None and taken[0] is state.source.opening:
             _show(state, *taken)
         if (second := self.second.take()) is not None:
             request, answer = second
@@ -66,7 +67,7 @@ class OpeningWork:
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there, and say what is long in coming."""
-        wanted = (state.opening, state.second.opening)
+        wanted = (state.source.opening, state.scene.second.opening)
         for channel, request, wait in zip((self.first, self.second), wanted, self.waits, strict=True):
             channel.want(request)
             wait.follow(state, request, f"still waiting for {request.path}" if request else "")
@@ -74,10 +75,10 @@ class OpeningWork:
 
 def _show(state: AppState, request: OpenRequest, answer: Opened | Failure) -> None:
     if isinstance(answer, Failure):
-        state.opening = None
+        state.source.opening = None
         actions.fail(state, answer.message)
     elif answer.views is not None:
-        state.opening = None
+        state.source.opening = None
         path_actions.add_views(state, answer.views, request.path)
     else:
         actions.show_opened(state, request.path, answer)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,23 +11,9 @@ from app.gui.actions import actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.opening_work import Patience
 from app.gui.work.background import Channel, Failure, NewestChannel
+from app.gui.work.keeping_queue import KeepRequest, keep
 from app.gui.work.restore_queue import TakenUp, TakeUpRequest, take_up
-from app.runs.queue_file import keep_queue, queue_file
-from app.runs.train_run import TrainRequest
-
-
-@dataclass(frozen=True)
-class KeepRequest:
-    """What the file is to hold."""
-
-    path: Path
-    waiting: tuple[TrainRequest, ...]
-
-
-def keep(request: KeepRequest) -> Iterator[Path]:
-    """Answers a KeepRequest. Raises OSError or UserError."""
-    keep_queue(request.path, request.waiting)
-    yield request.path
+from app.runs.queue_file import queue_file
 
 
 @dataclass
@@ -58,7 +44,7 @@ class QueueWork:
         """Ask for what is not there."""
         self.kept.want(KeepRequest(queue_file(state.places.config), queue_actions.to_keep(state)))
         wanted = queue_actions.without_clip(state)
-        request = TakeUpRequest(wanted, state.wakings) if wanted is not None else None
+        request = TakeUpRequest(wanted, state.runs.wakings) if wanted is not None else None
         if request is not None:
             self.clips.want(request)
         clip = f"{wanted.run_path.name} waits for its clip {wanted.clip_path}" if wanted is not None else ""

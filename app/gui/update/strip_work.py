@@ -33,15 +33,17 @@ class StripWork:
                 case Failure() as failure:
                     actions.say(state, f"the clip's thumbnails cannot be shown: {failure.message}")
                 case Strip() as strip:
-                    state.strip = strip
+                    state.timeline.strip = strip
                 case LeftOut() as masked:
-                    state.left_out = masked
+                    state.picture.left_out = masked
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there, once the pictures are."""
-        if state.clip is None or state.pictures is None:
+        if state.source.clip is None or state.picture.pictures is None:
             return
-        if at_rest(state) and state.strip_count > 0:
-            self.strip.want(StripRequest(state.clip, state.strip_count))
-        if state.overlay:
-            self.left_out.want(LeftOutRequest(state.clip, state.shown_index, state.clip_settings.mask))
+        if at_rest(state) and state.timeline.strip_count > 0:
+            self.strip.want(StripRequest(state.source.clip, state.timeline.strip_count))
+        if state.picture.overlay:
+            self.left_out.want(
+                LeftOutRequest(state.source.clip, state.timeline.shown_index, state.source.part.mask)
+            )

@@ -21,12 +21,13 @@ from app.gui.actions import (
     session_actions,
     tuning_actions,
 )
-from app.gui.actions.session_actions import WriteRequest, write
 from app.gui.state.app_state import AppState
 from app.gui.update.answered import answered
 from app.gui.update.bake_work import BakeWork
 from app.gui.update.compare_work import CompareWork
 from app.gui.update.job_events import follow_job
+from app.gui.update.job_work import JobWork
+from app.gui.update.keep_work import KeepWork
 from app.gui.update.measure_work import MeasureWork
 from app.gui.update.memory_work import MemoryWork
 from app.gui.update.opening_work import OpeningWork
@@ -34,10 +35,11 @@ from app.gui.update.queue_work import QueueWork
 from app.gui.update.strip_work import StripWork
 from app.gui.work.background import Channel, Failure, SteppedChannel
 from app.gui.work.batching import BatchRequest, Progressed, batch
-from app.gui.work.editing import Selected, Selector, SelectRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
+from app.gui.work.selecting import Selected, Selector, SelectRequest
+from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.scenes.photos import Photo, PhotoRequest, read_photo
 from app.scenes.view_request import ViewRequest
@@ -70,14 +72,16 @@ class Channels:
     windows: Channel[WindowRequest, Step] = field(default_factory=lambda: Channel(save_window, depth=4))
     cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
     compare: CompareWork = field(default_factory=CompareWork)
-    sessions: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
+    sessions: Channel[SessionRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
     omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
     measure: MeasureWork = field(default_factory=MeasureWork)
     runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
     exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
     batches: SteppedChannel[BatchRequest, Progressed] = field(default_factory=lambda: SteppedChannel(batch))
     strip: StripWork = field(default_factory=StripWork)
+    job: JobWork = field(default_factory=JobWork)
     queue: QueueWork = field(default_factory=QueueWork)
+    keep: KeepWork = field(default_factory=KeepWork)
     memory: MemoryWork = field(default_factory=MemoryWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
@@ -95,13 +99,14 @@ class Channels:
             *self.strip.all,
             self.omissions,
             self.runs,
+            *self.keep.all,
             *self.queue.all,
             *self.memory.all,
         )
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:
-        first = (*self.opening.all, self.pictures, self.picks, self.selecting, self.photos)
+        first = (*self.opening.all, *self.job.all, self.pictures, self.picks, self.selecting, self.photos)
         views = (self.view, self.second)
         last = (self.saving, self.windows, self.cells, self.sessions, self.exports, self.batches)
         return (*first, *self.compare.all, *views, *self.bakes.all, *last)
@@ -109,9 +114,9 @@ class Channels:
 
 def update(state: AppState, channels: Channels, now: float) -> None:
     """Advance to `now`, seconds on the window's clock."""
-    elapsed, state.now = now - state.now, now
-    if state.toast is not None and now > state.toast.until:
-        state.toast = None
+    elapsed, state.window.now = now - state.window.now, now
+    if state.window.toast is not None and now > state.window.toast.until:
+        state.window.toast = None
     channels.opening.take(state)
     take_pictures(state, channels)
     _take_pick(state, channels)
@@ -120,6 +125,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     channels.measure.take(state)
     channels.strip.take(state)
     channels.queue.take(state)
+    channels.keep.take(state)
     _take_omissions(state, channels)
     if (found := channels.runs.take()) is not None:
         run_actions.take_found(state, found[1])
@@ -133,6 +139,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     _take_written(state, channels)
     _take_step(state, channels)
     follow_job(state)
+    channels.job.take(state)
     _play(state, elapsed)
     path_actions.advance_path(state, elapsed)
     _ask(state, channels)
@@ -144,7 +151,7 @@ def _ask_for_pictures(state: AppState, channels: Channels) -> bool:
     pictures = state.picture_request
     if pictures is None or channels.pictures.asked == pictures:
         return False
-    state.asked_at = state.now
+    state.picture.asked_at = state.window.now
     channels.pictures.ask(pictures)
     return True
 
@@ -154,20 +161,20 @@ def take_pictures(state: AppState, channels: Channels) -> None:
     if _ask_for_pictures(state, channels) and _may_come_at_once(state):
         channels.pictures.wait(PROMPT)
     taken = channels.pictures.take()
-    if taken is not None and taken[0].clip is state.clip:
+    if taken is not None and taken[0].clip is state.source.clip:
         request, answer = taken
         if isinstance(answer, Pictures):
             channels.photo = answer
         elif request == state.picture_request:
-            state.playing = False
+            state.timeline.playing = False
             actions.fail(state, answer.message)
     if channels.photo is not None and _may_show(state, channels.photo):
-        state.pictures, channels.photo = channels.photo, None
+        state.picture.pictures, channels.photo = channels.photo, None
 
 
 def _may_come_at_once(state: AppState) -> bool:
     """Another setting for the frame on screen, where the last one took little time."""
-    shown, request = state.pictures, state.picture_request
+    shown, request = state.picture.pictures, state.picture_request
     if shown is None or shown.enhanced is None or request is None or shown.request == request:
         return False
     same = replace(shown.request, params=None) == replace(request, params=None)
@@ -176,12 +183,12 @@ def _may_come_at_once(state: AppState) -> bool:
 
 def _may_show(state: AppState, pictures: Pictures) -> bool:
     """A photo and its enhanced partner appear together; alone only where it would be long in coming."""
-    if pictures.request.clip is not state.clip:
+    if pictures.request.clip is not state.source.clip:
         return False
-    if pictures.enhanced is not None or pictures.request.params is None or state.pictures is None:
+    if pictures.enhanced is not None or pictures.request.params is None or state.picture.pictures is None:
         return True
-    same_frame = state.pictures.request.frame_index == pictures.request.frame_index
-    return not same_frame and state.now - state.asked_at > PATIENCE
+    same_frame = state.picture.pictures.request.frame_index == pictures.request.frame_index
+    return not same_frame and state.window.now - state.picture.asked_at > PATIENCE
 
 
 def _take_pick(state: AppState, channels: Channels) -> None:
@@ -193,7 +200,7 @@ def _take_omissions(state: AppState, channels: Channels) -> None:
     if (
         taken := answered(state, channels.omissions, "what will be left out cannot be determined")
     ) is not None:
-        state.omissions = taken[1]
+        state.runs.omissions = taken[1]
 
 
 def _take_selected(state: AppState, channels: Channels) -> None:
@@ -210,27 +217,27 @@ def _take_selected(state: AppState, channels: Channels) -> None:
 
 def _take_photo(state: AppState, channels: Channels) -> None:
     if (taken := answered(state, channels.photos, "the frame cannot be read")) is not None:
-        state.viewer.photo = taken[1]
+        state.scene.viewer.photo = taken[1]
 
 
 def _take_view(state: AppState, channels: Channels) -> None:
     taken = channels.view.take()
-    if taken is None or state.model is None:
+    if taken is None or state.scene.model is None:
         return
     if isinstance(taken[1], Failure):
         actions.fail(state, f"the 3D view cannot be rendered: {taken[1].message}")
     else:
-        state.view = taken[1]
+        state.scene.view = taken[1]
 
 
 def _take_second(state: AppState, channels: Channels) -> None:
     drawn = channels.second.take()
-    if drawn is None or drawn[0].scene is not state.second.shown:
+    if drawn is None or drawn[0].scene is not state.scene.second.shown:
         return
     if isinstance(drawn[1], Failure):
         actions.fail(state, f"the second 3D view cannot be rendered: {drawn[1].message}")
     else:
-        state.second.view = drawn[1]
+        state.scene.second.view = drawn[1]
 
 
 def _take_saved(state: AppState, channels: Channels) -> None:
@@ -259,25 +266,30 @@ def _take_step(state: AppState, channels: Channels) -> None:
 
 def _play(state: AppState, elapsed: float) -> None:
     """Time goes on only when what it needs is on screen: a slow machine plays slower, never out of step."""
-    if not state.playing or state.clip is None or _waits(state):
+    if not state.timeline.playing or state.source.clip is None or _waits(state):
         return
-    rate = state.clip.frames_per_second or FRAMES_PER_SECOND
-    first, last = state.span
-    onward = state.playhead + min(elapsed, 0.25) * rate
-    within = first <= state.playhead < last + 1
-    state.playhead = first + (onward - first) % (last + 1 - first) if within else float(first)
-    state.frame_index = int(state.playhead)
+    rate = state.source.clip.frames_per_second or FRAMES_PER_SECOND
+    first, last = state.source.span
+    onward = state.timeline.playhead + min(elapsed, 0.25) * rate
+    within = first <= state.timeline.playhead < last + 1
+    state.timeline.playhead = first + (onward - first) % (last + 1 - first) if within else float(first)
+    state.timeline.frame_index = int(state.timeline.playhead)
 
 
 def _waits(state: AppState) -> bool:
-    return state.frozen_index is None and state.pictures_wait
+    return state.timeline.frozen_index is None and state.pictures_wait
 
 
 def view_request(state: AppState) -> ViewRequest | None:
     """What the 3D view should show, smaller while it moves when a whole one takes long."""
     request = state.view_request
-    moving = state.view_dragged or state.viewer.moving or state.playing or state.cameras.playing
-    if request is None or not moving or not is_slow(state.view, state.second.view):
+    moving = (
+        state.scene.dragged
+        or state.scene.viewer.moving
+        or state.timeline.playing
+        or state.scene.cameras.playing
+    )
+    if request is None or not moving or not is_slow(state.scene.view, state.scene.second.view):
         return request
     return request.scaled(REDUCED)
 
@@ -291,7 +303,7 @@ def is_slow(*views: View | None) -> bool:
 def _ask(state: AppState, channels: Channels) -> None:
     channels.opening.ask(state)
     _ask_for_pictures(state, channels)
-    channels.picks.want(state.viewer.pick)
+    channels.picks.want(state.scene.viewer.pick)
     channels.selecting.want(state.editing.wish)
     channels.photos.want(state.photo_request)
     channels.bakes.ask(state)
@@ -302,15 +314,19 @@ def _ask(state: AppState, channels: Channels) -> None:
     channels.measure.ask(state)
     channels.strip.ask(state)
     channels.queue.ask(state)
+    channels.job.ask(state)
+    channels.keep.ask(state)
     channels.memory.ask(state)
     channels.runs.want(state.runs_request)
-    state.asks_for_runs = False
+    state.runs.is_listed = False
     channels.omissions.want(state.omissions_request)
     view = view_request(state)
-    channels.view.want(view if state.processor_draws else None)
+    channels.view.want(view if state.scene.processor_draws else None)
     _ask_second(state, channels, view)
 
 
 def _ask_second(state: AppState, channels: Channels, first: ViewRequest | None) -> None:
     """The second 3D view is of the first one's moment, camera and size."""
-    channels.second.want(state.beside(first) if first is not None and state.processor_draws else None)
+    channels.second.want(
+        state.scene.beside(first) if first is not None and state.scene.processor_draws else None
+    )

@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from app.files.image_files import read_image
-from app.gui.actions import actions, comparing, edit_actions, job_actions, second_actions
+from app.gui.actions import actions, comparing, job_actions, second_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, GraphicsViewport
-from app.gui.state.settings import Places
+from app.gui.work.saving_edits import SaveRequest, write_splats
+from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
@@ -33,6 +34,7 @@ from renderer.splats import RenderMode
 from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.exporting import Exporter, same
+from tests.app.gui.settling import show_finished, show_live
 
 Cli = Callable[..., Call]
 Kind = Literal["finished run", "edited run", "splat file"]
@@ -85,7 +87,7 @@ def source(request: pytest.FixtureRequest, trained: Path, tmp_path: Path) -> Sou
 def window(places: Places, source: Source) -> Exporter:
     """At the moment that the flags name."""
     opened = Exporter(places, source.path)
-    opened.state.view_size = opened.state.exports.view_size = SIZE
+    opened.state.scene.size = opened.state.exports.view_size = SIZE
     actions.seek(opened.state, source.frame)
     return opened
 
@@ -146,7 +148,7 @@ def test_the_card_draws_what_the_command_draws(
 ) -> None:
     """From the model of the moment, and from keyframes of what moves."""
     wanted = read_image(rendered(vesselsplat, source, tmp_path / "out", "--with", "gl")).astype(int)
-    window.state.processor_draws = not baked
+    window.state.scene.processor_draws = not baked
     window.turn(40)
     assert (FIRST.keyframes(window.state) is not None) == (baked and source.path.is_dir())
     viewport = GraphicsViewport(ctx, Textures(ctx))
@@ -211,25 +213,25 @@ def training(trained: Path, clip_path: Path, places: Places) -> Exporter:
     """The window that makes the run."""
     window = Exporter(places, clip_path)
     config = RunFolder(trained).record().config
-    window.state.reconstruction.config = config
+    window.state.runs.reconstruction.config = config
     job_actions.start_reconstruction(window.state, FakeJob)
     request = request_of(clip_path, trained, config=config)
-    window.state.reconstruction.request = request
-    window.state.view_size = SIZE
+    window.state.runs.reconstruction.request = request
+    window.state.scene.size = SIZE
     actions.seek(window.state, FRAME)
     return window
 
 
 def test_a_run_is_previewed_as_it_will_be_drawn(training: Exporter, trained: Path) -> None:
-    job_actions.show_live_model(training.state, RunFolder(trained).model())
+    show_live(training.state, RunFolder(trained).model())
     mode = RunFolder(trained).record().config.render_mode
     np.testing.assert_array_equal(shown(training), drawn_of(RunFolder(trained), mode))
 
 
 def test_a_run_that_has_just_been_made_is_drawn_as_it_was_trained(training: Exporter, trained: Path) -> None:
-    job_actions.show_live_model(training.state, RunFolder(trained).model())
-    job_actions.show_finished_model(training.state, RunFolder(trained).model())
-    training.state.reconstruction.status = "finished"
+    show_live(training.state, RunFolder(trained).model())
+    show_finished(training.state, RunFolder(trained).model())
+    training.state.runs.reconstruction.status = "finished"
     mode = RunFolder(trained).record().config.render_mode
     np.testing.assert_array_equal(shown(training), drawn_of(RunFolder(trained), mode))
     assert same(training.made("3D view"), trained)
@@ -241,12 +243,12 @@ def test_a_run_that_was_cut_short_is_drawn_as_it_is_trained(
     folder = RunFolder(Path(shutil.copytree(trained, tmp_path / "short")))
     folder.model_path.unlink()
     window = Exporter(places, folder.path)
-    window.state.view_size = SIZE
+    window.state.scene.size = SIZE
     request = window.state.view_request
-    assert window.state.model is not None
-    assert window.state.model.live
+    assert window.state.scene.model is not None
+    assert window.state.scene.model.live
     assert request is not None
-    splats = window.state.model.model.at(request.time)
+    splats = window.state.scene.model.model.at(request.time)
     mode = folder.record().config.render_mode
     wanted = draw_on_cpu(splats, request.camera, request.near, mode).bytes
     np.testing.assert_array_equal(shown(window), wanted)
@@ -255,6 +257,9 @@ def test_a_run_that_was_cut_short_is_drawn_as_it_is_trained(
 def test_splats_are_saved_with_the_mode_and_come_again(
     window: Exporter, source: Source, trained: Path
 ) -> None:
-    saved = edit_actions.write_splats(window.state, source.path.with_suffix(".ply"))
+    state, path = window.state, source.path.with_suffix(".ply")
+    edits, model = state.editing.edits, state.scene.model
+    assert model is not None
+    saved = write_splats(SaveRequest(model, path, edits, model, edits, state.time))
     assert read_splats(saved).mode == RunFolder(trained).record().config.render_mode
     assert same(saved, source.path)

@@ -14,13 +14,15 @@ from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import job_actions
 from app.gui.commands.command import WindowServices
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
+from app.gui.state.source import Source
+from app.gui.work.settings import Places, Settings
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from tests.app.gui.exporting import Exporter
+from tests.app.gui.settling import show_live
 from tests.app.gui.ui import Ui
 
 SIZE = (48, 40)
@@ -130,7 +132,7 @@ def clip(tmp_path: Path) -> Clip:
 @pytest.fixture
 def state(places: Places, clip: Clip) -> AppState:
     """With a clip open and the notice read."""
-    return AppState(places, Settings(acknowledged=True), clip=clip)
+    return AppState(places, Settings(acknowledged=True), Source(clip=clip))
 
 
 @pytest.fixture
@@ -160,10 +162,10 @@ def ui() -> Iterator[Ui]:
 def opened(state: AppState) -> AppState:
     """With both pictures made."""
     assert state.picture_request is not None
-    state.pictures = list(PictureMaker().make(state.picture_request))[-1]
+    state.picture.pictures = list(PictureMaker().make(state.picture_request))[-1]
     return state
 
 
 def start_live(state: AppState, model: DynamicGaussians) -> None:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)

@@ -12,8 +12,8 @@ from app.exports.replay import replay
 from app.gui.actions import actions, export_actions
 from app.gui.actions.export_actions import What
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
+from app.gui.work.settings import Places, Settings
 
 
 def sidecar(path: Path) -> dict[str, Any]:
@@ -39,11 +39,11 @@ class Exporter:
         actions.open_path(self.state, path)
         self.turn(8)
         # A view so small that it is drawn in no time.
-        self.state.view_size = (48, 36)
+        self.state.scene.size = (48, 36)
 
     def turn(self, frames: int = 4) -> None:
         for _ in range(frames):
-            update(self.state, self.channels, self.state.now + 0.01)
+            update(self.state, self.channels, self.state.window.now + 0.01)
             for channel in self.channels.all:
                 channel.run_waiting()
 
@@ -60,7 +60,7 @@ class Exporter:
             self.turn(1)
             if self.state.exports.under_way is None:
                 break
-        assert self.state.banner is None
+        assert self.state.window.banner is None
         new = set(self.state.places.pictures.glob("*")) - before
         return next(path for path in new if path.suffix in (".png", ".mp4", ".csv"))
 

@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions
 from app.gui.session_file import autosave_path, read_session
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams
 from tests.app.gui.test_window import Driver, is_settled, wait
@@ -28,7 +28,7 @@ def main(root: Path) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
         ctx.item_input_value("//Enhancement/##d_factor", 2.5)
         actions.seek(state, 7)
-        state.notes, state.scope = "left ureter?", "clip"
+        state.session.notes, state.enhancement.scope = "left ureter?", "clip"
         kept = autosave_path(state.places.config)
         wait(ctx, lambda: kept.exists() and read_session(kept).notes != "", "the session saved in passing")
         wait(ctx, lambda: read_session(kept).params == EnhanceParams(d_factor=2.5), "all of it")

@@ -2,8 +2,39 @@
 
 from __future__ import annotations
 
+from app.gui.actions import job_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.job_work import JobWork
+from app.gui.update.keep_work import KeepWork
 from app.gui.update.update import Channels, update
+from renderer.gaussians import DynamicGaussians
+
+
+def keep_all(state: AppState) -> None:
+    """What is to be on disk is there, or it has been told why not."""
+    work = KeepWork()
+    work.finish(state)
+    work.take(state)
+
+
+def show_live(state: AppState, model: DynamicGaussians) -> None:
+    """The model as it is now of the run that is made."""
+    job_actions.show_live_model(state, model)
+    follow_run(state)
+
+
+def show_finished(state: AppState, model: DynamicGaussians) -> None:
+    job_actions.show_finished_model(state, model)
+    follow_run(state)
+
+
+def follow_run(state: AppState) -> None:
+    """What has been asked for of the run is there."""
+    work = JobWork()
+    work.ask(state)
+    for channel in work.all:
+        channel.run_waiting()
+    work.take(state)
 
 
 def settle(state: AppState, channels: Channels, now: float = 0.0) -> None:

@@ -33,10 +33,10 @@ class Drift:
 
 @pytest.fixture
 def drifting(state: AppState, model: DynamicGaussians) -> AppState:
-    assert state.clip is not None
+    assert state.source.clip is not None
     moving = DynamicGaussians(model.raw, Drift())  # type: ignore[arg-type]
-    state.model = scene_of(moving, state.clip.cameras)
-    state.view_size, state.processor_draws = (64, 48), False
+    state.scene.model = scene_of(moving, state.source.clip.cameras)
+    state.scene.size, state.scene.processor_draws = (64, 48), False
     return state
 
 
@@ -49,24 +49,24 @@ def settle(state: AppState, channels: Channels) -> None:
 
 def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) -> None:
     settle(drifting, Channels())
-    keyframes = keyframes_of(drifting.model, drifting.baked)
+    keyframes = keyframes_of(drifting.scene.model, drifting.scene.baked)
     assert keyframes is not None
     np.testing.assert_allclose(keyframes.times, np.arange(6) / 6)
-    assert drifting.model is not None
+    assert drifting.scene.model is not None
     for time in keyframes.times:
-        away = keyframes.at(time).means - drifting.model.model.at(time).means
-        assert np.abs(away).max() <= 0.02 * 50 / drifting.model.cameras[0].fx
-    drifting.model = replace(drifting.model)
-    assert keyframes_of(drifting.model, drifting.baked) is None
-    assert not drifting.log
+        away = keyframes.at(time).means - drifting.scene.model.model.at(time).means
+        assert np.abs(away).max() <= 0.02 * 50 / drifting.scene.model.cameras[0].fx
+    drifting.scene.model = replace(drifting.scene.model)
+    assert keyframes_of(drifting.scene.model, drifting.scene.baked) is None
+    assert not drifting.window.log
 
 
 @pytest.mark.parametrize("why", ["live", "still", "processor"])
 def test_what_needs_no_keyframes_gets_none(drifting: AppState, model: DynamicGaussians, why: str) -> None:
-    assert drifting.model is not None
-    drifting.processor_draws = why == "processor"
-    shown = model if why == "still" else drifting.model.model
-    drifting.model = replace(drifting.model, model=shown, live=why == "live")
+    assert drifting.scene.model is not None
+    drifting.scene.processor_draws = why == "processor"
+    shown = model if why == "still" else drifting.scene.model.model
+    drifting.scene.model = replace(drifting.scene.model, model=shown, live=why == "live")
     channels = Channels()
     settle(drifting, channels)
     assert channels.bakes.first.asked is None
@@ -80,9 +80,9 @@ def test_a_model_that_cannot_be_baked_is_drawn_without(
 
     monkeypatch.setattr("app.gui.work.baking.Baker", broken)
     settle(drifting, Channels())
-    assert keyframes_of(drifting.model, drifting.baked) is None
-    assert [line for line in drifting.log if "no room" in line] == [*drifting.log]
-    assert len(drifting.log) == 1
+    assert keyframes_of(drifting.scene.model, drifting.scene.baked) is None
+    assert [line for line in drifting.window.log if "no room" in line] == [*drifting.window.log]
+    assert len(drifting.window.log) == 1
 
 
 @pytest.mark.gl
@@ -92,8 +92,8 @@ def test_scrubbing_and_turning_upload_an_order_and_no_more(
     ctx: moderngl.Context, drifting: AppState, monkeypatch: pytest.MonkeyPatch, watch: Watch, kind: ViewKind
 ) -> None:
     """In both 3D views and all kinds of view, and they show what the rasteriser shows of the model."""
-    assert drifting.model is not None
-    drifting.second.shown = replace(drifting.model)
+    assert drifting.scene.model is not None
+    drifting.scene.second.shown = replace(drifting.scene.model)
     view_actions.choose_view(drifting, kind)
     graphics, requests = GraphicsViewport(ctx, Textures(ctx), watch), []
     for index, angle in ((2, 0.0), (5, 0.0), (5, 0.2)):
@@ -121,7 +121,7 @@ def test_scrubbing_and_turning_upload_an_order_and_no_more(
         away = np.abs(np.rint(picture).astype(int) - image).max(axis=2)
         assert np.mean(away > 3) < 0.01
     assert 0 < len(uploaded) <= 3
-    assert max(uploaded) <= 4 * len(drifting.model.model)
+    assert max(uploaded) <= 4 * len(drifting.scene.model.model)
     graphics.release()
 
 
@@ -129,8 +129,8 @@ def test_scrubbing_and_turning_upload_an_order_and_no_more(
 def test_a_model_that_stands_still_is_uploaded_once(
     ctx: moderngl.Context, drifting: AppState, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert drifting.model is not None
-    drifting.model = replace(drifting.model, model=model)
+    assert drifting.scene.model is not None
+    drifting.scene.model = replace(drifting.scene.model, model=model)
     graphics = GraphicsViewport(ctx, Textures(ctx))
     graphics.show(drifting)
     monkeypatch.setattr(splat_view, "Storage", None)

@@ -18,9 +18,9 @@ from app.gui.commands.keys import chord
 from app.gui.frame.dialogs import TITLES
 from app.gui.panels.batches import Asking, draw_batches
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Worker
+from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
@@ -51,7 +51,7 @@ class Person:
         for _ in range(frames):
             for channel in self.channels.all:
                 channel.run_waiting()
-            update(self.state, self.channels, self.state.now + 0.01)
+            update(self.state, self.channels, self.state.window.now + 0.01)
 
     def begin(self, *inputs: Path) -> Path:
         """The folder that the results come into."""
@@ -84,8 +84,8 @@ def test_the_present_setting_is_used_and_every_file_comes_again(
     assert files(output) == {"scope.mp4", "scope.mp4.json", *(f"stills/{index}.png" for index in range(3))}
     expected = enhance(read_image(case / "stills/1.png"), EnhanceParams(d_factor=0.3)).image
     np.testing.assert_array_equal(read_image(output / "stills/1.png"), expected)
-    assert person.state.toast is not None
-    assert "2 of 2 enhanced" in person.state.toast.message
+    assert person.state.window.toast is not None
+    assert "2 of 2 enhanced" in person.state.window.toast.message
     for name, source in (("scope.mp4", case), ("stills/2.png", case / "stills")):
         again = tmp_path / f"again{Path(name).suffix}"
         assert replay(output / name, (source,), again).difference.is_none
@@ -95,7 +95,7 @@ def test_the_present_setting_is_used_and_every_file_comes_again(
 def test_scope_and_tissue_are_those_of_the_panel(places: Places, case: Path) -> None:
     person = Person(places)
     actions.set_params(person.state, VesselParams())
-    person.state.scope, person.state.tissue_only = "clip", True
+    person.state.enhancement.scope, person.state.enhancement.tissue_only = "clip", True
     output = person.begin(case / "stills", case / "scope.avi")
     person.finish()
     facts = read_provenance(output / "stills/0.png")
@@ -115,8 +115,8 @@ def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Pl
             break
     actions.set_params(person.state, EnhanceParams(z=0.4))
     person.turn(2)
-    assert person.state.pictures is not None
-    assert person.state.pictures.request == person.state.picture_request
+    assert person.state.picture.pictures is not None
+    assert person.state.picture.pictures.request == person.state.picture_request
     assert person.state.batches.under_way is not None
     person.channels.batches.cancel()
     batch_actions.cancelled(person.state)
@@ -143,8 +143,8 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     output = person.begin(case)
     person.finish()
     assert files(output) == {"scope.mp4", "scope.mp4.json"}
-    assert person.state.banner is not None
-    assert "1 of 3 enhanced" in person.state.banner.message
+    assert person.state.window.banner is not None
+    assert "1 of 3 enhanced" in person.state.window.banner.message
     assert person.state.batches.progressed is not None
     failed = person.state.batches.progressed.failed
     assert [one.item.name for one in failed] == ["case/broken.mp4", "case/stills"]
@@ -159,8 +159,8 @@ def test_nothing_to_enhance_is_a_sentence(places: Places, tmp_path: Path) -> Non
     (tmp_path / "empty").mkdir()
     person.begin(tmp_path / "empty")
     person.finish()
-    assert person.state.banner is not None
-    assert "found none in empty" in person.state.banner.message
+    assert person.state.window.banner is not None
+    assert "found none in empty" in person.state.window.banner.message
     assert not places.pictures.exists()
 
 

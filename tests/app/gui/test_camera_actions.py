@@ -12,6 +12,7 @@ from app.gui.work.picking import Picked, PickRequest, pick
 from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, make_model
+from tests.app.gui.settling import show_live
 
 Act = Callable[[AppState], None]
 
@@ -20,8 +21,8 @@ Act = Callable[[AppState], None]
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     """A reconstruction on screen, through the clip's camera and as large as its photos."""
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
-    state.view_size = SIZE
+    show_live(state, model)
+    state.scene.size = SIZE
     return state
 
 
@@ -40,22 +41,22 @@ MOVES: dict[str, Act] = {
 @pytest.mark.parametrize("move", MOVES.values(), ids=MOVES)
 def test_home_is_the_clip_s_camera_again(seen: AppState, move: Act) -> None:
     start = request(seen)
-    assert start.camera == seen.model.cameras[0]  # type: ignore[union-attr]
+    assert start.camera == seen.scene.model.cameras[0]  # type: ignore[union-attr]
     move(seen)
     assert request(seen) != start
     camera_actions.reset_view(seen)
     assert request(seen) == start
-    assert seen.viewer.pivot is None
+    assert seen.scene.viewer.pivot is None
 
 
 def test_a_picked_point_becomes_the_centre_and_stays_on_its_pixel(seen: AppState) -> None:
     camera_actions.ask_point(seen, request(seen), (24, 20), "orbit")
-    wish = seen.viewer.pick
+    wish = seen.scene.viewer.pick
     assert wish is not None
     (answer,) = pick(wish)
     assert answer.point is not None
     camera_actions.take_point(seen, wish, answer)
-    assert seen.viewer.pivot == answer.point
+    assert seen.scene.viewer.pivot == answer.point
     assert answer.point[2] == pytest.approx(50.0, abs=1e-3)  # The sheet of the model.
     for move in (MOVES["turn"], MOVES["zoom"]):
         move(seen)
@@ -65,48 +66,51 @@ def test_a_picked_point_becomes_the_centre_and_stays_on_its_pixel(seen: AppState
 
 def test_nothing_is_picked_beside_the_tissue_or_of_a_view_that_is_gone(seen: AppState) -> None:
     camera_actions.ask_point(seen, request(seen), (-3, 2), "orbit")
-    wish = seen.viewer.pick
+    wish = seen.scene.viewer.pick
     assert wish is not None
     (answer,) = pick(wish)
     assert answer == Picked(None)
     camera_actions.take_point(seen, wish, answer)
-    assert seen.viewer.pivot is None
-    assert seen.toast is not None
-    assert seen.model is not None
-    seen.model = replace(seen.model, model=make_model())
+    assert seen.scene.viewer.pivot is None
+    assert seen.window.toast is not None
+    assert seen.scene.model is not None
+    seen.scene.model = replace(seen.scene.model, model=make_model())
     camera_actions.take_point(seen, wish, Picked((1.0, 2.0, 3.0)))
-    assert seen.viewer.pivot == (1.0, 2.0, 3.0)  # A newer preview of the same tissue.
+    assert seen.scene.viewer.pivot == (1.0, 2.0, 3.0)  # A newer preview of the same tissue.
     camera_actions.reset_view(seen)
-    seen.model = replace(seen.model, cameras=seen.model.cameras[:1])
+    seen.scene.model = replace(seen.scene.model, cameras=seen.scene.model.cameras[:1])
     camera_actions.take_point(seen, wish, Picked((1.0, 2.0, 3.0)))
-    assert seen.viewer.pivot is None
+    assert seen.scene.viewer.pivot is None
 
 
 def test_flight_moves_at_its_speed_and_takes_the_centre_along(seen: AppState) -> None:
     camera_actions.fly(seen, 0, 0, 1, 0.05)
-    assert seen.viewer.free is None  # Not in flight yet.
+    assert seen.scene.viewer.free is None  # Not in flight yet.
     camera_actions.toggle_flight(seen)
     camera_actions.fly(seen, 0, 0, 1, 0.05)
-    step = seen.viewer.speed * 50.0 * 0.05
+    step = seen.scene.viewer.speed * 50.0 * 0.05
     assert request(seen).camera.position == pytest.approx((0, 0, step))
-    assert seen.viewer.pivot == pytest.approx((0, 0, 50 + step))
+    assert seen.scene.viewer.pivot == pytest.approx((0, 0, 50 + step))
     camera_actions.turn(seen, 0.3, 0.0)
     assert request(seen).camera.position == pytest.approx((0, 0, step))
-    speed = seen.viewer.speed
+    speed = seen.scene.viewer.speed
     camera_actions.zoom(seen, 2.0)
-    assert seen.viewer.speed == pytest.approx(2 * speed)
+    assert seen.scene.viewer.speed == pytest.approx(2 * speed)
     camera_actions.toggle_flight(seen)
     before = request(seen).camera
     camera_actions.turn(seen, 0.5, 0.0)
-    (at,), _ = before.project(np.array([seen.viewer.pivot]))
-    (now,), _ = request(seen).camera.project(np.array([seen.viewer.pivot]))
+    (at,), _ = before.project(np.array([seen.scene.viewer.pivot]))
+    (now,), _ = request(seen).camera.project(np.array([seen.scene.viewer.pivot]))
     assert now == pytest.approx(at)
 
 
 def test_a_pause_of_the_window_is_no_leap(seen: AppState) -> None:
     camera_actions.toggle_flight(seen)
     camera_actions.fly(seen, 1, 0, 0, 60.0)
-    assert request(seen).camera.position[0] <= seen.viewer.speed * 50.0 * camera_actions.LONGEST_STEP + 1e-9
+    assert (
+        request(seen).camera.position[0]
+        <= seen.scene.viewer.speed * 50.0 * camera_actions.LONGEST_STEP + 1e-9
+    )
 
 
 def test_the_free_view_stays_while_the_clip_s_time_goes_on(seen: AppState) -> None:
@@ -120,7 +124,11 @@ def test_wishes_are_by_value_and_need_a_view(state: AppState) -> None:
     for move in MOVES.values():
         move(state)
     camera_actions.toggle_flight(state)
-    assert (state.viewer.pick, state.viewer.free, state.viewer.flying) == (None, None, False)
+    assert (state.scene.viewer.pick, state.scene.viewer.free, state.scene.viewer.flying) == (
+        None,
+        None,
+        False,
+    )
 
 
 def test_two_wishes_for_a_pixel_are_two(seen: AppState) -> None:
@@ -129,18 +137,18 @@ def test_two_wishes_for_a_pixel_are_two(seen: AppState) -> None:
 
 @pytest.mark.parametrize("move", MOVES.values(), ids=MOVES)
 def test_a_snapped_view_is_the_clip_s_camera_exactly_until_it_is_moved(seen: AppState, move: Act) -> None:
-    seen.view_size = (301, 77)
-    assert seen.clip is not None
-    assert request(seen).camera != seen.clip.cameras[2]
+    seen.scene.size = (301, 77)
+    assert seen.source.clip is not None
+    assert request(seen).camera != seen.source.clip.cameras[2]
     actions.seek(seen, 2)
     move(seen)
     camera_actions.toggle_snap(seen)
-    assert request(seen).camera == seen.clip.cameras[2]
-    assert request(seen).time == seen.clip.times[2]
+    assert request(seen).camera == seen.source.clip.cameras[2]
+    assert request(seen).time == seen.source.clip.times[2]
     assert seen.photo_request is not None
-    assert (seen.photo_request.clip, seen.photo_request.frame) == (seen.clip, 2)
+    assert (seen.photo_request.clip, seen.photo_request.frame) == (seen.source.clip, 2)
     move(seen)
-    assert not seen.viewer.snapped
+    assert not seen.scene.viewer.snapped
     assert request(seen).camera.width == 301
     assert seen.photo_request is None
 
@@ -155,14 +163,14 @@ def test_a_snapped_view_between_two_frames_is_of_the_nearer_one(seen: AppState) 
 
 
 def test_without_the_model_s_own_clip_there_is_no_photo(seen: AppState) -> None:
-    assert seen.clip is not None
-    other = seen.clip.cameras[0].resized(10, 10)
-    seen.clip = replace(seen.clip, cameras=(other,) * 6)
+    assert seen.source.clip is not None
+    other = seen.source.clip.cameras[0].resized(10, 10)
+    seen.source.clip = replace(seen.source.clip, cameras=(other,) * 6)
     camera_actions.toggle_snap(seen)
-    assert not seen.viewer.snapped
+    assert not seen.scene.viewer.snapped
 
 
 def test_the_photo_s_share_stays_between_none_and_all(seen: AppState) -> None:
     for share, kept in ((-0.3, 0.0), (0.4, 0.4), (7.0, 1.0)):
         camera_actions.blend(seen, share)
-        assert seen.viewer.blend == kept
+        assert seen.scene.viewer.blend == kept

@@ -23,9 +23,9 @@ pytestmark = pytest.mark.gl
 
 @pytest.fixture
 def looking(state: AppState, model: DynamicGaussians) -> AppState:
-    assert state.clip is not None
-    state.model = scene_of(model, state.clip.cameras)
-    state.view_size = (64, 48)
+    assert state.source.clip is not None
+    state.scene.model = scene_of(model, state.source.clip.cameras)
+    state.scene.size = (64, 48)
     return state
 
 
@@ -35,7 +35,7 @@ def look_around(state: AppState, viewport: ChosenViewport, milliseconds: float, 
         actions.seek(state, index)
         assert state.view_request is not None
         (view,) = draw_view(state.view_request)
-        state.view = replace(view, milliseconds=milliseconds)
+        state.scene.view = replace(view, milliseconds=milliseconds)
         viewport.show(state)
 
 
@@ -54,12 +54,12 @@ def test_a_software_driver_draws_where_it_is_faster(
     monkeypatch.setattr(GraphicsViewport, "milliseconds", lambda *_: card)
     viewport = ChosenViewport(ctx, Textures(ctx), looking)
     look_around(looking, viewport, own, VIEWS - 1)
-    assert looking.processor_draws
-    assert not looking.log
+    assert looking.scene.processor_draws
+    assert not looking.window.log
     look_around(looking, viewport, own)
-    assert looking.processor_draws == (winner != "OpenGL")
-    (said,) = looking.log
-    assert looking.drawn_by == said
+    assert looking.scene.processor_draws == (winner != "OpenGL")
+    (said,) = looking.window.log
+    assert looking.scene.drawn_by == said
     assert said == f"3D view: numba {own:.0f} ms, {renderer_name(ctx)} {card:.0f} ms an image: {winner} draws"
     assert viewport.show(looking) is not None
     viewport.release()
@@ -76,12 +76,12 @@ def test_previews_of_a_training_decide_nothing(
     ctx: moderngl.Context, looking: AppState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(chosen_viewport, "is_software", lambda _: True)
-    assert looking.model is not None
-    looking.model = replace(looking.model, live=True)
+    assert looking.scene.model is not None
+    looking.scene.model = replace(looking.scene.model, live=True)
     viewport = ChosenViewport(ctx, Textures(ctx), looking)
     look_around(looking, viewport, 50.0, 2 * VIEWS)
-    assert looking.processor_draws
-    assert not looking.log
+    assert looking.scene.processor_draws
+    assert not looking.window.log
     viewport.release()
 
 
@@ -94,16 +94,16 @@ def test_a_card_that_fails_gives_way_to_the_rasteriser(
 
     monkeypatch.setattr(chosen_viewport, "is_software", lambda _: False)
     viewport = ChosenViewport(ctx, Textures(ctx), looking)
-    assert not looking.processor_draws
+    assert not looking.scene.processor_draws
     assert viewport.show(looking) is not None
     monkeypatch.setattr(GraphicsViewport, "_upload", fail)
     actions.seek(looking, 3)
     assert viewport.show(looking) is None  # Until the rasteriser has drawn the first picture.
-    assert looking.processor_draws
-    assert [str(error) in line for line in looking.log] == [True]
+    assert looking.scene.processor_draws
+    assert [str(error) in line for line in looking.window.log] == [True]
     look_around(looking, viewport, 10.0, 1)
     assert viewport.show(looking) is not None
-    assert len(looking.log) == 1
+    assert len(looking.window.log) == 1
     viewport.release()
 
 
@@ -114,12 +114,12 @@ def test_a_lost_context_is_noticed_and_the_errors_of_others_are_not_taken_for_on
     viewport = ChosenViewport(ctx, Textures(ctx), looking)
     ctx.enable_direct(0xFFFF)  # An invalid name: GL_INVALID_ENUM waits.
     assert viewport.show(looking) is not None
-    assert not looking.processor_draws
+    assert not looking.scene.processor_draws
     monkeypatch.setattr(
         GraphicsViewport, "_upload", lambda self, *_: (self._ctx.enable_direct(0xFFFF), self._splats)[1]
     )
     actions.seek(looking, 3)
     viewport.show(looking)
-    assert looking.processor_draws
-    assert "GL_INVALID_ENUM" in looking.drawn_by
+    assert looking.scene.processor_draws
+    assert "GL_INVALID_ENUM" in looking.scene.drawn_by
     viewport.release()

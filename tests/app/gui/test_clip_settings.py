@@ -11,18 +11,20 @@ from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import FILE, MOST_CLIPS, load_clips, save_clips
 from app.gui.state.panes import pane, tinted
-from app.gui.state.settings import Places
+from app.gui.state.source import Source
 from app.gui.update.update import Channels, update
 from app.gui.views.picture_view import Placement
 from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint
+from app.gui.work.clip_settings import FILE, MOST_CLIPS, clips_content, load_clips
 from app.gui.work.opening import Opened
+from app.gui.work.settings import Places
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
 from app.runs.clip_selection import ClipPart
 from renderer.clip import Clip
 from tests.app.gui.conftest import make_clip, photo
+from tests.app.gui.settling import keep_all
 
 
 def settle(state: AppState, channels: Channels, now: float) -> None:
@@ -77,14 +79,14 @@ def test_masked_pixels_do_not_count(state: AppState) -> None:
 
 def test_pooled_statistics_keep_to_the_trim(state: AppState, clip: Clip) -> None:
     read: list[int] = []
-    state.clip = make_clip(clip.path)
-    object.__setattr__(state.clip, "read_image", lambda index: (read.append(index), photo(index))[1])
-    state.scope = "clip"
+    state.source.clip = make_clip(clip.path)
+    object.__setattr__(state.source.clip, "read_image", lambda index: (read.append(index), photo(index))[1])
+    state.enhancement.scope = "clip"
     actions.seek(state, 2)
     clip_actions.trim_here(state, start=True)
     actions.seek(state, 4)
     clip_actions.trim_here(state, start=False)
-    assert state.span == (2, 4)
+    assert state.source.span == (2, 4)
     assert state.picture_request is not None
     list(PictureMaker().make(state.picture_request))
     assert set(read) == {2, 3, 4}
@@ -92,14 +94,14 @@ def test_pooled_statistics_keep_to_the_trim(state: AppState, clip: Clip) -> None
 
 def test_playing_goes_round_within_the_trim(state: AppState) -> None:
     channels = Channels()
-    state.clip_settings = ClipPart(trim=(1, 3))
+    state.source.part = ClipPart(trim=(1, 3))
     settle(state, channels, 0.0)
     actions.toggle_play(state)
     seen = []
     for step in range(1, 9):
         settle(state, channels, now := 0.1 * step)
         update(state, channels, now)
-        seen.append(state.frame_index)
+        seen.append(state.timeline.frame_index)
     assert set(seen) == {1, 2, 3}
 
 
@@ -108,9 +110,9 @@ def test_an_end_before_the_start_moves_it_along(state: AppState) -> None:
     clip_actions.trim_here(state, start=True)
     actions.seek(state, 1)
     clip_actions.trim_here(state, start=False)
-    assert state.span == (1, 1)
+    assert state.source.span == (1, 1)
     clip_actions.untrim(state)
-    assert state.span == (0, 5)
+    assert state.source.span == (0, 5)
     assert ClipPart(trim=(7, 9)).span(6) == (5, 5)
     assert ClipPart(trim=(0, 99)).span(6) == (0, 5)
 
@@ -120,13 +122,14 @@ def test_they_are_there_when_the_clip_is_opened_again(state: AppState, places: P
     clip_actions.finish_mask(state)
     actions.seek(state, 2)
     clip_actions.trim_here(state, start=True)
-    said = state.clip_settings
-    again = AppState(places, known_clips=load_clips(places.config))
+    said = state.source.part
+    keep_all(state)
+    again = AppState(places, source=Source(known=load_clips(places.config)))
     actions.show_opened(again, clip.path, Opened(clip))
-    assert again.clip_settings == said
+    assert again.source.part == said
     other = make_clip(clip.path.with_name("other"))
     actions.show_opened(again, other.path, Opened(other))
-    assert again.clip_settings == ClipPart()
+    assert again.source.part == ClipPart()
 
 
 def test_a_damaged_file_is_no_obstacle_and_the_file_stays_small(places: Places) -> None:
@@ -134,11 +137,11 @@ def test_a_damaged_file_is_no_obstacle_and_the_file_stays_small(places: Places) 
     (places.config / FILE).write_text("{ no")
     assert load_clips(places.config) == {}
     many = {f"clip {index}": ClipPart(trim=(0, index)) for index in range(MOST_CLIPS + 5)}
-    save_clips(places.config, {"untouched": ClipPart(), **many})
-    kept = load_clips(places.config)
-    assert len(kept) == MOST_CLIPS
-    assert f"clip {MOST_CLIPS + 4}" in kept
-    assert "untouched" not in kept
+    (places.config / FILE).write_bytes(clips_content({"untouched": ClipPart(), **many}))
+    there = load_clips(places.config)
+    assert len(there) == MOST_CLIPS
+    assert f"clip {MOST_CLIPS + 4}" in there
+    assert "untouched" not in there
 
 
 def test_nothing_is_written_where_paths_are_not_remembered(state: AppState, places: Places) -> None:
@@ -172,8 +175,8 @@ def test_the_tint_is_where_pixels_are_left_out_and_only_while_it_is_asked_for(st
     assert left_out is not None
     assert left_out[:, :10].all()
     assert not left_out[:, 10:].any()
-    assert state.pictures is not None
-    assert any("TINTED" in tag.text for tag in pane(state, state.pictures, "right").tags)
+    assert state.picture.pictures is not None
+    assert any("TINTED" in tag.text for tag in pane(state, state.picture.pictures, "right").tags)
     patch = Patch(photo(0), 0, 0)
     painted = tint(patch, left_out, Placement(1.0, 0.0, 0.0), (48.0, 40.0)).pixels
     np.testing.assert_array_equal(painted[:, 10:], photo(0)[:, 10:])

@@ -16,7 +16,7 @@ from app.gui.commands.keys import Keyboard, chord
 from app.gui.panels import menus
 from app.gui.panels.palette import draw_palette
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside, start_live
 from tests.app.gui.ui import Draw, Ui
@@ -31,7 +31,7 @@ def empty(places: Places) -> AppState:
 @pytest.fixture
 def editing(state: AppState, model: DynamicGaussians) -> AppState:
     start_live(state, model)
-    state.editing.base, state.editing.active = state.model, True
+    state.editing.base, state.editing.active = state.scene.model, True
     return state
 
 
@@ -102,58 +102,58 @@ def test_words_find_commands_wherever_they_stand(empty: AppState) -> None:
 def test_the_palette_is_used_by_keyboard_alone(ui: Ui, state: AppState) -> None:
     draw, key = palette(state), imgui.Key
     ui.press(draw, key.mod_ctrl, key.mod_shift, key.p)
-    assert state.palette.shown
+    assert state.window.palette.shown
     ui.frame(draw)
     ui.io.add_input_characters_utf8("stripes")
     ui.frame(draw)
-    assert state.palette.words == "stripes"
+    assert state.window.palette.words == "stripes"
     ui.press(draw, key.enter)
-    assert not state.palette.shown
-    assert state.comparison.zebra
+    assert not state.window.palette.shown
+    assert state.comparing.chosen.zebra
     ui.frame(draw)
     assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
 
 
 def test_arrows_choose_and_escape_closes_and_does_nothing_else(ui: Ui, state: AppState) -> None:
     draw, key = palette(state), imgui.Key
-    state.palette.open()
+    state.window.palette.open()
     ui.frame(draw)
     ui.frame(draw)
     ui.press(draw, key.down_arrow)
     ui.press(draw, key.down_arrow)
-    assert state.palette.marked == 2
+    assert state.window.palette.marked == 2
     for _ in range(3):
         ui.press(draw, key.up_arrow)
-    assert state.palette.marked == len(commands(state)) - 1
+    assert state.window.palette.marked == len(commands(state)) - 1
     ui.press(draw, key.e)  # A letter is typed, not a key of the window.
     ui.press(draw, key.escape)
     ui.frame(draw)
-    assert not state.palette.shown
-    assert state.enhancing  # Escape alone is plain white light.
+    assert not state.window.palette.shown
+    assert state.enhancement.active  # Escape alone is plain white light.
 
 
 def test_what_does_not_apply_cannot_be_run(ui: Ui, empty: AppState) -> None:
     draw = palette(empty)
-    empty.palette.open()
+    empty.window.palette.open()
     ui.frame(draw)
     ui.frame(draw)
     ui.io.add_input_characters_utf8("stripes clipped")
     ui.frame(draw)
     ui.press(draw, imgui.Key.enter)
-    assert empty.palette.shown
-    assert not empty.comparison.zebra
+    assert empty.window.palette.shown
+    assert not empty.comparing.chosen.zebra
 
 
 def test_a_key_does_nothing_where_its_command_does_not_apply(ui: Ui, empty: AppState) -> None:
     ui.press(palette(empty), imgui.Key.z)
-    assert not empty.comparison.zebra
+    assert not empty.comparing.chosen.zebra
 
 
 def test_undo_is_of_edits_in_edit_mode_and_of_parameters_elsewhere(editing: AppState) -> None:
     def undoing() -> list[str]:
         return [one.label for one in commands(editing) if "Ctrl+Z" in one.keys and one.applies(editing)]
 
-    editing.past = [replace(editing.chosen, scope="clip"), editing.chosen]
+    editing.enhancement.past = [replace(editing.chosen, scope="clip"), editing.chosen]
     assert undoing() == []
     editing.editing.active = False
     assert undoing() == ["Undo statistics"]

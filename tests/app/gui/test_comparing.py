@@ -35,29 +35,29 @@ def channels() -> Channels:
 
 
 def image(state: AppState, side: str = "right") -> np.ndarray:
-    assert state.pictures is not None
-    return pane(state, state.pictures, side).image  # type: ignore[arg-type]
+    assert state.picture.pictures is not None
+    return pane(state, state.picture.pictures, side).image  # type: ignore[arg-type]
 
 
 def said(state: AppState, side: str = "right") -> str:
-    assert state.pictures is not None
-    return " | ".join(one.text for one in pane(state, state.pictures, side).tags)  # type: ignore[arg-type]
+    assert state.picture.pictures is not None
+    return " | ".join(one.text for one in pane(state, state.picture.pictures, side).tags)  # type: ignore[arg-type]
 
 
 def shown_model(state: AppState, model: DynamicGaussians) -> Scene:
-    assert state.clip is not None
-    return scene_of(model, state.clip.cameras, steps=10)
+    assert state.source.clip is not None
+    return scene_of(model, state.source.clip.cameras, steps=10)
 
 
 def test_every_source_shows_what_its_name_says(
     state: AppState, channels: Channels, model: DynamicGaussians
 ) -> None:
-    assert state.clip is not None
-    state.model = shown_model(state, model)
-    state.stored = {"A": EnhanceParams(z=0.2), "B": VesselParams(strength=3.0)}
-    state.params = EnhanceParams(z=0.7)
+    assert state.source.clip is not None
+    state.scene.model = shown_model(state, model)
+    state.enhancement.stored = {"A": EnhanceParams(z=0.2), "B": VesselParams(strength=3.0)}
+    state.enhancement.params = EnhanceParams(z=0.7)
     actions.seek(state, 2)
-    rendered = render(model.at(2 / 6), state.clip.cameras[2], (0.0, 0.0, 0.0), near=0.05).image
+    rendered = render(model.at(2 / 6), state.source.clip.cameras[2], (0.0, 0.0, 0.0), near=0.05).image
     expected = {
         "original": photo(2),
         "enhanced": enhance(photo(2), EnhanceParams(z=0.7)).image,
@@ -71,7 +71,7 @@ def test_every_source_shows_what_its_name_says(
     for source in SOURCES:
         comparing.choose_source(state, "right", source)
         settle(state, channels)
-        assert not state.panes_wait
+        assert not state.comparing.waits
         assert source in expected or said(state).startswith(f"METHOD {named(source)}")
         if source in expected:
             np.testing.assert_array_equal(image(state), expected[source], source)
@@ -89,13 +89,13 @@ def test_a_source_that_is_missing_says_so_and_shows_the_original(state: AppState
 
 def test_a_model_of_another_clip_is_no_render_of_this_one(state: AppState, model: DynamicGaussians) -> None:
     shown = shown_model(state, model)
-    state.model = replace(shown, cameras=2 * shown.cameras)
+    state.scene.model = replace(shown, cameras=2 * shown.cameras)
     assert why_not(state, "render")
     camera = shown.cameras[0]
     other = camera.resized(2 * camera.width, 2 * camera.height)
-    state.model = replace(shown, cameras=(other,) * 6)
+    state.scene.model = replace(shown, cameras=(other,) * 6)
     assert why_not(state, "render")
-    state.model = shown
+    state.scene.model = shown
     assert not why_not(state, "render")
 
 
@@ -103,11 +103,11 @@ def test_peek_and_white_light_show_the_photo_whatever_is_compared(
     state: AppState, channels: Channels
 ) -> None:
     comparing.store(state, "A")
-    state.comparison = Comparison(mode="difference", left="A", right="clahe")
+    state.comparing.chosen = Comparison(mode="difference", left="A", right="clahe")
     settle(state, channels)
-    state.peeking = True
+    state.enhancement.peeking = True
     for side in ("left", "right"):
-        assert image(state, side) is state.pictures.photo  # type: ignore[union-attr]
+        assert image(state, side) is state.picture.pictures.photo  # type: ignore[union-attr]
         assert "peek" in said(state, side)
     actions.white_light(state)
     settle(state, channels)
@@ -120,12 +120,12 @@ def test_peek_and_white_light_show_the_photo_whatever_is_compared(
 def test_another_frame_is_stale_until_its_picture_is_there(state: AppState, channels: Channels) -> None:
     comparing.choose_source(state, "right", "clahe")
     settle(state, channels)
-    assert state.pictures is not None
-    assert not pane(state, state.pictures, "right").stale
+    assert state.picture.pictures is not None
+    assert not pane(state, state.picture.pictures, "right").stale
     actions.seek(state, 3)
     update(state, channels, 1.0)
-    assert state.panes_wait
-    assert pane(state, state.pictures, "right").stale
+    assert state.comparing.waits
+    assert pane(state, state.picture.pictures, "right").stale
     assert state.is_busy
     settle(state, channels, 1.0)
     np.testing.assert_array_equal(image(state), clahe(photo(3)))
@@ -136,12 +136,12 @@ def test_playing_waits_for_both_panes(state: AppState, channels: Channels) -> No
     settle(state, channels)
     actions.toggle_play(state)
     update(state, channels, 0.12)
-    assert state.frame_index == 1
+    assert state.timeline.frame_index == 1
     update(state, channels, 0.24)
-    assert state.frame_index == 1
+    assert state.timeline.frame_index == 1
     settle(state, channels, 0.24)
     update(state, channels, 0.36)
-    assert state.frame_index == 2
+    assert state.timeline.frame_index == 2
 
 
 def test_a_failing_source_is_told_once(state: AppState, channels: Channels) -> None:
@@ -151,10 +151,10 @@ def test_a_failing_source_is_told_once(state: AppState, channels: Channels) -> N
     channels.compare.sides["right"] = Channel(fails)  # type: ignore[arg-type]
     comparing.choose_source(state, "right", "clahe")
     settle(state, channels)
-    assert state.banner is not None
-    state.banner = None
+    assert state.window.banner is not None
+    state.window.banner = None
     settle(state, channels)
-    assert state.banner is None
+    assert state.window.banner is None
 
 
 def test_pictures_are_remembered_and_let_go(state: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -188,14 +188,14 @@ def test_models_count_among_what_is_kept(
 ) -> None:
     """Previews of a run in training come one after the other, each a model of its own."""
     start_live(state, model)
-    assert state.model is not None
+    assert state.scene.model is not None
     comparing.choose_source(state, "right", "clahe")
     request = other_request(state, "right")
     assert request is not None
     monkeypatch.setattr("app.exports.comparison_images.KEPT_BYTES", 2 * photo(0).nbytes)
     maker = OtherMaker()
-    first = ref(next(maker.make(replace(request, by=state.model))))
-    list(maker.make(replace(request, by=replace(state.model, iteration=9))))
+    first = ref(next(maker.make(replace(request, by=state.scene.model))))
+    list(maker.make(replace(request, by=replace(state.scene.model, iteration=9))))
     assert first() is None
 
 
@@ -204,25 +204,25 @@ def test_storing_and_recalling_are_steps_of_undo(state: AppState) -> None:
     comparing.store(state, "B")
     actions.set_params(state, EnhanceParams(z=0.9))
     comparing.recall(state, "B")
-    assert state.params == EnhanceParams(z=0.2)
+    assert state.enhancement.params == EnhanceParams(z=0.2)
     history_actions.undo(state)
-    assert state.params == EnhanceParams(z=0.9)
+    assert state.enhancement.params == EnhanceParams(z=0.9)
     comparing.recall(state, "A")
-    assert state.params == EnhanceParams(z=0.9)
+    assert state.enhancement.params == EnhanceParams(z=0.9)
 
 
 def test_modes_go_back_to_side_by_side_and_flip_stays(state: AppState) -> None:
     comparing.choose_mode(state, "wipe")
     comparing.move_wipe(state, 5.0)
-    assert state.comparison.wipe == 0.98
+    assert state.comparing.chosen.wipe == 0.98
     comparing.choose_mode(state, "wipe")
-    assert state.comparison.mode == "side by side"
+    assert state.comparing.chosen.mode == "side by side"
     comparing.flip(state)
-    assert (state.comparison.mode, state.comparison.flipped) == ("flip", True)
+    assert (state.comparing.chosen.mode, state.comparing.chosen.flipped) == ("flip", True)
     comparing.flip(state)
-    assert (state.comparison.mode, state.comparison.flipped) == ("flip", False)
+    assert (state.comparing.chosen.mode, state.comparing.chosen.flipped) == ("flip", False)
     comparing.swap(state)
-    assert (state.comparison.left, state.comparison.right) == ("enhanced", "original")
+    assert (state.comparing.chosen.left, state.comparing.chosen.right) == ("enhanced", "original")
 
 
 @pytest.mark.parametrize(("level", "top"), [(0, 8), (8, 8), (9, 16), (100, 128), (255, 255)])
@@ -242,7 +242,7 @@ def test_the_heat_map_s_scale_holds_the_differences(level: int, top: int) -> Non
 def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels) -> None:
     comparing.choose_mode(state, "difference")
     settle(state, channels)
-    difference, pictures = state.difference, state.pictures
+    difference, pictures = state.comparing.difference, state.picture.pictures
     assert difference is not None
     assert pictures is not None
     assert pictures.enhanced is not None

@@ -12,10 +12,10 @@ import pytest
 
 from app.gui.actions import actions, edit_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places
 from app.gui.update.update import Channels, update
-from app.gui.work.editing import Selector
 from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.selecting import Selector
+from app.gui.work.settings import Places
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder
 from renderer.editing.edits import Edits
@@ -26,13 +26,14 @@ from renderer.splat_files.inria_ply import ply_bytes
 from tests.app.conftest import Call
 from tests.app.gui.conftest import make_model
 from tests.app.gui.scenes import scene_of
+from tests.app.gui.settling import keep_all
 
 
 def opened(state: AppState, path: Path) -> None:
     (answer,) = open_path(OpenRequest(path))
     actions.show_opened(state, path, answer)
     edit_actions.follow(state)
-    state.view_size = (96, 80)
+    state.scene.size = (96, 80)
 
 
 @pytest.fixture
@@ -60,9 +61,16 @@ def drag(state: AppState, *points: tuple[float, float], how: str = "replace") ->
     edit_actions.end_stroke(state, how)  # type: ignore[arg-type]
 
 
+def save(state: AppState) -> bool:
+    """Whether the worker could keep the edits."""
+    edit_actions.save(state)
+    keep_all(state)
+    return not state.editing.is_unsaved
+
+
 def shown(state: AppState) -> DynamicGaussians:
-    assert state.model is not None
-    return state.model.model
+    assert state.scene.model is not None
+    return state.scene.model.model
 
 
 def test_a_rectangle_selects_deletes_and_comes_back(splats: AppState) -> None:
@@ -70,7 +78,7 @@ def test_a_rectangle_selects_deletes_and_comes_back(splats: AppState) -> None:
     drag(splats, (0, 0), (48, 80))
     settle(splats)
     chosen = splats.editing.edits.selected
-    camera = splats.model.camera_at(0).fitted(96, 80)  # type: ignore[union-attr]
+    camera = splats.scene.model.camera_at(0).fitted(96, 80)  # type: ignore[union-attr]
     inside = camera.project(before.means.astype(np.float64))[0][:, 0] <= 48
     np.testing.assert_array_equal(chosen.booleans(), inside)
     assert 0 < len(chosen) < len(before)
@@ -119,7 +127,7 @@ def test_a_click_selects_around_the_surface(splats: AppState, tool: str) -> None
     assert 0 < few < len(splats.editing.edits.selected)
     drag(splats, (0.0, 0.0))
     settle(splats)
-    assert splats.toast is not None
+    assert splats.window.toast is not None
 
 
 def test_what_is_asked_for_while_a_selection_is_on_its_way_comes_after_it(splats: AppState) -> None:
@@ -149,7 +157,7 @@ def test_an_edited_file_is_saved_as_another(splats: AppState, tmp_path: Path) ->
     settle(splats)
     edit_actions.crop(splats)
     for name in ("sheet-edited.ply", "sheet-edited-2.ply"):
-        assert edit_actions.save(splats)
+        assert save(splats)
         written = read_splats(tmp_path / name).raw
         np.testing.assert_array_equal(written.means, shown(splats).means)
     assert (tmp_path / "sheet.ply").read_bytes() == source
@@ -162,7 +170,7 @@ def test_an_edited_file_is_made_again_of_its_source(
     drag(splats, (0, 0), (48, 80))
     settle(splats)
     edit_actions.delete(splats)
-    assert edit_actions.save(splats)
+    assert save(splats)
     call = vesselsplat("replay", tmp_path / "sheet-edited.ply")
     assert (call.code, call.error) == (0, "")
 
@@ -172,13 +180,13 @@ def test_unsaved_edits_are_asked_about_before_they_are_lost(splats: AppState, tm
     edit_actions.delete(splats)
     assert len(shown(splats)) == 0
     actions.open_path(splats, tmp_path / "other.ply")
-    assert splats.opening is None
+    assert splats.source.opening is None
     edit_actions.answer(splats, "stay")
-    assert splats.opening is None
+    assert splats.source.opening is None
     assert splats.editing.leaving is None
     actions.open_path(splats, tmp_path / "other.ply")
     edit_actions.answer(splats, "discard")
-    assert splats.opening is not None
+    assert splats.source.opening is not None
     assert len(shown(splats)) == 30
 
 
@@ -196,7 +204,7 @@ def test_edits_of_a_run_come_back_with_it(
     edit_actions.hide(state)
     hidden = state.editing.edits.hidden
     assert 0 < len(hidden) < count
-    assert edit_actions.save(state)
+    assert save(state)
     saved = read_edits(folder, count)
     assert saved is not None
     assert saved.hidden == hidden
@@ -205,20 +213,22 @@ def test_edits_of_a_run_come_back_with_it(
     assert again.editing.edits.hidden == hidden
     assert not again.editing.is_unsaved
     assert len(shown(again)) == count - len(hidden)
-    assert again.model is not None
-    assert again.model.record.edits is not None
+    assert again.scene.model is not None
+    assert again.scene.model.record.edits is not None
     assert again.model.record.edits.n_hidden == len(hidden)
     folder.save_model(folder.model().rows(np.arange(count - 1)))
     opened(again, folder.path)
-    assert again.banner is not None
-    assert "edits of an earlier one" in again.banner.message
+    assert again.window.banner is not None
+    assert "edits of an earlier one" in again.window.banner.message
     assert len(shown(again)) == count - 1
 
 
 def test_editing_begins_anew_with_another_model(splats: AppState) -> None:
     edit_actions.select_all(splats)
-    assert splats.model is not None
-    splats.model = replace(scene_of(make_model(12), splats.model.cameras, "live", 9), iteration=1, live=True)
+    assert splats.scene.model is not None
+    splats.scene.model = replace(
+        scene_of(make_model(12), splats.scene.model.cameras, "live", 9), iteration=1, live=True
+    )
     update(splats, Channels(), 1.0)
     assert splats.editing.base is None
     assert not splats.editing.active
@@ -242,19 +252,19 @@ def test_edits_that_another_window_saved_are_told_before_they_are_replaced(
         halves[id(window)] = window.editing.edits.deleted
     count = halves[id(state)].count
     assert halves[id(state)] != halves[id(other)]
-    assert edit_actions.save(state)
-    assert not edit_actions.save(other)
-    assert other.banner is not None
-    assert "another window" in other.banner.message
+    assert save(state)
+    assert not save(other)
+    assert other.window.banner is not None
+    assert "another window" in other.window.banner.message
     saved = read_edits(folder, count)
     assert saved is not None
     assert saved.deleted == halves[id(state)]
     assert other.editing.is_unsaved
     # Asked again, it replaces them: that is what the line said.
-    assert edit_actions.save(other)
+    assert save(other)
     saved = read_edits(folder, count)
     assert saved is not None
     assert saved.deleted == halves[id(other)]
     # Its own save is no other window's.
     edit_actions.undo(other)
-    assert edit_actions.save(other)
+    assert save(other)

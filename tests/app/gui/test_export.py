@@ -26,6 +26,7 @@ from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, photo
 from tests.app.gui.saving import asked, saved
 from tests.app.gui.scenes import scene_of
+from tests.app.gui.settling import show_finished, show_live
 from tests.app.gui.test_opening import make_run, opened
 
 
@@ -106,8 +107,8 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppS
     with pytest.raises(Exception, match="file") as caught:
         list(export(request))
     actions.fail(state, str(caught.value))
-    assert state.banner is not None
-    assert "\n" not in state.banner.message
+    assert state.window.banner is not None
+    assert "\n" not in state.window.banner.message
 
 
 def test_a_run_s_view_names_its_own_clip_whatever_is_open(
@@ -135,12 +136,12 @@ def test_a_model_of_this_session_knows_its_run(
     tmp_path: Path, state: AppState, model: DynamicGaussians
 ) -> None:
     job_actions.start_reconstruction(state, FakeJob)
-    path = state.reconstruction.run_path
+    path = state.runs.reconstruction.run_path
     assert path is not None
     run = make_run(path, phantom_path(), None)
-    job_actions.show_live_model(state, model)
-    assert state.model is not None
-    assert state.model.record.run == RunSource(name=path.name, model_sha256=None)
+    show_live(state, model)
+    assert state.scene.model is not None
+    assert state.scene.model.record.run == RunSource(name=path.name, model_sha256=None)
     run.save_model(model)
-    job_actions.show_finished_model(state, model)
-    assert state.model.record.run == RunSource(name=path.name, model_sha256=digest(run.model_path))
+    show_finished(state, model)
+    assert state.scene.model.record.run == RunSource(name=path.name, model_sha256=digest(run.model_path))

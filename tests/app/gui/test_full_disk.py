@@ -17,12 +17,13 @@ import pytest
 
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
 from app.gui.session_file import autosave_path, read_session
-from app.gui.state.presets import load_presets, presets_file
-from app.gui.state.settings import Places, load_settings
+from app.gui.work.presets import load_presets, presets_file
+from app.gui.work.settings import Places, load_settings
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
+from tests.app.gui.settling import keep_all
 from tests.app.gui.test_trouble import App
 
 MEGABYTES = 4
@@ -105,7 +106,8 @@ def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None
     state = app.state
     actions.choose_theme(state, "light")
     preset_actions.keep(state, "mine")
-    state.notes = "before"
+    keep_all(state)
+    state.session.notes = "before"
     app.turn()
     app.turn()
     before = contents(config)
@@ -113,17 +115,20 @@ def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None
 
     disk.fill()
     actions.choose_theme(state, "dark")
-    assert NO_SPACE in state.log[-1]
+    keep_all(state)
+    assert NO_SPACE in state.window.log[-1]
     preset_actions.keep(state, "another")
+    keep_all(state)
     assert NO_SPACE in app.trouble()
     clip_actions.trim_here(state, start=False)
-    assert NO_SPACE in state.log[-1]
-    state.banner = None
-    state.notes = "while it is full"
+    keep_all(state)
+    assert NO_SPACE in state.window.log[-1]
+    state.window.banner = None
+    state.session.notes = "while it is full"
     app.turn()
     assert NO_SPACE in app.trouble()
     app.turn()
-    assert state.banner is None  # The same trouble is told once.
+    assert state.window.banner is None  # The same trouble is told once.
     assert app.works
     assert contents(config) == before
     assert load_settings(state.places.settings_file).theme == "light"
@@ -140,18 +145,18 @@ def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
     """Training ends with a sentence at what it cannot write, and goes on when there is room."""
     app = App(replace(places, runs=disk.folder("runs")), clip_path)
     state = app.state
-    state.reconstruction.config = TrainConfig(iterations=400, n_gaussians=300, checkpoint_every=20)
+    state.runs.reconstruction.config = TrainConfig(iterations=400, n_gaussians=300, checkpoint_every=20)
     job_actions.start_reconstruction(state, TrainingJob)
-    path = state.reconstruction.run_path
+    path = state.runs.reconstruction.run_path
     assert path is not None
     run = RunFolder(path)
     app.wait(lambda: run.has_checkpoint)
     job_actions.pause(state)
-    app.wait(lambda: state.reconstruction.status == "paused")
+    app.wait(lambda: state.runs.reconstruction.status == "paused")
     disk.fill()
     job_actions.resume(state)
-    app.wait(lambda: not state.reconstruction.is_alive)
-    assert state.reconstruction.status == "failed"
+    app.wait(lambda: not state.runs.reconstruction.is_alive)
+    assert state.runs.reconstruction.status == "failed"
     said = app.trouble()
     assert said.startswith("the reconstruction failed: ")
     assert NO_SPACE in said
@@ -161,12 +166,12 @@ def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
     assert job_actions.can_continue(state)
 
     job_actions.continue_reconstruction(state, TrainingJob)
-    app.wait(lambda: not state.reconstruction.is_alive)
+    app.wait(lambda: not state.runs.reconstruction.is_alive)
     assert "of free disk" in app.trouble()
 
     disk.free()
     assert job_actions.can_continue(state)
     job_actions.continue_reconstruction(state, TrainingJob)
-    app.wait(lambda: not state.reconstruction.is_alive)
-    assert state.reconstruction.status == "finished"
+    app.wait(lambda: not state.runs.reconstruction.is_alive)
+    assert state.runs.reconstruction.status == "finished"
     assert run.is_finished

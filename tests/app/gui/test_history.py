@@ -10,26 +10,27 @@ import pytest
 from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import load_clips
-from app.gui.state.settings import Places
 from app.gui.state.settings_snapshot import SettingsSnapshot
 from app.gui.views.picture_view import PictureView
+from app.gui.work.clip_settings import load_clips
 from app.gui.work.opening import Opened
+from app.gui.work.settings import Places
 from app.runs.clip_selection import ClipPart
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from tests.app.gui.conftest import make_clip
+from tests.app.gui.settling import keep_all
 
 Set = Callable[[AppState], None]
 
 
 def iterations(state: AppState) -> None:
-    run = state.reconstruction
+    run = state.runs.reconstruction
     run.config = replace(run.config, iterations=7, leave_out=("deformation",))
 
 
 def wishes(state: AppState) -> None:
-    state.reconstruction.input, state.reconstruction.d_factor = "both in turn", 0.75
+    state.runs.reconstruction.input, state.runs.reconstruction.d_factor = "both in turn", 0.75
 
 
 def trim(state: AppState) -> None:
@@ -38,7 +39,7 @@ def trim(state: AppState) -> None:
 
 
 def pooled(state: AppState) -> None:
-    state.scope, state.tissue_only = "clip", True
+    state.enhancement.scope, state.enhancement.tissue_only = "clip", True
 
 
 SETTINGS: dict[str, Set] = {
@@ -66,38 +67,38 @@ def test_every_setting_is_undone_and_redone_in_its_turn(state: AppState) -> None
         assert seen[-1] != seen[-2]
         if name != "enhancement":  # Choosing a preset and then another value are two steps.
             assert history_actions.undo_name(state) == f"Undo {name.strip()}"
-    settled = list(state.past)
-    while len(state.past) > 1:
+    settled = list(state.enhancement.past)
+    while len(state.enhancement.past) > 1:
         history_actions.undo(state)
-        assert state.chosen == state.past[-1]
+        assert state.chosen == state.enhancement.past[-1]
     assert state.chosen == seen[0]
     assert history_actions.undo_name(state) == "Undo"
-    while state.future:
+    while state.enhancement.future:
         history_actions.redo(state)
-    assert (state.past, state.chosen) == (settled, seen[-1])
+    assert (state.enhancement.past, state.chosen) == (settled, seen[-1])
 
 
 def test_a_drag_is_one_step(state: AppState) -> None:
     for width in range(1, 20):
         clip_actions.set_mask(state, PictureMask(text=(0, 0, width, 5)))
     actions.settle_params(state)
-    assert len(state.past) == 2
+    assert len(state.enhancement.past) == 2
     history_actions.undo(state)
-    assert state.clip_settings.mask == PictureMask()
+    assert state.source.part.mask == PictureMask()
 
 
 def test_looking_is_no_step_and_is_left_as_it_is(state: AppState) -> None:
     comparing.choose_mode(state, "wipe")
     actions.settle_params(state)
-    state.comparison = state.comparison.wiped(0.2)
-    state.picture_view, state.playing = PictureView(3.0, (0.1, 0.2)), True
+    state.comparing.chosen = state.comparing.chosen.wiped(0.2)
+    state.picture.view, state.timeline.playing = PictureView(3.0, (0.1, 0.2)), True
     actions.seek(state, 4)
     actions.toggle_enhancement(state)
     actions.settle_params(state)
-    assert len(state.past) == 2
+    assert len(state.enhancement.past) == 2
     history_actions.undo(state)
-    assert (state.comparison.mode, state.comparison.wipe) == ("side by side", 0.2)
-    assert (state.frame_index, state.picture_view.zoom, state.enhancing) == (4, 3.0, False)
+    assert (state.comparing.chosen.mode, state.comparing.chosen.wipe) == ("side by side", 0.2)
+    assert (state.timeline.frame_index, state.picture.view.zoom, state.enhancement.active) == (4, 3.0, False)
 
 
 def test_something_new_ends_what_could_be_redone(state: AppState) -> None:
@@ -107,14 +108,16 @@ def test_something_new_ends_what_could_be_redone(state: AppState) -> None:
     pooled(state)
     actions.settle_params(state)
     history_actions.redo(state)
-    assert state.clip_settings == ClipPart()
+    assert state.source.part == ClipPart()
 
 
 def test_an_undone_trim_is_undone_for_the_next_time_too(state: AppState, places: Places) -> None:
     trim(state)
     actions.settle_params(state)
+    keep_all(state)
     assert load_clips(places.config)
     history_actions.undo(state)
+    keep_all(state)
     assert not load_clips(places.config)
 
 
@@ -127,7 +130,7 @@ def test_no_step_leads_into_another_clip(state: AppState, places: Places, *, tri
     other = make_clip(places.config.parent / "other", 3)
     actions.show_opened(state, other.path, Opened(other))
     actions.settle_params(state)
-    while len(state.past) > 1:
+    while len(state.enhancement.past) > 1:
         history_actions.undo(state)
-    assert state.clip_settings == ClipPart()
-    assert state.params == EnhanceParams()
+    assert state.source.part == ClipPart()
+    assert state.enhancement.params == EnhanceParams()

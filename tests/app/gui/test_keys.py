@@ -29,25 +29,25 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
     key = imgui.Key
     ui.press(draw, key.e)
-    assert not opened.enhancing
+    assert not opened.enhancement.active
     ui.press(draw, key.e)
     ui.press(draw, key.escape)
-    assert not opened.enhancing
+    assert not opened.enhancement.active
     ui.press(draw, key.period)
-    assert opened.frame_index == 1
+    assert opened.timeline.frame_index == 1
     ui.press(draw, key.comma)
     ui.press(draw, key.f)
-    assert (opened.frame_index, opened.frozen_index) == (0, 0)
+    assert (opened.timeline.frame_index, opened.timeline.frozen_index) == (0, 0)
     ui.press(draw, key.p)
-    assert opened.playing
+    assert opened.timeline.playing
     ui.press(draw, key.s)
     assert saved == ["picture"]
     ui.press(draw, key._1)
-    assert opened.picture_view.zoom == 1.0
+    assert opened.picture.view.zoom == 1.0
     ui.press(draw, key.mod_shift, key.slash)
-    assert opened.help_open
+    assert opened.window.help_open
     ui.press(draw, key.mod_ctrl, key.e)  # Another chord than E.
-    assert not opened.enhancing
+    assert not opened.enhancement.active
 
 
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
@@ -55,16 +55,16 @@ def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model:
     saved: list[str] = []
     draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
     ui.press(draw, imgui.Key.g)
-    assert opened.viewer.flying
+    assert opened.scene.viewer.flying
     ui.press(draw, imgui.Key.s, imgui.Key.a)
-    free = opened.viewer.free
+    free = opened.scene.viewer.free
     assert free is not None
     assert free.camera.position[0] == free.camera.position[2] < 0
     assert not saved
-    assert not opened.viewer.moving
+    assert not opened.scene.viewer.moving
     ui.press(draw, imgui.Key.home)
     ui.press(draw, imgui.Key.s)
-    assert (opened.viewer.free, saved) == (None, ["picture"])
+    assert (opened.scene.viewer.free, saved) == (None, ["picture"])
 
 
 def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
@@ -72,20 +72,20 @@ def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicG
     draw = keyboard(opened)
     for key in (imgui.Key.b, imgui.Key.i, imgui.Key.i, imgui.Key.l):
         ui.press(draw, key)
-    assert len(opened.cameras.views.named) == 1
-    assert len(opened.cameras.views.path.keyframes) == 2
-    assert opened.cameras.playing
+    assert len(opened.scene.cameras.views.named) == 1
+    assert len(opened.scene.cameras.views.path.keyframes) == 2
+    assert opened.scene.cameras.playing
 
 
 def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
     draw = keyboard(opened)
     ui.io.add_key_event(imgui.Key.space, True)
     ui.frame(draw)
-    assert opened.peeking
+    assert opened.enhancement.peeking
     assert pane(opened, pictures(opened), "right").image is pictures(opened).photo
     ui.io.add_key_event(imgui.Key.space, False)
     ui.frame(draw)
-    assert not opened.peeking
+    assert not opened.enhancement.peeking
 
 
 def test_a_key_with_shift_is_a_number_and_no_member_of_an_enum() -> None:

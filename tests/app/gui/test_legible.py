@@ -24,8 +24,8 @@ from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Settings
 from app.gui.work.opening import OpenRequest
+from app.gui.work.settings import Settings
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, outside
 from tests.app.gui.ui import NOTHING, Shown, Ui, compare
@@ -41,23 +41,23 @@ def test_what_utf_8_can_say_stays() -> None:
 
 
 def test_the_welcome_and_the_menu_show_such_names(ui: Ui, state: AppState) -> None:
-    state.clip, state.settings = None, Settings(recent=(f"/clips/{NAME}",))
+    state.source.clip, state.settings = None, Settings(recent=(f"/clips/{NAME}",))
     ui.frame(lambda: draw_welcome(state, NOTHING))
     ui.frame(lambda: menus.draw_commands(state, recent_commands.opening(state)))
-    state.palette.open()
-    state.palette.type("caf")
+    state.window.palette.open()
+    state.window.palette.type("caf")
     for _ in range(2):
         ui.frame(lambda: draw_palette(state, sections(state, outside())))
-    state.opening = OpenRequest(Path(NAME))
+    state.source.opening = OpenRequest(Path(NAME))
     ui.frame(lambda: draw_welcome(state, NOTHING))
 
 
 def test_the_panels_show_such_names(ui: Ui, state: AppState, clip: Clip) -> None:
-    state.clip = replace(clip, name=NAME, labels=(NAME,) * len(clip))
-    state.pictures = list(PictureMaker().make(PictureRequest(state.clip, 0, None)))[-1]
+    state.source.clip = replace(clip, name=NAME, labels=(NAME,) * len(clip))
+    state.picture.pictures = list(PictureMaker().make(PictureRequest(state.source.clip, 0, None)))[-1]
     ui.frame(compare(state, Shown()))
     ui.frame(lambda: menus.draw_status(state))
-    run = state.reconstruction
+    run = state.runs.reconstruction
     run.status, run.failure, run.warnings = "failed", f"no {NAME}", [NAME]
     ui.frame(lambda: draw_reconstruction(state, FakeJob))
 
@@ -68,7 +68,7 @@ def test_what_is_said_is_legible(ui: Ui, state: AppState) -> None:
     for draw in (overlays.draw_banner, overlays.draw_toast):
         ui.frame(lambda draw=draw: draw(state))
     ui.frame(lambda: overlays.draw_log(state, imgui.set_clipboard_text))
-    assert list(state.log) == ["cannot read caf?.png", "saved caf?.png"]
+    assert list(state.window.log) == ["cannot read caf?.png", "saved caf?.png"]
 
 
 def test_the_file_dialog_lists_such_names(ui: Ui, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -79,19 +79,19 @@ def test_measuring_waits_for_the_hand_and_never_twice(state: AppState) -> None:
                     pass
 
     settle(0.0)
-    assert state.measured is None
+    assert state.picture.measured is None
     settle(REST + 0.01)
-    first = state.measured
+    first = state.picture.measured
     assert first is not None
-    assert first.pictures is state.pictures
+    assert first.pictures is state.picture.pictures
     settle(2.0)
-    assert state.measured is first
+    assert state.picture.measured is first
     actions.set_params(state, EnhanceParams(z=0.1))
     settle(2.1)
-    assert state.measured is first  # Of the setting before: shown grey.
+    assert state.picture.measured is first  # Of the setting before: shown grey.
     settle(2.1 + REST + 0.01)
-    assert state.measured is not None
-    assert state.measured.pictures is state.pictures
+    assert state.picture.measured is not None
+    assert state.picture.measured.pictures is state.picture.pictures
 
 
 def test_what_was_left_out_comes_with_the_picture(clip: Clip) -> None:

@@ -7,8 +7,9 @@ from pathlib import Path
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.update.measure_work import REST
-from app.gui.update.memory_work import MemoryWork, OnScreen
+from app.gui.update.memory_work import MemoryWork
 from app.gui.update.update import Channels
+from app.gui.work.tidying import OnScreen
 from enhance import EnhanceParams
 from renderer.clip import Clip
 from tests.app.gui.conftest import make_clip
@@ -20,16 +21,16 @@ def test_once_for_everything_that_comes_to_rest(state: AppState, clip: Clip, tmp
     work = MemoryWork()
     work.ask(state)
     assert work.tidying.asked is None
-    state.now = state.asked_at + REST
+    state.window.now = state.picture.asked_at + REST
     work.ask(state)
-    assert work.tidying.asked == OnScreen(state.opened_path, clip)
+    assert work.tidying.asked == OnScreen(state.source.path, clip)
     assert work.tidying.run_waiting()
-    state.now += 100
+    state.window.now += 100
     work.ask(state)
     assert not work.tidying.run_waiting()
-    state.clip = make_clip(tmp_path / "another")
+    state.source.clip = make_clip(tmp_path / "another")
     settle(state, Channels())
-    state.now = state.asked_at + REST
+    state.window.now = state.picture.asked_at + REST
     work.ask(state)
     assert work.tidying.run_waiting()
 
@@ -37,7 +38,7 @@ def test_once_for_everything_that_comes_to_rest(state: AppState, clip: Clip, tmp
 def test_not_while_a_picture_is_awaited(state: AppState) -> None:
     settle(state, Channels())
     actions.set_params(state, EnhanceParams(z=0.0))
-    state.now = state.asked_at + 100
+    state.window.now = state.picture.asked_at + 100
     work = MemoryWork()
     work.ask(state)
     assert work.tidying.asked is None

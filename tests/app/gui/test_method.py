@@ -40,28 +40,28 @@ def test_the_preset_s_picture_is_the_library_s(clip: Clip) -> None:
 def test_each_method_keeps_its_parameters_and_undo_goes_between_them(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.3))
     actions.choose_method(state, VesselParams)
-    assert state.params == VesselParams()
+    assert state.enhancement.params == VesselParams()
     actions.settle_params(state)
     actions.set_params(state, STRONG)
     actions.choose_method(state, EnhanceParams)
-    assert state.params == EnhanceParams(z=0.3)
+    assert state.enhancement.params == EnhanceParams(z=0.3)
     actions.choose_method(state, VesselParams)
-    assert state.params == STRONG
+    assert state.enhancement.params == STRONG
     for wanted in (EnhanceParams(z=0.3), STRONG, VesselParams(), EnhanceParams(z=0.3), EnhanceParams()):
         history_actions.undo(state)
-        assert state.params == wanted
+        assert state.enhancement.params == wanted
     actions.set_params(state, STRONG)
     actions.reset_params(state)
-    assert state.params == VesselParams()
+    assert state.enhancement.params == VesselParams()
 
 
 def test_a_reconstruction_takes_the_paper_s_method(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.3))
     actions.choose_method(state, VesselParams)
     job_actions.start_reconstruction(state, FakeJob)
-    request = state.reconstruction.request
+    request = state.runs.reconstruction.request
     assert isinstance(request, TrainRequest)
-    assert request.enhance_params == EnhanceParams(z=0.3, d_factor=state.reconstruction.d_factor)
+    assert request.enhance_params == EnhanceParams(z=0.3, d_factor=state.runs.reconstruction.d_factor)
 
 
 def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -> None:
@@ -69,13 +69,13 @@ def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -
     actions.choose_method(state, VesselParams)
     for _ in range(2):
         ui.frame(lambda: draw_enhancement(state))
-    assert state.params == VesselParams()
+    assert state.enhancement.params == VesselParams()
 
 
 def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppState, clip: Clip) -> None:
     clip.path.mkdir()
     for params, method in ((STRONG, "vessel"), (replace(EnhanceParams(), z=0.3), "paper")):
-        state.params = params
+        state.enhancement.params = params
         shown = made(PictureRequest(clip, 2, params))
         words = " ".join(tag.text for tag in pane(state, shown, "right").tags)
         assert words.startswith("ENHANCED vessel ") == (method == "vessel")

@@ -10,8 +10,8 @@ from imgui_bundle import imgui
 from app.gui import window
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update import update
+from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams
 from tests.app.gui.test_window import Driver, is_settled, wait
@@ -36,8 +36,8 @@ def test_the_picture_of_a_moved_setting_is_in_the_same_frame(
             actions.set_params(state, MOVED[len(moves) - 1])
 
     def look(state: AppState, *rest: Any) -> None:
-        if state.pictures is not None:
-            drawn.append((state.pictures.request.params, imgui.get_frame_count()))
+        if state.picture.pictures is not None:
+            drawn.append((state.picture.pictures.request.params, imgui.get_frame_count()))
         draw_compare(state, *rest)
 
     monkeypatch.setattr(window, "draw_enhancement", move)

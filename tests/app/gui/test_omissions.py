@@ -30,19 +30,19 @@ def test_it_is_what_training_says_when_it_starts(clip_path: Path) -> None:
 def test_it_is_looked_up_only_when_asked_for_and_not_for_more_iterations(
     state: AppState, clip_path: Path
 ) -> None:
-    state.clip, channels = open_clip(clip_path), Channels()
+    state.source.clip, channels = open_clip(clip_path), Channels()
     update(state, channels, 0.1)
     assert channels.omissions.asked is None
-    state.asks_for_omissions = True
+    state.runs.asks_for_omissions = True
     update(state, channels, 0.2)
     first = channels.omissions.asked
     assert channels.omissions.run_waiting()
     update(state, channels, 0.3)
-    assert isinstance(state.omissions, Omissions)
-    state.reconstruction.config = replace(state.reconstruction.config, iterations=500)
+    assert isinstance(state.runs.omissions, Omissions)
+    state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=500)
     update(state, channels, 0.4)
     assert channels.omissions.asked is first
-    state.reconstruction.config = replace(state.reconstruction.config, method="static")
+    state.runs.reconstruction.config = replace(state.runs.reconstruction.config, method="static")
     update(state, channels, 0.5)
     assert channels.omissions.asked != first
 
@@ -79,7 +79,7 @@ def test_what_the_method_or_a_setting_takes_away_cannot_be_kept(clip_path: Path)
 def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
     state: AppState, clip_path: Path
 ) -> None:
-    state.clip = open_clip(clip_path)
+    state.source.clip = open_clip(clip_path)
     both: tuple[Part, ...] = ("tiles", "harmonics")
     for part in both:
         job_actions.keep_part(state, part, kept=True)
@@ -94,10 +94,10 @@ def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
     job_actions.start_reconstruction(state, make_job)
     assert [job.config for job in jobs] == [TrainConfig(keep=both)]
     job_actions.keep_part(state, "tiles", kept=False)
-    assert state.reconstruction.config.keep == ("harmonics",)
+    assert state.runs.reconstruction.config.keep == ("harmonics",)
     assert jobs[0].config.keep == both
     history_actions.undo(state)
-    assert state.reconstruction.config.keep == both
+    assert state.runs.reconstruction.config.keep == both
     history_actions.undo(state)
     history_actions.undo(state)
-    assert state.reconstruction.config == TrainConfig()
+    assert state.runs.reconstruction.config == TrainConfig()

@@ -13,8 +13,9 @@ from app.errors import UserError
 from app.files.provenance import version
 from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
+from app.gui.state.source import Source
 from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import ClipRecord, RunFolder, RunRecord
 from app.runs.train_run import TrainRequest
 from app.scenes.viewing import draw_view
@@ -67,14 +68,18 @@ def test_a_finished_run_shows_its_clip_its_model_and_its_curves(
 ) -> None:
     run = make_run(tmp_path / "run-1", phantom_path(), model)
     state = session(places, run.path)
-    assert state.clip is not None
-    assert state.clip.name == "phantom"
-    assert state.model is not None
-    assert (state.model.name, state.model.live, state.model.iteration) == ("run-1", False, 40)
-    assert state.model.cameras[0] == state.clip.cameras[0]
-    assert state.reconstruction.status == "finished"
-    assert state.reconstruction.input == "enhanced"
-    assert [point.iteration for point in state.reconstruction.told.progress] == [20, 40]
+    assert state.source.clip is not None
+    assert state.source.clip.name == "phantom"
+    assert state.scene.model is not None
+    assert (state.scene.model.name, state.scene.model.live, state.scene.model.iteration) == (
+        "run-1",
+        False,
+        40,
+    )
+    assert state.scene.model.cameras[0] == state.source.clip.cameras[0]
+    assert state.runs.reconstruction.status == "finished"
+    assert state.runs.reconstruction.input == "enhanced"
+    assert [point.iteration for point in state.runs.reconstruction.told.progress] == [20, 40]
     assert not job_actions.can_continue(state)
 
 
@@ -92,30 +97,30 @@ def test_a_file_of_splats_is_shown_alone(tmp_path: Path, places: Places, model: 
     raw.means[0] = np.nan
     (tmp_path / "some.ply").write_bytes(ply_bytes(raw))
     actions.show_opened(state, tmp_path / "some.ply", opened(tmp_path / "some.ply"))
-    assert state.clip is None
-    assert state.reconstruction.status == "none"
-    assert state.model is not None
-    assert (len(state.model.model), state.model.name) == (len(model) - 1, "some.ply")
-    assert any("1 of" in line for line in state.log)
-    state.view_size = (32, 24)
+    assert state.source.clip is None
+    assert state.runs.reconstruction.status == "none"
+    assert state.scene.model is not None
+    assert (len(state.scene.model.model), state.scene.model.name) == (len(model) - 1, "some.ply")
+    assert any("1 of" in line for line in state.window.log)
+    state.scene.size = (32, 24)
     assert state.view_request is not None
     (view,) = draw_view(state.view_request)
     assert view.image.any()
-    assert state.model.record.splats is not None
+    assert state.scene.model.record.splats is not None
     assert state.model.record.splats.name == "some.ply"
 
 
 def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> None:
     run = make_run(tmp_path / "run-1", phantom_path(), None)
     state = session(places, run.path)
-    assert state.model is None
+    assert state.scene.model is None
     assert job_actions.can_continue(state)
     jobs: list[FakeJob] = []
     job_actions.continue_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
     request = jobs[0].request
     assert isinstance(request, TrainRequest)
     assert (request.resume, request.run_path, request.config) == (True, run.path, run.record().config)
-    assert any("Continue" in line for line in state.log)
+    assert any("Continue" in line for line in state.window.log)
 
 
 def test_a_run_whose_clip_is_gone_still_shows_its_model(
@@ -126,13 +131,13 @@ def test_a_run_whose_clip_is_gone_still_shows_its_model(
     run = make_run(tmp_path / "run-1", copy, model)
     shutil.rmtree(copy)
     state = session(places, run.path)
-    assert state.clip is None
-    assert state.model is not None
-    state.view_size = (32, 24)
+    assert state.source.clip is None
+    assert state.scene.model is not None
+    state.scene.size = (32, 24)
     actions.seek_view(state, 0.5)
     assert state.view_request is not None
     assert state.view_request.time == 0.5
-    assert any("clip cannot be opened" in line for line in state.log)
+    assert any("clip cannot be opened" in line for line in state.window.log)
 
 
 def test_a_lone_model_file_is_refused_in_one_line(tmp_path: Path, model: DynamicGaussians) -> None:
@@ -168,13 +173,13 @@ def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
 ) -> None:
     with pytest.raises(ClipError, match="--mask-polarity tissue"):
         opened(inverted)
-    state = AppState(places, Settings(acknowledged=True), ClipOptions(mask_polarity="tissue"))
+    state = AppState(places, Settings(acknowledged=True), Source(ClipOptions(mask_polarity="tissue")))
     actions.open_path(state, inverted)
-    assert state.opening is not None
-    (answer,) = open_path(state.opening)
+    assert state.source.opening is not None
+    (answer,) = open_path(state.source.opening)
     actions.show_opened(state, inverted, answer)
-    assert state.clip is not None
-    assert state.clip.read_frame(0).tissue_mask.mean() > 0.5
+    assert state.source.clip is not None
+    assert state.source.clip.read_frame(0).tissue_mask.mean() > 0.5
     jobs: list[FakeJob] = []
     job_actions.start_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
     request = jobs[0].request

@@ -34,7 +34,7 @@ def test_the_notice_stays_until_it_is_acknowledged(ui: Ui, state: AppState) -> N
 def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
     actions.fail(state, "expected a clip, got a folder without images: " + "a/long/path/" * 20)
     actions.announce(state, "saved clip.png")
-    state.help_open = True
+    state.window.help_open = True
 
     def draw() -> None:
         overlays.draw_banner(state)
@@ -44,13 +44,13 @@ def test_banner_toast_help_and_log_draw(ui: Ui, state: AppState) -> None:
 
     for _ in range(3):
         ui.frame(draw)
-    assert state.help_open
-    np.testing.assert_equal(len(state.log), 2)
+    assert state.window.help_open
+    np.testing.assert_equal(len(state.window.log), 2)
 
 
 def test_good_news_lies_over_the_window_that_was_clicked_last(ui: Ui, state: AppState) -> None:
     actions.announce(state, "saved clip.png")
-    state.help_open = True
+    state.window.help_open = True
 
     def draw() -> None:
         overlays.draw_toast(state)
@@ -79,7 +79,7 @@ def test_the_log_keeps_the_newest_in_sight_and_gives_its_lines(ui: Ui, state: Ap
     ui.drag(draw, (30, bottoms[0] - 8), (30, bottoms[0] - 8))
     assert copied == ["line 59"]
     ui.drag(draw, (40, 20), (40, 20))
-    assert copied[1].splitlines() == list(state.log)
+    assert copied[1].splitlines() == list(state.window.log)
     ui.scroll(draw, (40, 300), 20.0)  # Back to the first: there it stays.
     for _ in range(20):  # Scrolling glides.
         ui.frame(draw)

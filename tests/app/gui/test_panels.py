@@ -20,17 +20,11 @@ from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Preparing, Progress, Started
 from tests.app.gui.conftest import FakeJob, start_live
-from tests.app.gui.ui import (
-    Draw,
-    Shown,
-    Ui,
-    compare,
-    view3d,
-)
+from tests.app.gui.ui import Draw, Shown, Ui, compare, view3d
 
 
 def test_without_a_clip_there_is_something_to_do(ui: Ui, state: AppState) -> None:
-    state.clip = None
+    state.source.clip = None
     pressed: list[str] = []
     openers = Openers(*(lambda name=name: pressed.append(name) for name in ("folder", "file", "phantom")))  # type: ignore[misc]
     spots: list[tuple[float, float]] = []
@@ -58,19 +52,19 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
     ui.frame(draw)
     start = spots["d"]
     ui.drag(draw, start, (start[0] + 200, start[1]))
-    moved = opened.params
+    moved = opened.enhancement.params
     assert moved.d_factor != EnhanceParams().d_factor
     assert replace(moved, d_factor=1.0) == EnhanceParams()
-    assert len(opened.past) == 2
+    assert len(opened.enhancement.past) == 2
     history_actions.undo(opened)
-    assert opened.params == EnhanceParams()
+    assert opened.enhancement.params == EnhanceParams()
 
 
 @pytest.mark.parametrize(
     "status", ["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
 )
 def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, status: str) -> None:
-    run = opened.reconstruction
+    run = opened.runs.reconstruction
     run.status, run.input, run.failure = status, "enhanced", "out of memory"  # type: ignore[assignment]
     run.started = Started(0, 100, 30, ())
     run.progress = Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
@@ -85,7 +79,7 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
 
 @pytest.mark.parametrize("total", [0, 27])
 def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) -> None:
-    run, shown = opened.reconstruction, []
+    run, shown = opened.runs.reconstruction, []
     run.status, run.preparing = "starting", Preparing("match left and right images", 3, total, 2.0, None)
 
     def draw() -> None:
@@ -100,7 +94,7 @@ def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) 
 
 
 def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
-    state.clip = None
+    state.source.clip = None
     ui.frame(lambda: draw_enhancement(state))
     ui.frame(lambda: draw_reconstruction(state, FakeJob))
     ui.frame(lambda: draw_timeline(state, lambda: None, lambda image: imgui.ImTextureRef(1)))

@@ -22,6 +22,7 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.settling import show_live
 from tests.app.gui.ui import Ui
 
 MASK = PictureMask(text=(0, 0, 9, 9))
@@ -39,18 +40,18 @@ def live(state: AppState, model: DynamicGaussians) -> AppState:
     trimmed(state, 2, 4)
     clip_actions.set_mask(state, MASK)
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     return state
 
 
 def test_trim_and_mask_go_along_and_stay_what_they_were(live: AppState) -> None:
-    request = live.reconstruction.request
+    request = live.runs.reconstruction.request
     assert request is not None
     assert request.part == ClipPart(trim=(2, 4), mask=MASK)
     clip_actions.untrim(live)
     job_actions.start_reconstruction(live, FakeJob)
-    assert live.reconstruction.request is request
-    assert live.queue[0].request.part == ClipPart(mask=MASK)
+    assert live.runs.reconstruction.request is request
+    assert live.runs.queue[0].request.part == ClipPart(mask=MASK)
 
 
 def test_the_3d_view_is_at_the_frame_that_the_pictures_are(live: AppState) -> None:
@@ -62,9 +63,9 @@ def test_the_3d_view_is_at_the_frame_that_the_pictures_are(live: AppState) -> No
     assert times == pytest.approx([0, 0, 0, 1 / 3, 2 / 3, 2 / 3])
     for time, frame in ((0.0, 2), (1 / 3, 3), (0.99, 4), (1.0, 4)):
         actions.seek_view(live, time)
-        assert live.frame_index == frame
+        assert live.timeline.frame_index == frame
     assert live.has_photos
-    live.viewer.snapped = True
+    live.scene.viewer.snapped = True
     for frame in (2, 3, 4):
         actions.seek(live, frame)
         assert live.photo_request is not None
@@ -77,13 +78,13 @@ def test_no_frame_beyond_it_is_shown_as_reconstructed(live: AppState) -> None:
         reason = why_not(live, "render")
         assert bool(reason) == (frame not in (2, 3, 4)), reason
         if not reason:
-            assert live.model is not None
-            assert ViewRequest.of_clip_frame(live.model, frame).time == pytest.approx((frame - 2) / 3)
+            assert live.scene.model is not None
+            assert ViewRequest.of_clip_frame(live.scene.model, frame).time == pytest.approx((frame - 2) / 3)
 
 
 def test_what_is_left_out_is_looked_up_of_the_part(state: AppState) -> None:
     trimmed(state, 1, 1)
-    state.asks_for_omissions = True
+    state.runs.asks_for_omissions = True
     request = state.omissions_request
     assert request is not None
     (alone,) = look(request)
@@ -92,9 +93,9 @@ def test_what_is_left_out_is_looked_up_of_the_part(state: AppState) -> None:
 
 def test_the_panel_says_so_before_anything_is_started(ui: Ui, state: AppState) -> None:
     ui.frame(lambda: draw_reconstruction(state, FakeJob))
-    assert state.part == WHOLE
+    assert state.source.training_part == WHOLE
     trimmed(state, 2, 4)
-    assert state.part.told(6) == "frames 3 to 5 of 6"
+    assert state.source.training_part.told(6) == "frames 3 to 5 of 6"
     ui.frame(lambda: draw_reconstruction(state, FakeJob))
 
 
@@ -108,17 +109,17 @@ def test_a_run_of_a_part_is_found_opened_and_continued_as_such(state: AppState, 
     (path / "model.safetensors").unlink()
     (answer,) = open_path(OpenRequest(path))
     actions.show_opened(state, path, answer)
-    assert state.clip is not None
-    assert len(state.clip) == 10  # All of it is there to be looked at,
-    assert state.clip_settings == part  # and what the run is of is marked.
-    assert state.model is not None
-    assert (state.model.first, len(state.model.cameras), state.has_photos) == (3, 6, True)
+    assert state.source.clip is not None
+    assert len(state.source.clip) == 10  # All of it is there to be looked at,
+    assert state.source.part == part  # and what the run is of is marked.
+    assert state.scene.model is not None
+    assert (state.scene.model.first, len(state.scene.model.cameras), state.has_photos) == (3, 6, True)
     job_actions.continue_reconstruction(state, FakeJob)
-    assert state.reconstruction.request is not None
-    assert state.reconstruction.request.part == part
-    state.reconstruction.status = "failed"
+    assert state.runs.reconstruction.request is not None
+    assert state.runs.reconstruction.request.part == part
+    state.runs.reconstruction.status = "failed"
     (tmp_path / "elsewhere").mkdir()
-    state.clip, state.asks_for_runs = open_clip(clip.rename(tmp_path / "elsewhere" / "real")), True
+    state.source.clip, state.runs.is_listed = open_clip(clip.rename(tmp_path / "elsewhere" / "real")), True
     assert state.runs_request is not None
     (found,) = RunFinder().find(state.runs_request)
     assert [run.request.part for run in found.runs] == [part]

@@ -17,13 +17,14 @@ from renderer.camera_path import Keyframe
 from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views, import_views, read_views, views_json
 from tests.app.gui.conftest import SIZE, FakeJob
+from tests.app.gui.settling import keep_all, show_live
 
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
-    state.view_size = SIZE
+    show_live(state, model)
+    state.scene.size = SIZE
     return state
 
 
@@ -34,7 +35,7 @@ def camera(state: AppState) -> Camera:
 
 
 def keyframes(state: AppState) -> tuple[Keyframe, ...]:
-    return state.cameras.views.path.keyframes
+    return state.scene.cameras.views.path.keyframes
 
 
 def with_path(state: AppState) -> list[Camera]:
@@ -51,18 +52,18 @@ def with_path(state: AppState) -> list[Camera]:
 def test_a_named_view_is_gone_to_renamed_and_deleted(seen: AppState) -> None:
     camera_actions.turn(seen, 0.4, 0.2)
     kept = camera(seen)
-    seen.cameras.name = "  from the left "
+    seen.scene.cameras.name = "  from the left "
     path_actions.save_view(seen)
     camera_actions.reset_view(seen)
     path_actions.save_view(seen)
     path_actions.save_view(seen)
-    assert [one.name for one in seen.cameras.views.named] == ["from the left", "View 1", "View 2"]
-    path_actions.go_to(seen, seen.cameras.views.named[0].camera)
+    assert [one.name for one in seen.scene.cameras.views.named] == ["from the left", "View 1", "View 2"]
+    path_actions.go_to(seen, seen.scene.cameras.views.named[0].camera)
     assert camera(seen) == kept
     path_actions.rename_view(seen, 0, "from above")
     path_actions.rename_view(seen, 1, "   ")
     path_actions.delete_view(seen, 2)
-    assert [one.name for one in seen.cameras.views.named] == ["from above", "View 1"]
+    assert [one.name for one in seen.scene.cameras.views.named] == ["from above", "View 1"]
 
 
 def test_a_view_that_was_gone_to_turns_around_what_is_in_its_middle(seen: AppState) -> None:
@@ -71,7 +72,7 @@ def test_a_view_that_was_gone_to_turns_around_what_is_in_its_middle(seen: AppSta
     path_actions.go_to(seen, camera(seen))
     before = camera(seen)
     camera_actions.turn(seen, 0.1, 0.0)
-    pivot = np.array([seen.viewer.pivot])
+    pivot = np.array([seen.scene.viewer.pivot])
     assert before.project(pivot)[0][0] == pytest.approx((24, 20))
     assert camera(seen).project(pivot)[0][0] == pytest.approx((24, 20))
 
@@ -113,16 +114,16 @@ def test_keyframes_move_between_their_neighbours_and_within_the_clip(seen: AppSt
 def test_the_path_plays_to_its_end_or_round_and_round(seen: AppState) -> None:
     with_path(seen)
     path_actions.toggle_path(seen)
-    assert (seen.cameras.playing, seen.cameras.playhead) == (True, 0.0)  # It was at its end.
+    assert (seen.scene.cameras.playing, seen.scene.cameras.playhead) == (True, 0.0)  # It was at its end.
     path_actions.advance_path(seen, 2.5)
-    assert camera(seen) == seen.cameras.views.path.at(2.5).camera
+    assert camera(seen) == seen.scene.cameras.views.path.at(2.5).camera
     path_actions.advance_path(seen, 2.5)
-    assert (seen.cameras.playing, seen.cameras.playhead) == (False, 4.0)
+    assert (seen.scene.cameras.playing, seen.scene.cameras.playhead) == (False, 4.0)
     path_actions.set_loop(seen, True)
     path_actions.toggle_path(seen)
     path_actions.advance_path(seen, 4.5)
-    assert seen.cameras.playing
-    assert seen.cameras.playhead == pytest.approx(0.5)
+    assert seen.scene.cameras.playing
+    assert seen.scene.cameras.playhead == pytest.approx(0.5)
 
 
 MOVES: list[Callable[[AppState], None]] = [
@@ -141,7 +142,7 @@ def test_a_hand_on_the_view_stops_the_path(seen: AppState, move: Callable[[AppSt
     move(seen)
     after = camera(seen)
     path_actions.advance_path(seen, 0.1)
-    assert not seen.cameras.playing
+    assert not seen.scene.cameras.playing
     assert camera(seen) == after
 
 
@@ -149,43 +150,45 @@ def test_what_is_saved_is_loaded_again(seen: AppState) -> None:
     with_path(seen)
     path_actions.save_view(seen)
     path_actions.set_loop(seen, True)
-    saved = seen.cameras.views
+    saved = seen.scene.cameras.views
     path_actions.save_views(seen)
+    keep_all(seen)
     (file,) = seen.places.pictures.glob("*-views-*.json")
     assert read_views(file).unit == "mm"
     assert views_json(read_views(file)) == views_json(saved)
     for index in reversed(range(3)):
         path_actions.delete_keyframe(seen, index)
     path_actions.add_views(seen, import_views(file), file)
-    assert seen.cameras.views.path == saved.path
-    assert [one.name for one in seen.cameras.views.named] == ["View 1", "View 1"]
+    assert seen.scene.cameras.views.path == saved.path
+    assert [one.name for one in seen.scene.cameras.views.named] == ["View 1", "View 1"]
 
 
 def test_cameras_of_other_programs_are_named_views(seen: AppState, tmp_path: Path) -> None:
     with_path(seen)
-    path = seen.cameras.views.path
+    path = seen.scene.cameras.views.path
     file = tmp_path / "cameras.json"
     turned = path.keyframes[1].camera
     file.write_bytes(splatting_json([NamedCamera("photo 7", turned)]))
     path_actions.add_views(seen, import_views(file), file)
-    (one,) = seen.cameras.views.named
+    (one,) = seen.scene.cameras.views.named
     assert one.name == "photo 7"
     assert one.camera.camera_from_world == pytest.approx(turned.camera_from_world, abs=1e-6)
-    assert seen.cameras.views.path == path
+    assert seen.scene.cameras.views.path == path
 
 
 def test_the_clip_s_and_the_path_s_cameras_are_exported(seen: AppState) -> None:
     with_path(seen)
     path_actions.export_clip_cameras(seen)
     path_actions.export_path_cameras(seen)
+    keep_all(seen)
     files = sorted(seen.places.pictures.glob("*-cameras-*.json"), key=lambda file: len(file.read_bytes()))
     clip, path = (read_cameras(file) for file in files)
-    assert seen.clip is not None
+    assert seen.source.clip is not None
     assert [one.camera.camera_from_world.tolist() for one in clip] == [
-        one.camera_from_world.tolist() for one in seen.clip.cameras
+        one.camera_from_world.tolist() for one in seen.source.clip.cameras
     ]
     assert len(path) == 4 * 15 + 1
-    wanted = seen.cameras.views.path.at(1.0).camera.position
+    wanted = seen.scene.cameras.views.path.at(1.0).camera.position
     assert path[15].camera.position == pytest.approx(wanted, abs=1e-6)
 
 
@@ -194,7 +197,7 @@ def test_a_file_that_is_none_is_one_line_and_changes_nothing(
     seen: AppState, tmp_path: Path, content: bytes
 ) -> None:
     with_path(seen)
-    before = seen.cameras.views
+    before = seen.scene.cameras.views
     file = tmp_path / "bad.json"
     file.write_bytes(content)
     actions.open_path(seen, file)
@@ -202,35 +205,37 @@ def test_a_file_that_is_none_is_one_line_and_changes_nothing(
     for step in range(3):
         update(seen, channels, 0.1 * step)
         channels.opening.first.run_waiting()
-    assert seen.opening is None
-    assert seen.banner is not None
-    assert str(file) in seen.banner.message
-    assert "\n" not in seen.banner.message
-    assert seen.cameras.views is before
+    assert seen.source.opening is None
+    assert seen.window.banner is not None
+    assert str(file) in seen.window.banner.message
+    assert "\n" not in seen.window.banner.message
+    assert seen.scene.cameras.views is before
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(seen: AppState) -> None:
     with_path(seen)
     seen.places.pictures.write_text("in the way")
     path_actions.save_views(seen)
-    assert seen.banner is not None
-    assert "not saved" in seen.banner.message
+    keep_all(seen)
+    assert seen.window.banner is not None
+    assert "not saved" in seen.window.banner.message
 
 
 def test_the_views_of_a_scene_go_with_it(seen: AppState, tmp_path: Path) -> None:
     with_path(seen)
-    assert seen.clip is not None
-    actions.show_opened(seen, seen.clip.path, Opened(seen.clip))  # Again the same clip.
+    assert seen.source.clip is not None
+    actions.show_opened(seen, seen.source.clip.path, Opened(seen.source.clip))  # Again the same clip.
     assert keyframes(seen)
     actions.show_opened(seen, tmp_path / "splats.ply", Opened(None))
-    assert seen.cameras.views == Views()
+    assert seen.scene.cameras.views == Views()
 
 
 def test_without_a_reconstruction_there_is_nothing_to_keep(state: AppState) -> None:
     for act in (path_actions.save_view, path_actions.add_keyframe, path_actions.toggle_path):
         act(state)
     path_actions.export_clip_cameras(state)
-    assert json.loads(views_json(state.cameras.views))["views"] == []
+    keep_all(state)
+    assert json.loads(views_json(state.scene.cameras.views))["views"] == []
     assert not state.places.pictures.exists()
 
 

@@ -37,16 +37,16 @@ def test_the_right_pane_says_enhanced_exactly_when_it_is(opened: AppState) -> No
     for enhancing in (True, False):
         for peeking in (True, False):
             for partner in (whole.enhanced, None):
-                opened.enhancing, opened.peeking = enhancing, peeking
-                opened.pictures = replace(whole, enhanced=partner)
+                opened.enhancement.active, opened.enhancement.peeking = enhancing, peeking
+                opened.picture.pictures = replace(whole, enhanced=partner)
                 is_enhanced = right().image is partner
                 assert ("ENHANCED" in said(right())) == is_enhanced
                 assert "ORIGINAL" in said(pane(opened, pictures(opened), "left"))
 
 
 def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
-    opened.frozen_index, opened.now = 0, 5.0
-    opened.params = EnhanceParams(z=0.1)
+    opened.timeline.frozen_index, opened.window.now = 0, 5.0
+    opened.enhancement.params = EnhanceParams(z=0.1)
     for side in SIDES:
         shown = said(pane(opened, pictures(opened), side))
         assert "FROZEN · frame 1" in shown
@@ -56,22 +56,22 @@ def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
 def test_the_wheel_zooms_at_the_pointer_and_a_double_click_fits(ui: Ui, opened: AppState) -> None:
     draw = compare(opened, Shown())
     ui.scroll(draw, (200, 400), 3.0)
-    assert opened.picture_view.zoom is not None
-    zoomed = opened.zoom
+    assert opened.picture.view.zoom is not None
+    zoomed = opened.picture.zoom
     ui.drag(draw, (200, 400), (230, 420))
-    assert opened.zoom == pytest.approx(zoomed)
-    assert opened.picture_view.center != (0.5, 0.5)
+    assert opened.picture.zoom == pytest.approx(zoomed)
+    assert opened.picture.view.center != (0.5, 0.5)
     for _ in range(2):
         ui.drag(draw, (200, 400), (200, 400))
-    assert opened.picture_view.zoom is None
+    assert opened.picture.view.zoom is None
 
 
 def test_both_panes_move_together_whichever_is_dragged(ui: Ui, opened: AppState) -> None:
     views = []
     for x in (200, 650):
-        opened.picture_view = opened.picture_view.one_to_one(8.0)
+        opened.picture.view = opened.picture.view.one_to_one(8.0)
         ui.drag(compare(opened, Shown()), (x, 400), (x + 25, 400))
-        views.append(opened.picture_view)
-        opened.picture_view = type(opened.picture_view)()
+        views.append(opened.picture.view)
+        opened.picture.view = type(opened.picture.view)()
     assert views[0] == views[1]
     assert views[0].center[0] < 0.5

@@ -8,7 +8,7 @@ import pytest
 
 from app.gui.actions import actions, history_actions, preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.presets import (
+from app.gui.work.presets import (
     BUILT_IN,
     load_presets,
     merged_presets,
@@ -19,6 +19,7 @@ from app.gui.state.presets import (
 from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from tests.app.gui.settling import keep_all
 
 OWN = {"mine": EnhanceParams(z=0.25, p=(0.5, 1.0, 1.5)), "ours, stronger": VesselParams(strength=3.5)}
 
@@ -55,44 +56,51 @@ def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
 def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     actions.set_params(state, OWN["mine"])
     preset_actions.keep(state, "  mine ")
+    keep_all(state)
     actions.set_params(state, EnhanceParams(z=0.9))
     preset_actions.choose(state, "mine")
-    assert state.params == OWN["mine"]
+    assert state.enhancement.params == OWN["mine"]
     history_actions.undo(state)
-    assert state.params == EnhanceParams(z=0.9)
+    assert state.enhancement.params == EnhanceParams(z=0.9)
     assert load_presets(presets_file(state.places))[0] == {"mine": OWN["mine"]}
     preset_actions.choose(state, "no such preset")
-    assert state.params == EnhanceParams(z=0.9)
+    assert state.enhancement.params == EnhanceParams(z=0.9)
     preset_actions.forget(state, "mine")
-    assert load_presets(presets_file(state.places))[0] == state.presets == {}
+    keep_all(state)
+    assert load_presets(presets_file(state.places))[0] == state.enhancement.presets == {}
 
 
 @pytest.mark.parametrize("name", ["", "   ", *BUILT_IN])
 def test_a_name_that_is_taken_or_empty_is_refused(state: AppState, name: str) -> None:
     preset_actions.keep(state, name)
-    assert state.banner is not None
-    assert not state.presets
+    assert state.window.banner is not None
+    assert not state.enhancement.presets
 
 
 def test_what_cannot_be_written_is_told_and_changes_nothing(state: AppState) -> None:
     state.places.config.parent.mkdir(parents=True, exist_ok=True)
     state.places.config.write_text("a file where the folder should be")
     preset_actions.keep(state, "mine")
-    assert state.banner is not None
-    assert "cannot be saved" in state.banner.message
-    assert not state.presets
+    keep_all(state)
+    assert state.window.banner is not None
+    assert "cannot be saved" in state.window.banner.message
+    assert not state.enhancement.presets
 
 
 def test_two_windows_keep_each_other_s_presets(state: AppState) -> None:
     other = AppState(state.places)
     preset_actions.keep(state, "mine")
+    keep_all(state)
     preset_actions.keep(other, "theirs")
-    assert set(state.presets) | {"theirs"} == set(other.presets) == {"mine", "theirs"}
+    keep_all(other)
+    assert set(state.enhancement.presets) | {"theirs"} == set(other.enhancement.presets) == {"mine", "theirs"}
     # What one forgets does not come back by the other, which never heard of it.
     preset_actions.forget(other, "mine")
+    keep_all(other)
     preset_actions.keep(state, "third")
+    keep_all(state)
     found, _ = load_presets(presets_file(state.places))
-    assert set(found) == set(state.presets) == {"theirs", "third"}
+    assert set(found) == set(state.enhancement.presets) == {"theirs", "third"}
 
 
 def test_the_later_change_of_one_name_counts(tmp_path: Path) -> None:

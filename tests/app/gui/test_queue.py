@@ -15,8 +15,8 @@ import pytest
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
+from app.gui.work.settings import Places, Settings
 from app.runs.job import Cancelled, Failed
 from app.runs.queue_file import queue_file
 from app.runs.train_run import TrainRequest
@@ -50,13 +50,13 @@ def jobs() -> Jobs:
 
 def frame(state: AppState, jobs: Jobs, channels: Channels) -> None:
     """As the window goes from one frame to the next."""
-    update(state, channels, state.now + 0.1)
+    update(state, channels, state.window.now + 0.1)
     queue_actions.advance(state, jobs.make)
 
 
 def queued(state: AppState, jobs: Jobs, *iterations: int) -> None:
     for count in iterations:
-        state.reconstruction.config = replace(state.reconstruction.config, iterations=count)
+        state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=count)
         job_actions.start_reconstruction(state, jobs.make)
 
 
@@ -76,47 +76,47 @@ def test_the_next_starts_when_one_has_ended_and_never_before(
     frame(state, jobs, channels)
     assert [request.config.iterations for request in jobs.requests] == [100, 200]
     assert jobs.all[0].told == ["start", "close"]
-    assert state.queue == ()
+    assert state.runs.queue == ()
 
 
 def test_what_waits_is_as_it_was_chosen(state: AppState, jobs: Jobs) -> None:
     queued(state, jobs, 100, 200, 300)
-    state.reconstruction.config = replace(state.reconstruction.config, iterations=7)
-    assert [waiting.request.config.iterations for waiting in state.queue] == [200, 300]
-    assert state.reconstruction.iterations == 100  # What is shown of the run is the run's,
-    assert state.reconstruction.config.iterations == 7  # what is chosen stays chosen.
+    state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=7)
+    assert [waiting.request.config.iterations for waiting in state.runs.queue] == [200, 300]
+    assert state.runs.reconstruction.iterations == 100  # What is shown of the run is the run's,
+    assert state.runs.reconstruction.config.iterations == 7  # what is chosen stays chosen.
     jobs.all[0].inbox = [Cancelled()]
     frame(state, jobs, Channels())
-    assert state.reconstruction.config.iterations == 7
+    assert state.runs.reconstruction.config.iterations == 7
 
 
 def test_no_two_share_a_folder(state: AppState, jobs: Jobs) -> None:
     for _ in range(3):
-        state.reconstruction.name = "same"
+        state.runs.reconstruction.name = "same"
         job_actions.start_reconstruction(state, jobs.make)
-    requests = [*jobs.requests, *(waiting.request for waiting in state.queue)]
+    requests = [*jobs.requests, *(waiting.request for waiting in state.runs.queue)]
     assert [request.run_path.name for request in requests] == ["same", "same-2", "same-3"]
 
 
 def test_both_in_turn_are_two_that_differ_in_their_frames_alone(state: AppState, jobs: Jobs) -> None:
-    state.reconstruction.input, state.reconstruction.name = "both in turn", "clip"
+    state.runs.reconstruction.input, state.runs.reconstruction.name = "both in turn", "clip"
     job_actions.start_reconstruction(state, jobs.make)
-    (first,), (waiting,) = jobs.requests, state.queue
+    (first,), (waiting,) = jobs.requests, state.runs.queue
     second = waiting.request
     assert (first.input, second.input) == ("original", "enhanced")
     assert (first.run_path.name, second.run_path.name) == ("clip-original", "clip-enhanced")
     assert replace(second, input=first.input, run_path=first.run_path) == first
-    assert state.reconstruction.input == "both in turn"
+    assert state.runs.reconstruction.input == "both in turn"
 
 
 def test_what_waits_can_be_moved_to_the_front_and_withdrawn(state: AppState, jobs: Jobs) -> None:
     queued(state, jobs, 100, 200, 300, 400)
-    two, three, four = state.queue
+    two, three, four = state.runs.queue
     queue_actions.to_front(state, four)
-    assert state.queue == (four, two, three)
+    assert state.runs.queue == (four, two, three)
     queue_actions.withdraw(state, two)
     queue_actions.to_front(state, two)  # Gone is gone.
-    assert state.queue == (four, three)
+    assert state.runs.queue == (four, three)
 
 
 def test_nothing_is_taken_from_under_the_hand_that_edits(
@@ -143,12 +143,12 @@ def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: App
     assert not queue_actions.may_close(state)
     queue_actions.answer_closing(state, close=True)
     assert queue_actions.may_close(state)
-    state.closing, state.reconstruction.status = "no", "finished"
+    state.window.closing, state.runs.reconstruction.status = "no", "finished"
     assert queue_actions.may_close(state)  # What waits is kept.
     actions.remember_recent(state, False)
     assert not queue_actions.may_close(state)
     assert "discarded" in queue_actions.what_is_kept(state)
-    state.closing, state.queue = "no", ()
+    state.window.closing, state.runs.queue = "no", ()
     assert queue_actions.may_close(state)
 
 
@@ -156,7 +156,7 @@ def test_the_list_of_what_waits_draws(ui: Ui, state: AppState, jobs: Jobs) -> No
     ui.frame(lambda: draw_runs(state, FakeJob))
     queued(state, jobs, 100, 200, 300)
     ui.frame(lambda: draw_runs(state, FakeJob))
-    state.editing.active, state.reconstruction.status = True, "finished"
+    state.editing.active, state.runs.reconstruction.status = True, "finished"
     ui.frame(lambda: draw_runs(state, FakeJob))
 
 
@@ -165,8 +165,8 @@ def later(state: AppState, jobs: Jobs, places: Places, tmp_path: Path) -> AppSta
     """The next window, after one in which a job of 100 steps ran and three waited died."""
     clip_path = tmp_path / "real"
     write_phantom(clip_path, PhantomParams(n_frames=6, width=32, height=24), "endonerf")
-    assert state.clip is not None
-    state.clip = replace(state.clip, path=clip_path)
+    assert state.source.clip is not None
+    state.source.clip = replace(state.source.clip, path=clip_path)
     queued(state, jobs, 100, 200, 300, 400)
     channels = Channels()
     frame(state, jobs, channels)
@@ -189,8 +189,8 @@ def die(places: Places) -> None:
 def test_what_waits_is_there_after_a_restart_and_starts_at_a_word(
     state: AppState, later: AppState, jobs: Jobs
 ) -> None:
-    before = [waiting.request for waiting in state.queue]
-    assert [waiting.request for waiting in later.queue] == before
+    before = [waiting.request for waiting in state.runs.queue]
+    assert [waiting.request for waiting in later.runs.queue] == before
     new, channels = Jobs(), Channels()
     for _ in range(3):
         frame(later, new, channels)
@@ -201,45 +201,45 @@ def test_what_waits_is_there_after_a_restart_and_starts_at_a_word(
         frame(later, new, channels)
         channels.queue.clips.run_waiting()
     assert new.requests == before[:1]
-    assert later.reconstruction.clip is not None
-    assert len(later.reconstruction.clip) == 6
-    assert [waiting.request for waiting in later.queue] == before[1:]
+    assert later.runs.reconstruction.clip is not None
+    assert len(later.runs.reconstruction.clip) == 6
+    assert [waiting.request for waiting in later.runs.queue] == before[1:]
 
 
 def test_what_is_asked_for_now_goes_before_what_sleeps(later: AppState, clip: Clip) -> None:
     new = Jobs()
-    later.clip = clip
+    later.source.clip = clip
     job_actions.start_reconstruction(later, new.make)
     job_actions.start_reconstruction(later, new.make)
     assert len(new.all) == 1
-    assert [waiting.asleep for waiting in later.queue] == [False, True, True, True]
+    assert [waiting.asleep for waiting in later.runs.queue] == [False, True, True, True]
     new.all[0].inbox = [Cancelled()]
     frame(later, new, channels := Channels())
     new.all[1].inbox = [Cancelled()]
     frame(later, new, channels)
     frame(later, new, channels)
     assert len(new.all) == 2  # The others sleep on.
-    four = later.queue[-1]
+    four = later.runs.queue[-1]
     queue_actions.to_front(later, four)  # A word for this one alone.
     for _ in range(3):
         frame(later, new, channels)
         channels.queue.clips.run_waiting()
     assert new.requests[2:] == [four.request]
-    assert all(waiting.asleep for waiting in later.queue)
+    assert all(waiting.asleep for waiting in later.runs.queue)
 
 
 def test_without_its_clip_one_waits_on_and_says_so(later: AppState) -> None:
-    shutil.rmtree(later.queue[0].request.clip_path)
+    shutil.rmtree(later.runs.queue[0].request.clip_path)
     queue_actions.wake(later)
     new, channels = Jobs(), Channels()
     for _ in range(3):
         frame(later, new, channels)
         channels.queue.clips.run_waiting()
-    assert later.banner is not None
-    assert "real" in later.banner.message
+    assert later.window.banner is not None
+    assert "real" in later.window.banner.message
     assert new.all == []
-    assert len(later.queue) == 3
-    assert later.queue[0].asleep
+    assert len(later.runs.queue) == 3
+    assert later.runs.queue[0].asleep
 
 
 def test_a_damaged_file_gives_what_can_be_read_and_is_kept(
@@ -254,13 +254,13 @@ def test_a_damaged_file_gives_what_can_be_read_and_is_kept(
     die(places)
     again = AppState(places, Settings(acknowledged=True))
     queue_actions.take_up(again)
-    assert [waiting.request for waiting in again.queue] == [state.queue[1].request]
-    assert again.banner is not None
-    assert ".broken" in again.banner.message
+    assert [waiting.request for waiting in again.runs.queue] == [state.runs.queue[1].request]
+    assert again.window.banner is not None
+    assert ".broken" in again.window.banner.message
     assert len(list(places.config.glob("*.broken"))) == 1
     third = AppState(places, Settings(acknowledged=True))
     queue_actions.take_up(third)
-    assert third.queue == ()  # They are the other window's, which lives.
+    assert third.runs.queue == ()  # They are the other window's, which lives.
 
 
 def test_an_empty_queue_leaves_no_file_and_nothing_is_kept_where_paths_are_not_remembered(

@@ -13,7 +13,7 @@ from imgui_bundle import glfw_utils, imgui
 
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from app.runs.job import Failed, Paused
 from app.runs.queue_file import keep_queue, queue_file
 from app.runs.run_folder import RunFolder
@@ -42,7 +42,7 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
         ctx.set_ref("")
         ctx.item_click("//Reconstruction/###start")
         wait(ctx, lambda: bool(jobs), "the first job")
-        assert len(state.queue) == 1
+        assert len(state.runs.queue) == 1
         ctx.window_focus("//Runs")
         ctx.yield_(3)
         jobs[0].inbox = [Started(0, 20, 30, ()), Progress(10, 20, 0.2, 22.0, 1.0, 1.0, 30)]
@@ -55,21 +55,21 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
         ctx.item_click("//Reconstruction/###another")
         ctx.yield_(2)
         ctx.item_click("//Reconstruction/**/###start")
-        wait(ctx, lambda: len(state.queue) == 2, "two more in the queue")
+        wait(ctx, lambda: len(state.runs.queue) == 2, "two more in the queue")
         ctx.item_click("//Reconstruction/###another")
         ctx.window_focus("//Runs")
         ctx.yield_(2)
         ctx.item_click("//Runs/**/###withdraw")
-        wait(ctx, lambda: len(state.queue) == 1, "one of them withdrawn")
+        wait(ctx, lambda: len(state.runs.queue) == 1, "one of them withdrawn")
         glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
-        wait(ctx, lambda: state.closing == "asked", "the question before closing")
+        wait(ctx, lambda: state.window.closing == "asked", "the question before closing")
         ctx.yield_(3)
         ctx.item_click("//Close VesselSplat?/Stay")
         ctx.yield_(2)
-        assert state.closing == "no"
+        assert state.window.closing == "no"
         jobs[1].inbox = [Failed("the training process was killed by SIGKILL")]
         wait(ctx, lambda: len(jobs) == 3, "the third job")
-        state.closing = "agreed"
+        state.window.closing = "agreed"
 
     driver.run(drive)
     assert [job.told[0] for job in jobs] == ["start"] * 3
@@ -92,15 +92,15 @@ def test_what_was_cut_short_before_is_found_and_goes_on(places: Places) -> None:
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
         ctx.window_focus("//Runs")
-        wait(ctx, lambda: state.found_runs is not None, "the run")
+        wait(ctx, lambda: state.runs.found is not None, "the run")
         ctx.yield_(2)
         ctx.item_click("//Runs/**/Continue")
         wait(ctx, lambda: bool(jobs), "its going on")
         jobs[0].inbox = [Failed("out of memory")]
-        wait(ctx, lambda: not state.reconstruction.is_alive, "its end")
+        wait(ctx, lambda: not state.runs.reconstruction.is_alive, "its end")
         ctx.yield_(2)
         ctx.item_click("//Runs/**/###open")
-        wait(ctx, lambda: state.opened_path == request.run_path, "the run itself")
+        wait(ctx, lambda: state.source.path == request.run_path, "the run itself")
 
     driver.run(drive)
     assert jobs[0].request == replace(request, resume=True)
@@ -124,21 +124,21 @@ def test_what_waited_when_the_last_window_died_is_shown_and_starts_at_a_click(pl
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.window_focus("//Runs")
         ctx.yield_(20)
-        assert len(state.queue) == 2
+        assert len(state.runs.queue) == 2
         assert jobs == []
         ctx.item_click("//Runs/Start the queue")
         wait(ctx, lambda: bool(jobs), "the first of them")
         jobs[0].inbox = [Started(0, 100, 30, ())]
-        wait(ctx, lambda: state.reconstruction.can_pause, "its start")
+        wait(ctx, lambda: state.runs.reconstruction.can_pause, "its start")
         ctx.key_press(chord("Ctrl+P"))
         wait(ctx, lambda: "pause" in jobs[0].told, "the pause")
         jobs[0].inbox = [Paused()]
-        wait(ctx, lambda: state.reconstruction.can_resume, "standing still")
+        wait(ctx, lambda: state.runs.reconstruction.can_resume, "standing still")
         ctx.key_press(chord("Ctrl+P"))
         wait(ctx, lambda: "resume" in jobs[0].told, "going on")
         ctx.key_press(chord("Ctrl+Shift+X"))
         wait(ctx, lambda: "cancel" in jobs[0].told, "its end")
-        state.closing = "agreed"
+        state.window.closing = "agreed"
 
     driver.run(drive)
     assert jobs[0].request == waited[0]
@@ -157,14 +157,14 @@ def test_a_trim_is_said_before_it_is_trained_on_and_undone_by_its_name(places: P
         wait(ctx, lambda: is_settled(state), "the phantom")
         actions.seek(state, 3)
         ctx.key_press(chord("Shift+I"))
-        wait(ctx, lambda: len(state.past) == 2, "the trim as a step")
+        wait(ctx, lambda: len(state.enhancement.past) == 2, "the trim as a step")
         ctx.key_press(chord("Ctrl+R"))
         wait(ctx, lambda: bool(jobs), "the job")
         ctx.menu_click("//##MainMenuBar/Image/Undo trim")
-        wait(ctx, lambda: state.clip_settings.trim is None, "the whole clip")
+        wait(ctx, lambda: state.source.part.trim is None, "the whole clip")
         ctx.key_press(chord("Ctrl+Y"))
-        wait(ctx, lambda: state.clip_settings.trim == (3, 23), "the trim again")
-        state.closing = "agreed"
+        wait(ctx, lambda: state.source.part.trim == (3, 23), "the trim again")
+        state.window.closing = "agreed"
 
     driver.run(drive)
     request = jobs[0].request

@@ -19,11 +19,11 @@ from app.gui.actions import actions, path_actions, preset_actions, session_actio
 from app.gui.actions.session_actions import snapshot
 from app.gui.session_file import MOST_STEPS, SESSION, Session, SessionSource, mended_session
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import FILE, load_clips
-from app.gui.state.presets import MOST_PRESETS, load_presets
-from app.gui.state.settings import RECENT_LIMIT, Places, Settings, load_settings
 from app.gui.views.picture_view import PictureView
+from app.gui.work.clip_settings import FILE, load_clips
 from app.gui.work.opening import Opened
+from app.gui.work.presets import MOST_PRESETS, load_presets
+from app.gui.work.settings import RECENT_LIMIT, Places, Settings, load_settings
 from app.runs.clip_selection import ClipPart
 from app.runs.queue_file import MOST_WAITING, keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
@@ -143,7 +143,7 @@ def test_what_the_hand_can_reach_is_within_what_a_session_takes(state: AppState,
                 view = view.panned((9e3 * (-1) ** step, 4e3), picture, pane)
                 if step % 2:
                     view = view.zoomed(1e3 ** (-1) ** step, (5.0, 5.0), picture, pane)
-                state.picture_view = view
+                state.picture.view = view
                 snapshot(state, places.config)
 
 
@@ -184,11 +184,11 @@ def test_of_presets_the_readable_ones_are_there_and_stay(tmp_path: Path) -> None
 
 
 def test_no_more_presets_are_kept_than_are_read(state: AppState) -> None:
-    state.presets = {f"preset {place}": EnhanceParams() for place in range(MOST_PRESETS)}
+    state.enhancement.presets = {f"preset {place}": EnhanceParams() for place in range(MOST_PRESETS)}
     preset_actions.keep(state, "one more")
-    assert state.banner is not None
-    assert "at most" in state.banner.message
-    assert "one more" not in state.presets
+    assert state.window.banner is not None
+    assert "at most" in state.window.banner.message
+    assert "one more" not in state.enhancement.presets
 
 
 def test_of_a_queue_only_requests_within_their_ranges_wait(tmp_path: Path) -> None:
@@ -218,18 +218,18 @@ def test_more_views_than_a_session_takes_are_refused_in_a_line(
     model = make_model()
     start_live(state, model)
     camera = clip.cameras[0]
-    state.cameras.views = Views((NamedCamera("a", camera),) * MOST)
+    state.scene.cameras.views = Views((NamedCamera("a", camera),) * MOST)
     path_actions.save_view(state)
-    assert len(state.cameras.views.named) == MOST
-    assert state.banner is not None
-    assert f"at most {MOST} views" in state.banner.message
-    file, state.banner = tmp_path / "views.json", None
+    assert len(state.scene.cameras.views.named) == MOST
+    assert state.window.banner is not None
+    assert f"at most {MOST} views" in state.window.banner.message
+    file, state.window.banner = tmp_path / "views.json", None
     file.write_bytes(views_json(Views((NamedCamera("x" * 1000, camera),))))
     path_actions.add_views(state, import_views(file), file)
-    assert state.banner is not None
-    state.cameras.views = Views()
+    assert state.window.banner is not None
+    state.scene.cameras.views = Views()
     path_actions.add_views(state, import_views(file), file)
-    assert [len(one.name) for one in state.cameras.views.named] == [LONGEST]
+    assert [len(one.name) for one in state.scene.cameras.views.named] == [LONGEST]
     snapshot(state, tmp_path)
 
 
@@ -237,11 +237,11 @@ def test_a_keyframe_typed_hours_away_is_a_line(state: AppState) -> None:
     start_live(state, make_model())
     path_actions.add_keyframe(state)
     path_actions.add_keyframe(state)
-    before = state.cameras.views
+    before = state.scene.cameras.views
     path_actions.move_keyframe(state, 1, 1e9)
-    assert state.cameras.views is before
-    assert state.banner is not None
-    assert "unchanged" in state.banner.message
+    assert state.scene.cameras.views is before
+    assert state.window.banner is not None
+    assert "unchanged" in state.window.banner.message
 
 
 def test_a_restored_session_is_kept_in_passing_as_it_was(state: AppState, clip: Clip, places: Places) -> None:

@@ -98,17 +98,17 @@ def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
 
 
 def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -> None:
-    clip = state.clip
+    clip = state.source.clip
     (opened,) = open_path(OpenRequest(path))
     actions.show_opened(state, path, opened)
-    assert state.clip is clip
-    assert state.report_asked
+    assert state.source.clip is clip
+    assert state.reports.asked
     ui = Ui()
     for place in (0, 1, 2):
         actions.choose_chart(state, place)
         for _ in range(2):
             ui.frame(lambda: draw_report(state))
-    state.report = None
+    state.reports.shown = None
     ui.frame(lambda: draw_report(state))
     ui.close()
 

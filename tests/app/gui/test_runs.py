@@ -29,6 +29,7 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.settling import follow_run, show_live
 from tests.app.gui.ui import Ui
 
 MakeFake = Callable[[object], FakeJob]
@@ -62,15 +63,15 @@ def folder(made: Path, tmp_path: Path) -> Path:
 @pytest.fixture
 def opened(state: AppState, folder: Path) -> AppState:
     state.places = replace(state.places, runs=folder / "runs")
-    state.clip = open_clip(folder / "clip")
+    state.source.clip = open_clip(folder / "clip")
     return state
 
 
 def found(state: AppState, finder: RunFinder | None = None) -> FoundRuns:
-    state.asks_for_runs = True
+    state.runs.is_listed = True
     assert state.runs_request is not None
     (answer,) = (finder or RunFinder()).find(state.runs_request)
-    state.found_runs = answer
+    state.runs.found = answer
     return answer
 
 
@@ -86,8 +87,8 @@ def test_what_is_on_disk_is_found_again_wherever_the_clip_lies_now(opened: AppSt
     assert (whole.request.input, short.request.input) == ("original", "enhanced")
     assert whole.iteration == CONFIG.iterations
     assert short.has_checkpoint
-    assert opened.clip is not None
-    assert short.request.clip_path == opened.clip.path  # It was begun elsewhere, with the same bytes.
+    assert opened.source.clip is not None
+    assert short.request.clip_path == opened.source.clip.path  # It was begun elsewhere, with the same bytes.
     logged = [event for event in RunFolder(whole.path).events() if event["event"] == "Evaluated"]
     assert whole.psnr == pytest.approx(logged[-1]["psnr"])
 
@@ -105,7 +106,7 @@ def test_a_run_in_another_process_says_so_and_is_left_alone(
         run = named(opened, "short")
         assert run.made == "training"
         run_actions.continue_run(opened, make_job, run)
-    assert opened.reconstruction.job is None
+    assert opened.runs.reconstruction.job is None
     assert named(opened, "short").made == "unfinished"
 
 
@@ -125,7 +126,7 @@ def test_an_unfinished_run_goes_on_as_it_was_begun_and_only_once(
     job_actions.start_reconstruction(opened, make_job)
     run_actions.continue_run(opened, make_job, run)
     run_actions.continue_run(opened, make_job, run)
-    (waiting,) = opened.queue
+    (waiting,) = opened.runs.queue
     assert waiting.request == replace(run.request, resume=True)
     assert waiting.request.config == CONFIG
     assert waiting.told == run.told
@@ -139,30 +140,30 @@ def test_a_finished_run_opens_in_place_or_beside_the_one_that_is_made(
 ) -> None:
     whole, short = named(opened, "whole"), named(opened, "short")
     run_actions.open_run(opened, short)
-    assert opened.opening is not None
-    assert opened.opening.path == short.path
-    opened.opening = None
+    assert opened.source.opening is not None
+    assert opened.source.opening.path == short.path
+    opened.source.opening = None
     job_actions.start_reconstruction(opened, make_job)
-    job_actions.show_live_model(opened, model)
+    show_live(opened, model)
     run_actions.open_run(opened, replace(short, has_checkpoint=False))
-    assert opened.second.opening is None
+    assert opened.scene.second.opening is None
     run_actions.open_run(opened, whole)
-    assert opened.opening is None
-    assert opened.second.opening is not None
-    assert opened.second.opening.path == whole.path
+    assert opened.source.opening is None
+    assert opened.scene.second.opening is not None
+    assert opened.scene.second.opening.path == whole.path
 
 
 def test_the_list_is_asked_for_only_while_it_is_on_screen(opened: AppState) -> None:
     channels = Channels()
     update(opened, channels, 0.1)
     assert channels.runs.asked is None
-    opened.asks_for_runs = True
+    opened.runs.is_listed = True
     update(opened, channels, 0.2)
     assert isinstance(channels.runs.asked, RunsRequest)
     channels.runs.run_waiting()
     update(opened, channels, 0.3)
-    assert opened.found_runs is not None
-    assert len(opened.found_runs.runs) == 2
+    assert opened.runs.found is not None
+    assert len(opened.runs.found.runs) == 2
 
 
 @pytest.mark.parametrize(
@@ -172,10 +173,10 @@ def test_a_failure_says_what_can_be_done(
     state: AppState, make_job: MakeFake, model: DynamicGaussians, left: str, said: str
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    run = state.reconstruction
+    run = state.runs.reconstruction
     assert isinstance(run.job, FakeJob)
     assert run.run_path is not None
-    job_actions.show_live_model(state, model)
+    show_live(state, model)
     if left != "nothing":
         run.run_path.mkdir(parents=True)
         (run.run_path / "run.json").touch()
@@ -183,12 +184,13 @@ def test_a_failure_says_what_can_be_done(
         (run.run_path / "checkpoint-0000004.safetensors").touch()
     run.job.inbox = [Failed("killed")]
     update(state, Channels(), 0.1)
+    follow_run(state)
     assert said in run.way_out
     assert run_actions.has_preview(state, run.run_path)
-    state.model = None
+    state.scene.model = None
     run_actions.look(state, run.run_path)
-    assert state.model is not None
-    assert state.model.model is model
+    assert state.scene.model is not None
+    assert state.scene.model.model is model
 
 
 def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model: DynamicGaussians) -> None:
@@ -196,11 +198,11 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     found(opened)
     ui.frame(lambda: draw_runs(opened, FakeJob))
     job_actions.start_reconstruction(opened, FakeJob)
-    job_actions.show_live_model(opened, model)
-    opened.preview = replace(opened.model, name="short") if opened.model else None
+    show_live(opened, model)
+    opened.runs.preview = replace(opened.scene.model, name="short") if opened.scene.model else None
     ui.frame(lambda: draw_runs(opened, FakeJob))
     ui.frame(lambda: draw_reconstruction(opened, FakeJob))
-    opened.clip = None
+    opened.source.clip = None
     ui.frame(lambda: draw_runs(opened, FakeJob))
 
 
@@ -233,17 +235,17 @@ def test_the_last_checkpoint_shows_the_model_as_training_left_it(
 
 def test_a_run_that_was_killed_is_looked_at_and_not_edited(opened: AppState) -> None:
     short = named(opened, "short")
-    opened.preview = None  # Another window made it.
+    opened.runs.preview = None  # Another window made it.
     assert not run_actions.why_not_look(opened, short.path, has_checkpoint=short.has_checkpoint)
     run_actions.look(opened, short.path)
     channels = Channels()
     for step in range(3):
         update(opened, channels, 0.1 * step)
         channels.opening.first.run_waiting()
-    assert opened.model is not None
-    assert (opened.model.live, opened.model.iteration) == (True, 8)
+    assert opened.scene.model is not None
+    assert (opened.scene.model.live, opened.scene.model.iteration) == (True, 8)
     assert opened.editing.base is None
-    assert opened.reconstruction.status == "cancelled"
+    assert opened.runs.reconstruction.status == "cancelled"
     assert job_actions.can_continue(opened)
 
 

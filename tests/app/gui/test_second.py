@@ -16,14 +16,15 @@ from app.scenes.viewing import View
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob
+from tests.app.gui.settling import show_live
 from tests.app.gui.test_opening import make_run
 
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
-    state.view_size = SIZE
+    show_live(state, model)
+    state.scene.size = SIZE
     return state
 
 
@@ -42,18 +43,20 @@ def test_a_run_is_opened_and_drawn_beside_the_first(
     run = make_run(tmp_path / "run-2", phantom_path(), model)
     second_actions.open_second(seen, run.path)
     settle(seen, channels)
-    second = seen.second
+    second = seen.scene.second
     assert second.shown is not None
     assert second.shown.name == "run-2"
-    assert seen.view is not None
+    assert seen.scene.view is not None
     assert second.view is not None
-    assert second.view.request == replace(seen.view.request, scene=second.shown)
-    np.testing.assert_array_equal(second.view.image, seen.view.image)  # The same model: the same picture.
+    assert second.view.request == replace(seen.scene.view.request, scene=second.shown)
+    np.testing.assert_array_equal(
+        second.view.image, seen.scene.view.image
+    )  # The same model: the same picture.
     camera_actions.turn(seen, 0.3, 0.0)
     settle(seen, channels)
-    assert second.view.request.camera == seen.view.request.camera
+    assert second.view.request.camera == seen.scene.view.request.camera
     second_actions.close_second(seen)
-    assert seen.second.shown is None
+    assert seen.scene.second.shown is None
     assert seen.second_request is None
 
 
@@ -63,33 +66,33 @@ def test_what_is_no_reconstruction_is_one_line_and_leaves_what_is_there(
     channels = Channels()
     second_actions.open_second(seen, make_run(tmp_path / "whole", phantom_path(), model).path)
     settle(seen, channels)
-    shown = seen.second.shown
+    shown = seen.scene.second.shown
     unfinished = make_run(tmp_path / "unfinished", phantom_path(), None).path
     for path in (tmp_path / "nothing", phantom_path(), unfinished):
         second_actions.open_second(seen, path)
         settle(seen, channels)
-        assert seen.banner is not None
-        assert str(path) in seen.banner.message
-        assert "\n" not in seen.banner.message
-        assert seen.second.shown is shown
-        assert seen.second.opening is None
+        assert seen.window.banner is not None
+        assert str(path) in seen.window.banner.message
+        assert "\n" not in seen.window.banner.message
+        assert seen.scene.second.shown is shown
+        assert seen.scene.second.opening is None
 
 
 def test_without_a_first_there_is_no_second(state: AppState, tmp_path: Path) -> None:
     second_actions.open_second(state, tmp_path)
-    assert state.second.opening is None
+    assert state.scene.second.opening is None
 
 
 def test_two_views_are_reduced_when_they_are_slow_together(seen: AppState) -> None:
     request = seen.view_request
     assert request is not None
-    assert seen.model is not None
+    assert seen.scene.model is not None
     view = View(request, np.zeros((*SIZE[::-1], 3), np.uint8), 0.7 * SLOW_VIEW)
-    seen.view, seen.view_dragged = view, True
+    seen.scene.view, seen.scene.dragged = view, True
     wanted = view_request(seen)
     assert wanted is not None
     assert not wanted.reduced
-    seen.second.shown, seen.second.view = replace(seen.model), view
+    seen.scene.second.shown, seen.scene.second.view = replace(seen.scene.model), view
     wanted = view_request(seen)
     assert wanted is not None
     assert wanted.reduced
@@ -98,21 +101,24 @@ def test_two_views_are_reduced_when_they_are_slow_together(seen: AppState) -> No
 def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: AppState) -> None:
     first = seen.plain_view_request
     assert first is not None
-    assert seen.model is not None
-    assert seen.clip is not None
-    photo = Photo(PhotoRequest(seen.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
+    assert seen.scene.model is not None
+    assert seen.source.clip is not None
+    photo = Photo(PhotoRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
     wanted = first.of_kind("difference", photo)
-    assert seen.beside(wanted) is None
-    seen.second.shown = replace(seen.model)
-    same = seen.beside(wanted)
-    assert same == replace(wanted, scene=seen.second.shown)
-    for other in (replace(seen.model, first=2), replace(seen.model, cameras=seen.model.cameras[:3])):
-        seen.second.shown = other
-        beside = seen.beside(wanted)
+    assert seen.scene.beside(wanted) is None
+    seen.scene.second.shown = replace(seen.scene.model)
+    same = seen.scene.beside(wanted)
+    assert same == replace(wanted, scene=seen.scene.second.shown)
+    for other in (
+        replace(seen.scene.model, first=2),
+        replace(seen.scene.model, cameras=seen.scene.model.cameras[:3]),
+    ):
+        seen.scene.second.shown = other
+        beside = seen.scene.beside(wanted)
         assert beside is not None
         assert (beside.kind, beside.photo) == ("color", None)
         assert (beside.time, beside.camera) == (wanted.time, wanted.camera)
-        depth = seen.beside(first.of_kind("depth"))
+        depth = seen.scene.beside(first.of_kind("depth"))
         assert depth is not None
         assert depth.kind == "depth"
 
@@ -121,22 +127,22 @@ def test_the_processor_draws_the_second_view_as_the_window_asks_for_it(seen: App
     """Also where the second one has other frames, whose difference to the first one's photo says nothing."""
     first, channels = seen.plain_view_request, Channels()
     assert first is not None
-    assert seen.model is not None
-    assert seen.clip is not None
-    photo = Photo(PhotoRequest(seen.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
-    for shown in (replace(seen.model), replace(seen.model, first=2)):
-        seen.second.shown = shown
+    assert seen.scene.model is not None
+    assert seen.source.clip is not None
+    photo = Photo(PhotoRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
+    for shown in (replace(seen.scene.model), replace(seen.scene.model, first=2)):
+        seen.scene.second.shown = shown
         for wanted in (first, first.of_kind("difference", photo)):
             _ask_second(seen, channels, wanted)
-            assert channels.second.asked == seen.beside(wanted) is not None
+            assert channels.second.asked == seen.scene.beside(wanted) is not None
 
 
 def test_a_new_session_has_no_second_view(seen: AppState, model: DynamicGaussians, tmp_path: Path) -> None:
-    seen.reconstruction = type(seen.reconstruction)()
-    assert seen.model is not None
-    seen.second.shown = seen.model
+    seen.runs.reconstruction = type(seen.runs.reconstruction)()
+    assert seen.scene.model is not None
+    seen.scene.second.shown = seen.scene.model
     run = make_run(tmp_path / "run", phantom_path(), model)
     actions.open_path(seen, run.path)
     settle(seen, Channels())
-    assert seen.model.name == "run"
-    assert seen.second.shown is None
+    assert seen.scene.model.name == "run"
+    assert seen.scene.second.shown is None

@@ -31,10 +31,11 @@ from app.gui.session_file import (
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.views.picture_view import PictureView
+from app.gui.work import session_writing
 from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.settings import Places, Settings
 from app.gui.work.tuning import Choice
 from app.runs.clip_selection import WHOLE
 from app.scenes.free_camera import FreeView
@@ -54,7 +55,7 @@ from tests.app.gui.ui import Ui
 
 def turn(state: AppState, channels: Channels, seconds: float = 2.0) -> None:
     """One frame, and the worker's share of it."""
-    update(state, channels, state.now + seconds)
+    update(state, channels, state.window.now + seconds)
     for channel in channels.all:
         channel.run_waiting()
 
@@ -76,29 +77,29 @@ def clip_path(tmp_path: Path) -> Path:
 def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
     """A clip is open and much has been set."""
     state, channels = opened_state(places, clip_path)
-    assert state.clip is not None
+    assert state.source.clip is not None
     actions.set_params(state, EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3)))
     actions.settle_params(state)
     actions.choose_method(state, VesselParams)
     actions.seek(state, 5)
     actions.toggle_freeze(state)
     actions.seek(state, 9)
-    state.scope, state.tissue_only, state.enhancing = "clip", True, False
-    state.picture_view = PictureView(2.5, (0.25, 0.75))
+    state.enhancement.scope, state.enhancement.tissue_only, state.enhancement.active = "clip", True, False
+    state.picture.view = PictureView(2.5, (0.25, 0.75))
     actions.toggle_link(state)
-    state.viewer.free = FreeView.of(state.clip.cameras[0]).looked(0.2, 0.1)
-    camera = state.clip.cameras[0]
+    state.scene.viewer.free = FreeView.of(state.source.clip.cameras[0]).looked(0.2, 0.1)
+    camera = state.source.clip.cameras[0]
     path = CameraPath((Keyframe(0.0, 0.1, camera), Keyframe(1.5, 0.9, camera)))
-    state.cameras.views = Views((NamedCamera("from the left", camera),), path, loop=True, unit="mm")
-    state.view_kind, state.viewer.blend = "depth", 0.25
-    state.reconstruction.name, state.reconstruction.input = "second try", "enhanced"
-    state.reconstruction.config = replace(state.reconstruction.config, iterations=500)
+    state.scene.cameras.views = Views((NamedCamera("from the left", camera),), path, loop=True, unit="mm")
+    state.scene.kind, state.scene.viewer.blend = "depth", 0.25
+    state.runs.reconstruction.name, state.runs.reconstruction.input = "second try", "enhanced"
+    state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=500)
     state.tuning.choices = (Choice("lift", 0.1, 0.9, 3), Choice())
     clip_actions.trim_here(state, start=True)
     clip_actions.set_mask(state, PictureMask(text=(3, 4, 20, 9)))
     comparing.store(state, "A")
-    state.comparison = Comparison("wipe", "A", "clahe", 0.3, zebra=True)
-    state.notes = "Zwölf Uhr: ein Gefäß\nunclear"
+    state.comparing.chosen = Comparison("wipe", "A", "clahe", 0.3, zebra=True)
+    state.session.notes = "Zwölf Uhr: ein Gefäß\nunclear"
     return state, channels
 
 
@@ -109,30 +110,30 @@ def test_all_of_it_comes_back(worked: tuple[AppState, Channels], places: Places)
     channels.sessions.ask(request)
     turn(state, channels)
     turn(state, channels)
-    assert state.toast is not None
-    assert request.path.name in state.toast.message
+    assert state.window.toast is not None
+    assert request.path.name in state.window.toast.message
     other, _ = opened_state(places, request.path)
-    assert other.banner is None
+    assert other.window.banner is None
     folder = request.path.parent
     assert snapshot(other, folder) == snapshot(state, folder)
-    assert (other.session_path, other.params) == (request.path, VesselParams())
+    assert (other.session.path, other.enhancement.params) == (request.path, VesselParams())
     history_actions.undo(other)
-    assert other.params == EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3))
+    assert other.enhancement.params == EnhanceParams(z=0.25, p=(0.1, 0.2, 0.3))
     written = request.path.read_text(encoding="utf-8")
-    assert str(state.opened_path) not in written
+    assert str(state.source.path) not in written
     assert json.loads(written)["source"]["sha256"] is not None
 
 
 def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_path: Path) -> None:
     state, _ = worked
-    assert state.opened_path is not None
+    assert state.source.path is not None
     folder = tmp_path / "elsewhere"
     folder.mkdir()
-    state.session_path = folder / "a.vesselsplat"
+    state.session.path = folder / "a.vesselsplat"
     request = session_actions.save_request(state)
     assert request is not None
-    list(session_actions.write(request))
-    shutil.move(state.opened_path, folder / "liver")
+    list(session_writing.write(request))
+    shutil.move(state.source.path, folder / "liver")
     (opened,) = open_path(OpenRequest(request.path))
     assert opened.path == folder / "liver"
     assert opened.notices == ()
@@ -151,8 +152,8 @@ def test_a_session_with_a_run_opens_the_run(places: Places, clip_path: Path, mod
     path = places.pictures / "b.vesselsplat"
     write_session(path, snapshot(state, path.parent))
     other, _ = opened_state(places, path)
-    assert other.reconstruction.run_path == run.path
-    assert other.model is not None
+    assert other.runs.reconstruction.run_path == run.path
+    assert other.scene.model is not None
 
 
 @pytest.mark.parametrize(
@@ -163,19 +164,19 @@ def test_a_damaged_session_is_a_sentence_and_is_kept(places: Places, content: by
     path.parent.mkdir(parents=True)
     path.write_bytes(content)
     state, _ = opened_state(places, path)
-    assert state.banner is not None
-    assert "c.vesselsplat.broken" in state.banner.message
-    assert "\n" not in state.banner.message
+    assert state.window.banner is not None
+    assert "c.vesselsplat.broken" in state.window.banner.message
+    assert "\n" not in state.window.banner.message
     assert not path.exists()
     assert path.with_name("c.vesselsplat.broken").read_bytes() == content
-    assert state.opening is None
+    assert state.source.opening is None
 
 
 def test_saved_in_passing_after_each_change_and_only_then(worked: tuple[AppState, Channels]) -> None:
     state, channels = worked
     path = autosave_path(state.places.config)
     turn(state, channels)
-    assert read_session(path).notes == state.notes
+    assert read_session(path).notes == state.session.notes
     path.unlink()
     turn(state, channels)
     assert not path.exists()  # Nothing has changed.
@@ -199,7 +200,7 @@ def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
     own.rename(left)
     later = AppState(places, Settings(acknowledged=True))
     session_actions.offer_recovery(later)
-    assert later.recoverable == left
+    assert later.session.recoverable == left
     session_actions.recover(later)
     channels = Channels()
     for _ in range(4):
@@ -209,8 +210,8 @@ def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
     own.rename(left)
     session_actions.offer_recovery(later)
     session_actions.decline(later)
-    assert later.recoverable is recoverable(places.config) is None
-    assert read_session(places.config / "declined.vesselsplat").notes == state.notes
+    assert later.session.recoverable is recoverable(places.config) is None
+    assert read_session(places.config / "declined.vesselsplat").notes == state.session.notes
 
 
 def test_a_full_disk_is_told_once_and_costs_nothing_saved(
@@ -226,15 +227,15 @@ def test_a_full_disk_is_told_once_and_costs_nothing_saved(
 
     with monkeypatch.context() as patch:
         patch.setattr("app.files.atomic.os.fsync", full)
-        state.notes = "more"
+        state.session.notes = "more"
         turn(state, channels)
         turn(state, channels)
-        assert state.banner is not None
-        assert "No space left on device" in state.banner.message
-        state.banner = None
+        assert state.window.banner is not None
+        assert "No space left on device" in state.window.banner.message
+        state.window.banner = None
         turn(state, channels)
         turn(state, channels)
-        assert state.banner is None
+        assert state.window.banner is None
         assert path.read_bytes() == before
     turn(state, channels)
     turn(state, channels)
@@ -257,7 +258,7 @@ def test_trim_and_mask_come_back_also_where_paths_are_not_remembered(
     write_session(path, snapshot(state, path.parent))
     (places.config / "clips.json").unlink(missing_ok=True)
     other, _ = opened_state(places, path)
-    assert other.clip_settings == state.clip_settings != WHOLE
+    assert other.source.part == state.source.part != WHOLE
 
 
 def test_unsaved_edits_come_back_unsaved(places: Places, clip_path: Path, model: DynamicGaussians) -> None:
@@ -277,8 +278,8 @@ def test_unsaved_edits_come_back_unsaved(places: Places, clip_path: Path, model:
     assert (other.editing.edits.deleted, other.editing.edits.hidden) == (edits.deleted, edits.hidden)
     assert other.editing.is_unsaved
     assert not run.edits_path.exists()
-    assert other.model is not None
-    assert len(other.model.model) == len(edits.visible) < len(model)
+    assert other.scene.model is not None
+    assert len(other.scene.model.model) == len(edits.visible) < len(model)
     assert snapshot(other, path.parent).edits == snapshot(state, path.parent).edits
     edit_actions.toggle(other)
     edit_actions.undo(other)
@@ -292,10 +293,10 @@ def test_unsaved_edits_of_another_model_are_left_out_and_said(
     run = make_run(places.runs / "first", clip_path, model)
     state, _ = opened_state(places, run.path)
     for edits in (UnsavedEdits(len(model) + 1, "", ""), UnsavedEdits(len(model), "?", "")):
-        state.banner = None
+        state.window.banner = None
         session_actions.restore(state, replace(snapshot(state, places.config), edits=edits))
-        assert state.banner is not None
-        assert "not restored" in state.banner.message
+        assert state.window.banner is not None
+        assert "not restored" in state.window.banner.message
         assert not state.editing.is_unsaved
 
 
@@ -311,12 +312,16 @@ def test_of_a_damaged_session_all_that_can_be_read_comes_back(
     path.write_text(json.dumps(told))
     before = path.read_bytes()
     other, _ = opened_state(places, path)
-    assert (other.notes, other.scope, other.frame_index) == (state.notes, state.scope, state.frame_index)
-    assert other.params == EnhanceParams()
-    assert other.banner is not None
-    assert "blend, params" in other.banner.message
-    assert "n.vesselsplat.broken" in other.banner.message
-    assert "\n" not in other.banner.message
+    assert (other.session.notes, other.enhancement.scope, other.timeline.frame_index) == (
+        state.session.notes,
+        state.enhancement.scope,
+        state.timeline.frame_index,
+    )
+    assert other.enhancement.params == EnhanceParams()
+    assert other.window.banner is not None
+    assert "blend, params" in other.window.banner.message
+    assert "n.vesselsplat.broken" in other.window.banner.message
+    assert "\n" not in other.window.banner.message
     assert path.with_name("n.vesselsplat.broken").read_bytes() == before
     assert path.exists()
 
@@ -324,14 +329,14 @@ def test_of_a_damaged_session_all_that_can_be_read_comes_back(
 def test_a_frame_beyond_the_clip_is_its_last(places: Places, clip_path: Path) -> None:
     state, _ = opened_state(places, clip_path)
     session_actions.restore(state, Session(frame=999, frozen=999))
-    assert state.clip is not None
-    assert state.frame_index == state.frozen_index == len(state.clip) - 1
+    assert state.source.clip is not None
+    assert state.timeline.frame_index == state.timeline.frozen_index == len(state.source.clip) - 1
 
 
 def test_the_panels_draw(ui: Ui, state: AppState, tmp_path: Path) -> None:
     ui.frame(lambda: draw_notes(state))
     ui.frame(lambda: draw_recovery(state))
-    state.recoverable = tmp_path / "autosave-1.vesselsplat"
+    state.session.recoverable = tmp_path / "autosave-1.vesselsplat"
     ui.frame(lambda: draw_recovery(state))
     ui.frame(lambda: draw_recovery(state))
 
@@ -353,8 +358,8 @@ def test_a_killed_window_is_restored_by_the_next(tmp_path: Path) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
     session_actions.offer_recovery(state)
-    assert state.recoverable is not None
-    expected = read_session(state.recoverable)
+    assert state.session.recoverable is not None
+    expected = read_session(state.session.recoverable)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.item_click("//The last session ended unexpectedly/Restore")
@@ -362,5 +367,5 @@ def test_a_killed_window_is_restored_by_the_next(tmp_path: Path) -> None:
 
     driver.run(drive)
     assert replace(snapshot(state, places.config), saved=expected.saved, version=expected.version) == expected
-    assert state.params == EnhanceParams(d_factor=2.5)
+    assert state.enhancement.params == EnhanceParams(d_factor=2.5)
     assert list(places.config.glob("autosave-*")) == []  # This window was closed as it should.

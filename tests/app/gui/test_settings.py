@@ -7,7 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.gui.state.settings import RECENT_LIMIT, TEXT_PERCENTS, Places, Settings, load_settings, save_settings
+from app.files.atomic import write_bytes
+from app.gui.work.settings import (
+    RECENT_LIMIT,
+    TEXT_PERCENTS,
+    Places,
+    Settings,
+    load_settings,
+    settings_content,
+)
 
 texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
 
@@ -25,7 +33,7 @@ texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
 def test_what_is_saved_is_loaded(settings: Settings) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "deep" / "settings.json"
-        save_settings(path, settings)
+        write_bytes(path, settings_content(settings))
         assert load_settings(path) == settings
 
 

@@ -17,7 +17,7 @@ from imgui_bundle import imgui
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.parameter_grid import METRICS
 from app.exports.comparison_images import DifferenceRequest, heat_map
-from app.exports.exporting import Exporting, export
+from app.exports.exporting import export
 from app.exports.sizing import Sizing
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
@@ -27,8 +27,9 @@ from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES
+from app.gui.state.exports import Exporting
 from app.gui.state.panes import pane
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from app.runs.clip_selection import ClipPart
 from app.scenes.color_bar import LEAST_HEIGHT
 from assets import phantom_path
@@ -48,25 +49,25 @@ def test_a_pane_is_what_it_shows_at_the_size_asked_for(run: Exporter, clip_path:
     state = run.state
     comparing.store(state, "A")
     actions.set_params(state, EnhanceParams(d_factor=0.2))
-    state.scope, state.tissue_only, state.exports.sizing = "clip", True, Sizing(3)
+    state.enhancement.scope, state.enhancement.tissue_only, state.exports.sizing = "clip", True, Sizing(3)
     for source in ("original", "enhanced", "A", "clahe", "render"):
         comparing.choose_source(state, "left", source)
         run.turn(6)
-        assert state.pictures is not None
-        shown = pane(state, state.pictures, "left").image
+        assert state.picture.pictures is not None
+        shown = pane(state, state.picture.pictures, "left").image
         path = run.made("left pane")
         page = read_image(path)
         height, width = shown.shape[:2]
         top = (page.shape[0] - 3 * height) // 2
         inside = page[top : top + 3 * height, : 3 * width]
         np.testing.assert_array_equal(inside, shown.repeat(3, axis=0).repeat(3, axis=1))
-        assert same(path, clip_path, Path(str(state.reconstruction.run_path)))
+        assert same(path, clip_path, Path(str(state.runs.reconstruction.run_path)))
         facts = read_provenance(path)
         assert str(clip_path) not in json.dumps(facts)
 
 
 def test_the_pair_and_its_video_come_again(run: Exporter, clip_path: Path) -> None:
-    state, run_path = run.state, run.state.reconstruction.run_path
+    state, run_path = run.state, run.state.runs.reconstruction.run_path
     assert run_path is not None
     comparing.choose_source(state, "left", "enhanced")
     comparing.choose_source(state, "right", "render")
@@ -96,8 +97,8 @@ def test_measures_are_of_every_pane_and_frame(run: Exporter) -> None:
         ("1", "Original"),
     ]
     assert len(rows) == 20
-    assert run.state.clip is not None
-    assert float(rows[2]["dv_bv"]) == dvbv_otsu(run.state.clip.read_image(1)).ratio
+    assert run.state.source.clip is not None
+    assert float(rows[2]["dv_bv"]) == dvbv_otsu(run.state.source.clip.read_image(1)).ratio
     assert {row["noise_gain"] for row in rows if row["pane"] == "Original"} == {"1.0"}
     facts = json.loads(path.with_name(f"{path.name}.json").read_text())
     assert [row["dv"] for row in facts["frames"]] == [float(row["dv"]) for row in rows]
@@ -127,11 +128,11 @@ def test_the_table_comes_again_and_a_changed_number_is_found_out(
 def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) -> None:
     """Wipe, difference, flip and a width in pixels; masked and trimmed."""
     state = run.state
-    state.clip_settings = ClipPart(mask=PictureMask(text=(0, 0, 30, 20)), trim=(2, 7))
-    state.scope, state.wiped = "clip", 0.25
+    state.source.part = ClipPart(mask=PictureMask(text=(0, 0, 30, 20)), trim=(2, 7))
+    state.enhancement.scope, state.comparing.wiped = "clip", 0.25
     run.turn(6)
-    assert state.pictures is not None
-    left, right = (pane(state, state.pictures, side).image for side in SIDES)
+    assert state.picture.pictures is not None
+    left, right = (pane(state, state.picture.pictures, side).image for side in SIDES)
     assert not np.array_equal(left, right)
 
     comparing.choose_mode(state, "wipe")
@@ -145,7 +146,7 @@ def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) 
     comparing.choose_mode(state, "flip")
     flipped = read_image(run.made("panes as shown"))
     inside = flipped[-FOOT - height : -FOOT, :width]
-    np.testing.assert_array_equal(inside, left if state.comparison.flipped else right)
+    np.testing.assert_array_equal(inside, left if state.comparing.chosen.flipped else right)
 
     comparing.choose_mode(state, "difference")
     state.exports.sizing = Sizing(width=100)
@@ -167,7 +168,7 @@ def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) 
 
 
 def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
-    state, run_path = run.state, run.state.reconstruction.run_path
+    state, run_path = run.state, run.state.runs.reconstruction.run_path
     assert run_path is not None
     comparing.choose_source(state, "left", "clahe")
     comparing.choose_mode(state, "wipe")
@@ -180,7 +181,7 @@ def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
     assert [one["shows"] for one in facts["panes"]] == ["method", "setting"]
     assert facts["views"][0]["run"]["name"] == run_path.name
     assert same(last.path, clip_path, run_path)
-    state.peeking = True
+    state.enhancement.peeking = True
     request = export_actions.save_request(state)
     assert request is not None
     assert [shot.by for shot in request.panes.shots] == [None]
@@ -195,8 +196,8 @@ def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run:
     assert export_actions.why_not_export(run.state, "left pane")
     actions.set_params(run.state, EnhanceParams(z=0.4))
     run.turn(3)
-    assert run.state.pictures is not None
-    assert run.state.pictures.request == run.state.picture_request
+    assert run.state.picture.pictures is not None
+    assert run.state.picture.pictures.request == run.state.picture_request
     assert run.state.exports.under_way is exporting
     run.channels.exports.cancel()
     export_actions.cancelled(run.state)
@@ -213,10 +214,10 @@ def test_a_full_disk_is_a_sentence_and_leaves_nothing(run: Exporter, monkeypatch
         for what in ("both panes", "video of both panes", "measures of both panes"):
             run.begin(what)
             run.turn(30)
-            assert run.state.banner is not None
+            assert run.state.window.banner is not None
             said = "the export failed: No space left on device: "
-            assert run.state.banner.message.startswith(said)
-            run.state.banner = None
+            assert run.state.window.banner.message.startswith(said)
+            run.state.window.banner = None
     assert run.state.exports.under_way is None
     assert list(run.state.places.pictures.glob("*")) == []
 
@@ -257,7 +258,7 @@ def test_from_the_key_to_the_file(places: Places) -> None:
         ctx.key_press(chord("Ctrl+Shift+E"))
         ctx.yield_(2)
         ctx.item_click("//Export/###both panes")
-        wait(ctx, lambda: state.exports.under_way is None and state.toast is not None, "the picture")
+        wait(ctx, lambda: state.exports.under_way is None and state.window.toast is not None, "the picture")
         ctx.item_click("//Export/###video of both panes")
         wait(
             ctx,

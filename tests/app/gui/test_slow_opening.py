@@ -15,17 +15,17 @@ from pathlib import Path
 import pytest
 
 from app.files.provenance import digest
-from app.gui.actions import actions, queue_actions, session_actions
-from app.gui.actions.session_actions import WriteRequest
+from app.gui.actions import actions, queue_actions
 from app.gui.panels.overlays import draw_banner
 from app.gui.session_file import Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.gui.state.settings import Places, Settings
 from app.gui.update.opening_work import LONG
 from app.gui.update.update import Channels, update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
+from app.gui.work.session_writing import SessionRequest, write
+from app.gui.work.settings import Places, Settings
 from app.runs.train_run import TrainRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -107,8 +107,8 @@ def test_nor_has_it_a_digest(tmp_path: Path, make: Callable[[Path], None]) -> No
     make(tmp_path / "a")
     assert "expected a file, got a" in ends(lambda: digest(tmp_path / "a"))
     session = Session(source=SessionSource("a"))
-    request = WriteRequest(tmp_path / "s.vesselsplat", session, in_passing=False)
-    assert "expected a file, got a" in ends(lambda: list(session_actions.write(request)))
+    request = SessionRequest(tmp_path / "s.vesselsplat", session, in_passing=False)
+    assert "expected a file, got a" in ends(lambda: list(write(request)))
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_opening_needs_no_numba(tmp_path: Path, model: DynamicGaussians) -> None
     run = make_run(tmp_path / "run", phantom_path(), model)
     write_session(tmp_path / "s.vesselsplat", Session(run=SessionSource("run", "0")))
     code = (
-        "import sys; from pathlib import Path; from numba import threading_layer;"
+        "import sys; from pathlib import Path; from numba import threading_layer\n"
         "from app.gui.work.opening import OpenRequest, open_path\n"
         "for name in sys.argv[1:]: list(open_path(OpenRequest(Path(name))))\n"
         "try: threading_layer()\n"
@@ -186,29 +186,29 @@ def test_an_opening_that_hangs_stops_no_other(hanging: Hanging, places: Places) 
     actions.open_path(state, Path("/mnt/gone"))
     update(state, channels, 0.0)
     update(state, channels, LONG - 1)
-    assert state.banner is None
+    assert state.window.banner is None
     update(state, channels, LONG + 1)
-    assert state.banner is not None
-    assert "still waiting for /mnt/gone after 30 s" in state.banner.message
-    assert state.banner.can_stop
-    state.banner = None
+    assert state.window.banner is not None
+    assert "still waiting for /mnt/gone after 30 s" in state.window.banner.message
+    assert state.window.banner.can_stop
+    state.window.banner = None
     update(state, channels, LONG + 2)
-    assert state.banner is None  # It has been said, and dismissed.
+    assert state.window.banner is None  # It has been said, and dismissed.
 
     def opened() -> bool:
-        update(state, channels, state.now + 0.01)
-        return state.clip is not None
+        update(state, channels, state.window.now + 0.01)
+        return state.source.clip is not None
 
     actions.open_path(state, phantom_path())
     wait(opened, "the phantom")
-    assert state.opening is None
-    clip = state.clip
+    assert state.source.opening is None
+    clip = state.source.clip
     hanging.let_go.set()
     assert hanging.went_on.wait(SECONDS)
     apart.close()
-    update(state, channels, state.now + 0.01)
-    assert state.clip is clip  # The late answer is of no use.
-    assert state.opened_path == phantom_path()
+    update(state, channels, state.window.now + 0.01)
+    assert state.source.clip is clip  # The late answer is of no use.
+    assert state.source.path == phantom_path()
 
 
 def test_a_late_answer_never_takes_the_place_of_the_awaited_one(hanging: Hanging) -> None:
@@ -239,16 +239,16 @@ def test_what_was_said_goes_when_the_answer_comes_or_is_given_up(
         for now in (0.0, LONG + 1):
             update(state, channels, now)
         ui.frame(lambda state=state: draw_banner(state))
-        assert state.banner is not None
+        assert state.window.banner is not None
         if given_up:
             actions.stop_opening(state)
-            assert "stopped waiting for" in state.log[-1]
+            assert "stopped waiting for" in state.window.log[-1]
         hanging.let_go.set()
         apart.close()
         for _ in range(2):
-            update(state, channels, state.now + 1)
-        assert (state.opening, state.banner) == (None, None)
-        assert (state.opened_path is None) == given_up
+            update(state, channels, state.window.now + 1)
+        assert (state.source.opening, state.window.banner) == (None, None)
+        assert (state.source.path is None) == given_up
 
 
 def test_the_clip_of_a_reconstruction_that_waits_is_waited_for_in_words(
@@ -256,15 +256,15 @@ def test_the_clip_of_a_reconstruction_that_waits_is_waited_for_in_words(
 ) -> None:
     state, channels = AppState(places, Settings(acknowledged=True)), Channels()
     request = TrainRequest(clip_path=tmp_path / "clip", run_path=tmp_path / "first", config=TrainConfig())
-    state.queue = (Waiting(None, request),)
+    state.runs.queue = (Waiting(None, request),)
     for now in (0.0, LONG + 1):
         update(state, channels, now)  # Nobody serves the channel: as where the drive does not answer.
-    assert state.banner is not None
-    assert "first waits for its clip" in state.banner.message
-    assert not state.banner.can_stop
+    assert state.window.banner is not None
+    assert "first waits for its clip" in state.window.banner.message
+    assert not state.window.banner.can_stop
     queue_actions.empty(state)
     update(state, channels, LONG + 2)
-    assert state.banner is None
+    assert state.window.banner is None
 
 
 def test_a_hung_opener_does_not_keep_the_window_from_closing(hanging: Hanging) -> None:

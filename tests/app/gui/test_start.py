@@ -15,9 +15,9 @@ from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.frame import dockings, kept_layout
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from renderer.view_files import Views, views_json
 
 
@@ -83,7 +83,7 @@ def test_only_a_layout_that_a_window_has_left_is_read_again(places: Places) -> N
         assert not Window(state).runner_params().ini_disable
         assert not layout.exists()
         assert layout.with_name("window.ini.damaged").read_bytes() == content
-        assert "the standard one is used" in state.log[-1]
+        assert "the standard one is used" in state.window.log[-1]
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="a system without such pipes")
@@ -112,7 +112,7 @@ def test_the_layout_of_one_window_is_that_of_the_next(places: Places) -> None:
         window.runner_params = lambda params=params: params  # type: ignore[method-assign,misc]
         window.run()
         assert (seen[1], seen[-1]) == (shown, not shown)
-    assert list(window.state.log) == []
+    assert list(window.state.window.log) == []
 
 
 def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp_path: Path) -> None:
@@ -124,10 +124,10 @@ def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp
     for path in (report, views):
         actions.open_path(state, path)
         for _ in range(2):
-            update(state, channels, state.now + 1)
+            update(state, channels, state.window.now + 1)
             channels.opening.first.run_waiting()
-        update(state, channels, state.now + 1)
-        assert (state.opening, state.banner) == (None, None)
-    assert state.report is not None
-    assert state.toast is not None
-    assert "0 views from views.json" in state.toast.message
+        update(state, channels, state.window.now + 1)
+        assert (state.source.opening, state.window.banner) == (None, None)
+    assert state.reports.shown is not None
+    assert state.window.toast is not None
+    assert "0 views from views.json" in state.window.toast.message

@@ -9,8 +9,9 @@ from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.frame.dockings import MOST
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings, Theme, load_settings
 from app.gui.style import theme
+from app.gui.work.settings import Places, Settings, Theme, load_settings
+from tests.app.gui.settling import keep_all
 from tests.app.gui.test_window import Driver
 from tests.app.gui.ui import Ui
 
@@ -115,9 +116,11 @@ def test_theme_and_size_are_kept(state: AppState) -> None:
     actions.choose_theme(state, "light")
     for _ in range(3):
         actions.resize_text(state, 1)
+    keep_all(state)
     kept = load_settings(state.places.settings_file)
     assert kept == state.settings == Settings(acknowledged=True, theme="light", text_percent=150)
     actions.resize_text(state, 0)
+    keep_all(state)
     assert load_settings(state.places.settings_file).text_percent == 100
 
 

@@ -16,8 +16,8 @@ from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
 from app.gui.session_file import autosave_path, read_session
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
+from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
@@ -38,7 +38,7 @@ class App:
 
     def turn(self, frames: int = 3) -> None:
         for _ in range(frames):
-            update(self.state, self.channels, self.state.now + 0.6)
+            update(self.state, self.channels, self.state.window.now + 0.6)
             for channel in self.channels.all:
                 channel.run_waiting()
 
@@ -54,7 +54,10 @@ class App:
         """Another picture comes when a slider moves."""
         actions.set_params(self.state, EnhanceParams(d_factor=0.11))
         self.turn()
-        return self.state.pictures is not None and self.state.pictures.request == self.state.picture_request
+        return (
+            self.state.picture.pictures is not None
+            and self.state.picture.pictures.request == self.state.picture_request
+        )
 
     def save(self) -> None:
         request = export_actions.save_request(self.state)
@@ -64,8 +67,8 @@ class App:
 
     def trouble(self) -> str:
         """The sentence that is shown; dismissed with that."""
-        assert self.state.banner is not None
-        message, self.state.banner = self.state.banner.message, None
+        assert self.state.window.banner is not None
+        message, self.state.window.banner = self.state.window.banner.message, None
         assert "\n" not in message
         return message
 
@@ -94,11 +97,11 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
         request = session_actions.save_request(app.state)
         assert request is not None
         app.channels.sessions.ask(request)
-        app.state.notes = "full"
+        app.state.session.notes = "full"
         app.turn()
         assert "No space left on device" in app.trouble()
         actions.remember_recent(app.state, False)
-        assert "No space left" in app.state.log[-1]
+        assert "No space left" in app.state.window.log[-1]
         assert app.works
     assert list(places.pictures.iterdir()) == [before]
     assert (before.read_bytes(), autosave_path(places.config).read_bytes()) == (content, kept)
@@ -113,7 +116,7 @@ def test_a_clip_deleted_under_the_app(places: Places, clip_path: Path) -> None:
     actions.seek(app.state, 7)
     app.turn()
     assert "frame" in app.trouble()
-    app.state.notes = "gone at frame 8"
+    app.state.session.notes = "gone at frame 8"
     app.turn()
     assert read_session(autosave_path(places.config)).notes == "gone at frame 8"
     app.save()
@@ -128,7 +131,9 @@ def test_a_clip_deleted_under_the_app(places: Places, clip_path: Path) -> None:
 @pytest.mark.slow
 def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path) -> None:
     app = App(places, clip_path)
-    app.state.reconstruction.config = TrainConfig(iterations=100_000, n_gaussians=300, checkpoint_every=10)
+    app.state.runs.reconstruction.config = TrainConfig(
+        iterations=100_000, n_gaussians=300, checkpoint_every=10
+    )
     made: list[TrainingJob] = []
 
     def make_job(request: object) -> TrainingJob:
@@ -136,20 +141,20 @@ def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path
         return made[-1]
 
     job_actions.start_reconstruction(app.state, make_job)
-    path = app.state.reconstruction.run_path
+    path = app.state.runs.reconstruction.run_path
     assert path is not None
     run = RunFolder(path)
     app.wait(lambda: run.has_checkpoint)
     assert made[0].process_id is not None
     os.kill(made[0].process_id, 9)
-    app.wait(lambda: not app.state.reconstruction.is_alive)
-    assert app.state.reconstruction.status == "failed"
+    app.wait(lambda: not app.state.runs.reconstruction.is_alive)
+    assert app.state.runs.reconstruction.status == "failed"
     assert "the reconstruction failed" in app.trouble()
     assert job_actions.can_continue(app.state)
     assert run.has_checkpoint
     assert app.works
     opened = App(places, run.path)
-    assert opened.state.reconstruction.run_path == run.path
+    assert opened.state.runs.reconstruction.run_path == run.path
     assert job_actions.can_continue(opened.state)
 
 
@@ -167,7 +172,7 @@ def test_a_window_that_a_signal_ends_gives_back_what_its_job_shares(
 
     state = AppState(places)
     shown = window.Window(state)
-    state.reconstruction.job = Job()  # type: ignore[assignment]
+    state.runs.reconstruction.job = Job()  # type: ignore[assignment]
     monkeypatch.setattr(window.immapp, "run", interrupted)
     with pytest.raises(KeyboardInterrupt):
         shown.run()

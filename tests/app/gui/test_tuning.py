@@ -12,9 +12,9 @@ from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.update.update import Channels, update
 from app.gui.work.opening import Opened
+from app.gui.work.settings import Places, Settings
 from app.gui.work.tuning import Choice
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -31,7 +31,7 @@ def channels() -> Channels:
 
 def turn(state: AppState, channels: Channels) -> None:
     """One frame, with the worker's share done in between."""
-    update(state, channels, state.now + 0.01)
+    update(state, channels, state.window.now + 0.01)
     for channel in channels.all:
         channel.run_waiting()
 
@@ -45,7 +45,7 @@ def finish(state: AppState, channels: Channels) -> None:
 
 
 def test_every_cell_is_the_window_s_own_picture(state: AppState, channels: Channels) -> None:
-    state.scope, state.params = "clip", EnhanceParams(z=0.3)
+    state.enhancement.scope, state.enhancement.params = "clip", EnhanceParams(z=0.3)
     state.tuning.choices = (Choice("d_factor", 0.0, 2.0, 3), Choice("p", 0.2, 0.8, 2))
     tuning_actions.start_grid(state)
     finish(state, channels)
@@ -71,9 +71,9 @@ def test_use_is_one_step_of_undo(state: AppState, channels: Channels) -> None:
     finish(state, channels)
     assert state.tuning.grid is not None
     tuning_actions.use_setting(state, state.tuning.grid.settings[0])
-    assert state.params == state.tuning.grid.settings[0].params
+    assert state.enhancement.params == state.tuning.grid.settings[0].params
     history_actions.undo(state)
-    assert state.params == EnhanceParams()
+    assert state.enhancement.params == EnhanceParams()
 
 
 def test_a_cell_at_a_time_so_that_sliders_are_served_in_between(state: AppState, channels: Channels) -> None:
@@ -85,8 +85,8 @@ def test_a_cell_at_a_time_so_that_sliders_are_served_in_between(state: AppState,
     actions.set_params(state, EnhanceParams(d_factor=0.7))
     turn(state, channels)
     turn(state, channels)
-    assert state.pictures is not None
-    assert state.pictures.request.params == EnhanceParams(d_factor=0.7)
+    assert state.picture.pictures is not None
+    assert state.picture.pictures.request.params == EnhanceParams(d_factor=0.7)
     assert len(state.tuning.cells) < 12
     tuning_actions.stop_grid(state)
     for _ in range(3):
@@ -115,11 +115,11 @@ def test_whole_numbers_stay_whole(state: AppState, channels: Channels) -> None:
 def test_what_cannot_be_tried_is_a_sentence(state: AppState, channels: Channels) -> None:
     state.tuning.choices = (Choice("p"), Choice("p"))
     tuning_actions.start_grid(state)
-    assert state.banner is not None
-    state.params, state.banner = VesselParams(), None
+    assert state.window.banner is not None
+    state.enhancement.params, state.window.banner = VesselParams(), None
     state.tuning.choices = (Choice("z"), Choice())
     tuning_actions.start_grid(state)
-    assert state.banner is not None
+    assert state.window.banner is not None
     assert state.tuning.grid is None
 
 
@@ -127,10 +127,10 @@ def test_a_clip_that_is_gone_stops_the_grid(state: AppState, channels: Channels)
     def gone(index: int) -> ByteImage:
         raise OSError("no such file")
 
-    object.__setattr__(state.clip, "read_image", gone)
+    object.__setattr__(state.source.clip, "read_image", gone)
     tuning_actions.start_grid(state)
     finish(state, channels)
-    assert state.banner is not None
+    assert state.window.banner is not None
     assert state.tuning.cells == {}
 
 
@@ -140,7 +140,7 @@ def test_another_clip_has_no_grid(state: AppState, channels: Channels, clip: Cli
     choices = state.tuning.choices
     actions.show_opened(state, clip.path, Opened(make_clip(clip.path)))
     assert (state.tuning.grid, state.tuning.choices) == (None, choices)
-    update(state, channels, state.now + 0.01)
+    update(state, channels, state.window.now + 0.01)
     assert state.tuning.cells == {}
 
 
@@ -179,7 +179,7 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.item_click("//Pictures/**/###phantom")
-        wait(ctx, lambda: state.pictures is not None and not state.pictures_are_stale, "the phantom")
+        wait(ctx, lambda: state.picture.pictures is not None and not state.pictures_are_stale, "the phantom")
         ctx.key_press(chord("Ctrl+T"))
         ctx.yield_(3)
         ctx.item_click("//Tuning/###try")
@@ -190,7 +190,7 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
         ctx.yield_(2)
         ctx.item_click("//Tuning/###use")
         assert state.tuning.chosen is not None
-        assert state.params == state.tuning.chosen.params != EnhanceParams()
+        assert state.enhancement.params == state.tuning.chosen.params != EnhanceParams()
         ctx.item_click("//Tuning/###back")
         ctx.yield_(2)
 

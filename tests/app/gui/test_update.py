@@ -21,7 +21,7 @@ from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
 from tests.app.gui.conftest import FakeJob, make_clip, photo
-from tests.app.gui.settling import settle
+from tests.app.gui.settling import follow_run, settle, show_live
 
 MakeFake = Callable[[object], FakeJob]
 STARTED = Started(0, 100, 30, (Omission("motion", "nothing moves", "half the time"),))
@@ -34,7 +34,7 @@ def channels() -> Channels:
 
 def test_the_pair_on_screen_is_of_one_request(state: AppState, channels: Channels) -> None:
     settle(state, channels)
-    shown = state.pictures
+    shown = state.picture.pictures
     assert shown is not None
     assert shown.request == state.picture_request
     assert shown.enhanced is not None
@@ -45,11 +45,11 @@ def test_the_pair_on_screen_is_of_one_request(state: AppState, channels: Channel
 
 def test_a_slider_changes_the_enhanced_picture_alone(state: AppState, channels: Channels) -> None:
     settle(state, channels)
-    before = state.pictures
+    before = state.picture.pictures
     actions.set_params(state, EnhanceParams(z=0.0))
     assert state.pictures_are_stale
     settle(state, channels)
-    after = state.pictures
+    after = state.picture.pictures
     assert before is not None
     assert after is not None
     np.testing.assert_array_equal(before.photo, after.photo)
@@ -67,14 +67,14 @@ def test_a_quick_picture_is_shown_by_the_frame_after_the_slider_moved(
     update(state, channels, 0.1)
     worker.close()
     assert not state.pictures_are_stale
-    assert state.pictures is not None
-    assert state.pictures.enhanced is not None
+    assert state.picture.pictures is not None
+    assert state.picture.pictures.enhanced is not None
 
 
 def test_a_slow_picture_holds_no_frame(state: AppState, channels: Channels) -> None:
     settle(state, channels)
-    assert state.pictures is not None
-    state.pictures = replace(state.pictures, milliseconds=500.0)
+    assert state.picture.pictures is not None
+    state.picture.pictures = replace(state.picture.pictures, milliseconds=500.0)
     actions.set_params(state, EnhanceParams(z=0.0))
     channels.pictures.wait = lambda seconds: pytest.fail("the frame waits")  # type: ignore[method-assign]
     update(state, channels, 0.1)
@@ -84,8 +84,8 @@ def test_a_slow_picture_holds_no_frame(state: AppState, channels: Channels) -> N
 def test_a_picture_that_is_late_is_waited_for_once(state: AppState, channels: Channels) -> None:
     """It was quick before, and something holds it up now."""
     settle(state, channels)
-    assert state.pictures is not None
-    state.pictures = replace(state.pictures, milliseconds=1.0)
+    assert state.picture.pictures is not None
+    state.picture.pictures = replace(state.picture.pictures, milliseconds=1.0)
     waits: list[float] = []
     channels.pictures.wait = waits.append  # type: ignore[method-assign]
     actions.set_params(state, EnhanceParams(z=0.0))
@@ -96,13 +96,13 @@ def test_a_picture_that_is_late_is_waited_for_once(state: AppState, channels: Ch
 
 
 def test_clip_statistics_are_the_same_for_every_frame(state: AppState, channels: Channels) -> None:
-    state.scope = "clip"
+    state.enhancement.scope = "clip"
     seen = []
     for index in (0, 3):
         actions.seek(state, index)
         settle(state, channels)
-        assert state.pictures is not None
-        seen.append(state.pictures.statistics)
+        assert state.picture.pictures is not None
+        seen.append(state.picture.pictures.statistics)
     assert seen[0] == seen[1]
     assert seen[0] is not None
     assert seen[0].scope == "clip"
@@ -124,34 +124,34 @@ def test_the_first_photo_appears_before_its_enhanced_partner(state: AppState, ch
     steps.answers = [Pictures(state.picture_request, photo(0))]
     channels.pictures = Channel(steps.work)
     settle(state, channels)
-    assert state.pictures is not None
-    assert state.pictures.enhanced is None
+    assert state.picture.pictures is not None
+    assert state.picture.pictures.enhanced is None
 
 
 def test_a_later_photo_waits_for_its_partner_but_not_for_ever(state: AppState, channels: Channels) -> None:
     settle(state, channels)
-    first, steps = state.pictures, TwoSteps()
+    first, steps = state.picture.pictures, TwoSteps()
     channels.pictures = Channel(steps.work)
     actions.seek(state, 2)
     assert state.picture_request is not None
     steps.answers = [Pictures(state.picture_request, photo(2))]
     settle(state, channels, now=10.0)
-    assert state.pictures is first
+    assert state.picture.pictures is first
     settle(state, channels, now=10.0 + PATIENCE + 0.01)
-    assert state.pictures is not None
-    np.testing.assert_array_equal(state.pictures.photo, photo(2))
+    assert state.picture.pictures is not None
+    np.testing.assert_array_equal(state.picture.pictures.photo, photo(2))
 
 
 def test_a_moving_slider_never_flashes_the_original(state: AppState, channels: Channels) -> None:
     settle(state, channels)
-    first, steps = state.pictures, TwoSteps()
+    first, steps = state.picture.pictures, TwoSteps()
     channels.pictures = Channel(steps.work)
     actions.set_params(state, EnhanceParams(z=0.1))
     assert state.picture_request is not None
     steps.answers = [Pictures(state.picture_request, photo(0))]
     settle(state, channels, now=10.0)
     settle(state, channels, now=20.0)
-    assert state.pictures is first
+    assert state.picture.pictures is first
 
 
 def test_pictures_of_a_clip_that_was_left_are_dropped(
@@ -162,10 +162,10 @@ def test_pictures_of_a_clip_that_was_left_are_dropped(
     other = make_clip(tmp_path / "other", 3)
     actions.show_opened(state, other.path, Opened(other))
     update(state, channels, 0.1)
-    assert state.pictures is None
+    assert state.picture.pictures is None
     settle(state, channels)
-    assert state.pictures is not None
-    assert state.pictures.request.clip is other
+    assert state.picture.pictures is not None
+    assert state.picture.pictures.request.clip is other
 
 
 def test_a_frame_that_cannot_be_read_is_said_once(state: AppState, channels: Channels, clip: Clip) -> None:
@@ -173,14 +173,14 @@ def test_a_frame_that_cannot_be_read_is_said_once(state: AppState, channels: Cha
         raise ClipError(f"expected an image, got a cut-off file: {index}.png")
 
     settle(state, channels)
-    state.clip = replace(clip, read_image=broken)
+    state.source.clip = replace(clip, read_image=broken)
     settle(state, channels)
-    assert state.banner is not None
-    assert "0.png" in state.banner.message
-    assert not state.playing
-    state.banner = None
+    assert state.window.banner is not None
+    assert "0.png" in state.window.banner.message
+    assert not state.timeline.playing
+    state.window.banner = None
     settle(state, channels)
-    assert state.banner is None
+    assert state.window.banner is None
 
 
 def test_playing_goes_at_the_clip_s_rate_and_wraps(state: AppState, channels: Channels) -> None:
@@ -189,7 +189,7 @@ def test_playing_goes_at_the_clip_s_rate_and_wraps(state: AppState, channels: Ch
     frames = []
     for tick in range(1, 9):
         update(state, channels, tick * 0.1)
-        frames.append(state.frame_index)
+        frames.append(state.timeline.frame_index)
         settle(state, channels, tick * 0.1)
     assert frames == [1, 2, 3, 4, 5, 0, 1, 2]
 
@@ -199,7 +199,7 @@ def test_playing_waits_for_the_pictures(state: AppState, channels: Channels) -> 
     actions.toggle_play(state)
     for tick in range(1, 6):  # Nothing is done in the background.
         update(state, channels, tick * 0.1)
-    assert state.frame_index == 1
+    assert state.timeline.frame_index == 1
 
 
 @pytest.mark.parametrize("content", ["missing", "empty", "text"])
@@ -213,18 +213,18 @@ def test_opening_nonsense_is_one_sentence_and_keeps_what_is_open(
         path.write_text("not a video")
     actions.open_path(state, path)
     settle(state, channels)
-    assert state.banner is not None
-    assert str(path) in state.banner.message
-    assert "\n" not in state.banner.message
-    assert state.opening is None
-    assert state.clip is clip
+    assert state.window.banner is not None
+    assert str(path) in state.window.banner.message
+    assert "\n" not in state.window.banner.message
+    assert state.source.opening is None
+    assert state.source.clip is clip
 
 
 def test_a_job_is_followed_from_start_to_end(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    job, run = state.reconstruction.job, state.reconstruction
+    job, run = state.runs.reconstruction.job, state.runs.reconstruction
     assert isinstance(job, FakeJob)
     progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
     stage = Preparing("match left and right images", 3, 27, 2.0, 16.0)
@@ -236,13 +236,15 @@ def test_a_job_is_followed_from_start_to_end(
     assert (run.status, run.told.progress, run.omitted) == ("running", (progress,), STARTED.omitted)
     job.inbox, job.model = [Paused()], model
     update(state, channels, 0.2)
+    follow_run(state)
     assert run.status == "paused"
-    assert state.model is not None
-    assert state.model.live
+    assert state.scene.model is not None
+    assert state.scene.model.live
     job.inbox = [Resumed(), Warned("few Gaussians"), Evaluated(100, 31.0), Finished(100, 12.0, model)]
     update(state, channels, 0.3)
     assert (run.status, run.warnings, run.told.evaluated[-1].psnr) == ("finished", ["few Gaussians"], 31.0)
-    assert not state.model.live
+    follow_run(state)
+    assert not state.scene.model.live
     assert job.told[-1] == "close"
     assert run.job is None
 
@@ -251,7 +253,7 @@ def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
     state: AppState, channels: Channels, make_job: MakeFake
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    run = state.reconstruction
+    run = state.runs.reconstruction
     assert isinstance(run.job, FakeJob)
     run.told = TrainingLog(tuple(Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)))
     run.job.inbox = [replace(STARTED, iteration=20), Progress(25, 100, 0.4, 21.0, 1.0, 9.0, 30)]
@@ -267,11 +269,11 @@ def test_a_job_that_ends_early_says_so(
     state: AppState, channels: Channels, make_job: MakeFake, event: object, status: str, told: str
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    assert isinstance(state.reconstruction.job, FakeJob)
-    state.reconstruction.job.inbox = [STARTED, event]
+    assert isinstance(state.runs.reconstruction.job, FakeJob)
+    state.runs.reconstruction.job.inbox = [STARTED, event]
     update(state, channels, 0.1)
-    assert state.reconstruction.status == status
-    assert told in state.log[-1]
+    assert state.runs.reconstruction.status == status
+    assert told in state.window.log[-1]
     assert job_actions.can_continue(state)
 
 
@@ -279,41 +281,41 @@ def test_the_view_is_asked_for_only_when_it_changes(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    job_actions.show_live_model(state, model)
-    state.view_size = (32, 24)
+    show_live(state, model)
+    state.scene.size = (32, 24)
     settle(state, channels)
-    first = state.view
+    first = state.scene.view
     assert first is not None
     assert first.image.shape == (24, 32, 3)
     settle(state, channels)
-    assert state.view is first
+    assert state.scene.view is first
     camera_actions.turn(state, 0.1, 0.0)
     settle(state, channels)
-    assert state.view is not first
+    assert state.scene.view is not first
 
 
 def test_a_slow_view_is_reduced_only_while_it_moves(
     state: AppState, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
     job_actions.start_reconstruction(state, make_job)
-    job_actions.show_live_model(state, model)
-    state.view_size = (32, 24)
+    show_live(state, model)
+    state.scene.size = (32, 24)
     request = state.view_request
     assert request is not None
-    state.view = View(request, np.zeros((24, 32, 3), np.uint8), 2 * SLOW_VIEW)
+    state.scene.view = View(request, np.zeros((24, 32, 3), np.uint8), 2 * SLOW_VIEW)
     assert view_request(state) == request
-    state.view_dragged = True
+    state.scene.dragged = True
     reduced = view_request(state)
     assert reduced is not None
     assert reduced.reduced
     assert (reduced.camera.width, reduced.camera.height) == (16, 12)
-    state.view = View(request, state.view.image, 0.5 * SLOW_VIEW)
+    state.scene.view = View(request, state.scene.view.image, 0.5 * SLOW_VIEW)
     assert view_request(state) == request
 
 
 def test_toasts_go_away_by_themselves(state: AppState, channels: Channels) -> None:
     actions.announce(state, "saved")
     update(state, channels, 1.0)
-    assert state.toast is not None
+    assert state.window.toast is not None
     update(state, channels, 60.0)
-    assert state.toast is None
+    assert state.window.toast is None

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, camera_actions, job_actions, path_actions
+from app.gui.actions import actions, camera_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import bounds
 from app.gui.panels.view3d import photo_over, view_tags
@@ -19,6 +19,7 @@ from app.scenes.viewing import draw_view
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
+from tests.app.gui.settling import show_finished
 from tests.app.gui.ui import (
     Draw,
     StillSecond,
@@ -49,7 +50,7 @@ def test_the_3d_view_turns_moves_and_zooms(ui: Ui, opened: AppState, model: Dyna
     assert seen(middle)[0] == pytest.approx(start + np.array((50, 20)))
     ui.scroll(draw, (400, 300), 2.0)
     assert seen(middle)[1] < 45
-    assert not opened.view_dragged
+    assert not opened.scene.dragged
 
 
 def test_a_double_click_asks_for_the_point_under_the_pointer(
@@ -60,23 +61,23 @@ def test_a_double_click_asks_for_the_point_under_the_pointer(
     ui.frame(draw)
     for _ in range(2):
         ui.drag(draw, (400, 300), (400, 300))
-    assert opened.viewer.pick is not None
-    assert opened.viewer.free is None
-    width, height = opened.view_size
+    assert opened.scene.viewer.pick is not None
+    assert opened.scene.viewer.free is None
+    width, height = opened.scene.size
     left, top = (900 - width) // 2, 700 - imgui.get_style().window_padding.y - height
-    assert opened.viewer.pick.pixel == (400 - left, 300 - top)
+    assert opened.scene.viewer.pick.pixel == (400 - left, 300 - top)
 
 
 def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
     ui: Ui, opened: AppState, model: DynamicGaussians
 ) -> None:
     start_live(opened, model)
-    assert opened.clip is not None
+    assert opened.source.clip is not None
     actions.seek(opened, 4)
     camera_actions.toggle_snap(opened)
     wish = opened.photo_request
     assert wish is not None
-    (opened.viewer.photo,) = read_photo(wish)
+    (opened.scene.viewer.photo,) = read_photo(wish)
     laid: list[ByteImage] = []
 
     def draw() -> None:
@@ -85,16 +86,16 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
     ui.frame(draw)
     request = opened.view_request
     assert request is not None
-    assert request.camera == opened.clip.cameras[4]
+    assert request.camera == opened.source.clip.cameras[4]
     (view,) = draw_view(request)
     assert view.image.shape == laid[0].shape
-    np.testing.assert_array_equal(laid[0], opened.clip.read_image(4))
+    np.testing.assert_array_equal(laid[0], opened.source.clip.read_image(4))
     corner, size = ImVec2(10, 20), ImVec2(300, 200)
     (low, high), zoom = bounds(request.camera, corner, size), 200 / 40
     assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
     assert "FRAME 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
     ui.drag(draw, (400, 300), (420, 300))
-    assert not opened.viewer.snapped
+    assert not opened.scene.viewer.snapped
     assert photo_over(opened) is None
 
 
@@ -103,15 +104,15 @@ def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: Dy
     draw: Draw = lambda: view3d(opened)  # noqa: E731
     ui.frame(draw)
     ui.drag(draw, (400, 300), (400, 300))
-    assert opened.viewer.pick is None
+    assert opened.scene.viewer.pick is None
     camera_actions.toggle_measuring(opened)
     ui.drag(draw, (400, 300), (460, 300))
-    assert opened.viewer.pick is None
-    assert opened.viewer.free is not None
+    assert opened.scene.viewer.pick is None
+    assert opened.scene.viewer.free is not None
     camera_actions.reset_view(opened)
     for x in (420, 480):
         ui.drag(draw, (x, 330), (x, 330))
-        wish = opened.viewer.pick
+        wish = opened.scene.viewer.pick
         assert wish is not None
         assert wish.purpose == "measure"
         (answer,) = pick(wish)
@@ -120,10 +121,10 @@ def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: Dy
     request = opened.view_request
     assert request is not None
     expected = 60 / request.camera.fx * 50.0  # On the model's sheet, which is 50 before the camera.
-    assert opened.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
-    assert "mm" in opened.viewer.measurement.text("mm")
+    assert opened.scene.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
+    assert "mm" in opened.scene.viewer.measurement.text("mm")
     camera_actions.toggle_measuring(opened)
-    assert opened.viewer.measurement.points == ()
+    assert opened.scene.viewer.measurement.points == ()
 
 
 def test_the_camera_path_is_drawn_over_the_view(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
@@ -154,12 +155,12 @@ def test_two_reconstructions_share_camera_time_and_hand(
     ui: Ui, opened: AppState, model: DynamicGaussians
 ) -> None:
     start_live(opened, model)
-    assert opened.model is not None
-    opened.second.shown = replace(opened.model, name="another run", live=False)
+    assert opened.scene.model is not None
+    opened.scene.second.shown = replace(opened.scene.model, name="another run", live=False)
     draw: Draw = lambda: view3d(opened)  # noqa: E731
     ui.frame(draw)
     ui.frame(draw)
-    width = opened.view_size[0]
+    width = opened.scene.size[0]
     assert width == pytest.approx((900 - 20) / 2, abs=5)
     for x in (200, 700):  # On either of them.
         before = opened.view_request
@@ -168,8 +169,8 @@ def test_two_reconstructions_share_camera_time_and_hand(
         assert first is not None
         assert second is not None
         assert first != before
-        assert second == replace(first, scene=opened.second.shown)
-        assert not opened.view_dragged
+        assert second == replace(first, scene=opened.scene.second.shown)
+        assert not opened.scene.dragged
     actions.seek(opened, 4)
     assert opened.second_request is not None
     assert opened.second_request.time == opened.time
@@ -179,10 +180,10 @@ def test_two_reconstructions_share_camera_time_and_hand(
     assert "another run" in said[1]
     assert "FREE VIEW" in said[0]
     camera_actions.toggle_snap(opened)
-    assert opened.second_request.camera == opened.model.cameras[4]
+    assert opened.second_request.camera == opened.scene.model.cameras[4]
     wish = opened.photo_request
     assert wish is not None
-    (opened.viewer.photo,) = read_photo(wish)
+    (opened.scene.viewer.photo,) = read_photo(wish)
     laid: list[ByteImage] = []
     ui.frame(lambda: view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1)))
     assert len(laid) == 2
@@ -190,7 +191,7 @@ def test_two_reconstructions_share_camera_time_and_hand(
 
 def test_a_moment_is_told_by_the_clip_s_own_frames(opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    shown = opened.model
+    shown = opened.scene.model
     assert shown is not None
     count = len(shown.cameras)
     assert [shown.moment(index / count) for index in range(count)] == [
@@ -201,7 +202,7 @@ def test_a_moment_is_told_by_the_clip_s_own_frames(opened: AppState, model: Dyna
     for time in (0.0, 0.31, 0.5, 0.9):
         assert shown.time_of(shown.number_at(time)) == pytest.approx(time, abs=0.005 / count)
     actions.seek(opened, 2)
-    opened.view_size = (64, 48)
+    opened.scene.size = (64, 48)
     assert "RECONSTRUCTION · frame 3" in texts(view_tags(opened, StillViewport().show(opened)))
 
 
@@ -209,16 +210,16 @@ def test_a_still_model_has_no_time_and_the_same_room(
     ui: Ui, opened: AppState, model: DynamicGaussians
 ) -> None:
     start_live(opened, model)
-    shown, opened.clip = opened.model, None
+    shown, opened.source.clip = opened.scene.model, None
     assert shown is not None
     rooms, times = [], []
     for cameras in (shown.cameras, shown.cameras[:1]):
-        opened.model = replace(shown, cameras=cameras)
+        opened.scene.model = replace(shown, cameras=cameras)
         ui.frame(lambda: view3d(opened))
-        rooms.append(opened.view_size)
+        rooms.append(opened.scene.size)
         ui.drag(lambda: view3d(opened), (700, 20), (823, 20))  # Where the slider is.
-        times.append(opened.view_time)
-        opened.view_time = 0.0
+        times.append(opened.scene.own_time)
+        opened.scene.own_time = 0.0
     assert rooms[0] == rooms[1]
     frames = times[0] * len(shown.cameras)
     assert 0 < frames < len(shown.cameras) - 1
@@ -228,14 +229,14 @@ def test_a_still_model_has_no_time_and_the_same_room(
 
 def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    opened.view_size = (64, 48)
+    opened.scene.size = (64, 48)
     request = opened.view_request
     assert request is not None
     shown = OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request.scaled(0.5))
     text = texts(view_tags(opened, shown))
     assert "LIVE PREVIEW · iteration 0 / 3,000" in text
     assert "REDUCED RESOLUTION" in text
-    job_actions.show_finished_model(opened, model)
+    show_finished(opened, model)
     assert opened.view_request is not None
     text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
     assert "LIVE" not in text

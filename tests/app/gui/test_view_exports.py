@@ -24,13 +24,13 @@ from tests.app.gui.exporting import Exporter, same, shape_of, sidecar
 
 
 def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None:
-    state, run_path = run.state, run.state.reconstruction.run_path
+    state, run_path = run.state, run.state.runs.reconstruction.run_path
     assert run_path is not None
-    assert state.model is not None
+    assert state.scene.model is not None
     assert "Cameras" in export_actions.why_not_export(state, "video along the path")
     state.exports.view_size = (96, 70)
-    state.viewer.free = FreeView.of(state.model.camera_at(0.3)).looked(0.1, 0.02)
-    state.view_kind = "depth"
+    state.scene.viewer.free = FreeView.of(state.scene.model.camera_at(0.3)).looked(0.1, 0.02)
+    state.scene.kind = "depth"
     run.turn()
     plain = run.made("3D view")
     assert same(plain, run_path)
@@ -42,11 +42,11 @@ def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None
     state.exports.view_size, state.exports.supersampling = (3840, 2160), 4
     assert "million" in export_actions.why_not_export(state, "3D view")
     state.exports.view_size, state.exports.supersampling = (96, 70), 2
-    near, far = (state.model.camera_at(time) for time in (0.0, 0.5))
+    near, far = (state.scene.model.camera_at(time) for time in (0.0, 0.5))
     path = CameraPath((Keyframe(0.0, 0.0, near), Keyframe(0.4, 0.9, far)))
-    state.cameras.views = replace(state.cameras.views, path=path)
+    state.scene.cameras.views = replace(state.scene.cameras.views, path=path)
     videos: tuple[What, ...] = ("video through time", "video along the path")
-    state.view_kind = "color"
+    state.scene.kind = "color"
     for what, count in zip(videos, (10, 7), strict=True):
         video = run.made(what)
         capture = cv2.VideoCapture(str(video))
@@ -59,7 +59,7 @@ def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None
 def test_two_3d_views_stand_beside_each_other_and_come_again(run: Exporter, runs: dict[str, Path]) -> None:
     second_actions.open_second(run.state, runs["enhanced"])
     run.turn()
-    assert run.state.second.shown is not None
+    assert run.state.scene.second.shown is not None
     path = run.made("3D view")
     assert [view["run"]["name"] for view in read_provenance(path)["views"]] == ["original", "enhanced"]
     assert same(path, *runs.values())
@@ -77,7 +77,7 @@ def test_a_video_shows_the_kind_of_view_that_the_window_shows(run: Exporter, run
     second_actions.open_second(state, runs["enhanced"])
     run.turn()
     for kind in ("points", "normals", "motion", "depth"):
-        state.view_kind = kind
+        state.scene.kind = kind
         video = run.made("video through time")
         assert [view["view"] for view in sidecar(video)["views"]] == [kind, kind]
         assert same(video, *runs.values())
@@ -94,11 +94,11 @@ def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
     run: Exporter, runs: dict[str, Path]
 ) -> None:
     state = run.state
-    state.view_kind = "difference"
+    state.scene.kind = "difference"
     videos: tuple[What, ...] = ("video through time", "video along the path")
-    key = Keyframe(0.0, 0.0, state.model.camera_at(0.0)) if state.model is not None else None
+    key = Keyframe(0.0, 0.0, state.scene.model.camera_at(0.0)) if state.scene.model is not None else None
     assert key is not None
-    state.cameras.views = replace(state.cameras.views, path=CameraPath((key,)))
+    state.scene.cameras.views = replace(state.scene.cameras.views, path=CameraPath((key,)))
     for what in videos:
         assert "difference" in export_actions.why_not_export(state, what)
     camera_actions.toggle_snap(state)
@@ -107,11 +107,11 @@ def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
     request = export_actions.export_request(state, videos[0])
     assert request is not None
     pages = list(view_pages(request.moments, Drawer()))
-    assert state.model is not None
-    assert state.clip is not None
+    assert state.scene.model is not None
+    assert state.source.clip is not None
     for frame in (0, 7):
-        photo = Photo(PhotoRequest(state.clip, frame), state.clip.read_image(frame))
-        (view,) = draw_view(ViewRequest.of_frame(state.model, frame).of_kind("difference", photo))
+        photo = Photo(PhotoRequest(state.source.clip, frame), state.source.clip.read_image(frame))
+        (view,) = draw_view(ViewRequest.of_frame(state.scene.model, frame).of_kind("difference", photo))
         np.testing.assert_array_equal(pages[frame][:48, :64], view.image)
     export_actions.cancelled(state)
     second_actions.open_second(state, runs["enhanced"])
@@ -123,7 +123,7 @@ def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
 def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
     """That holds what each has by itself, and stands beside every page."""
     state = run.state
-    state.view_kind = "motion"
+    state.scene.kind = "motion"
     request = export_actions.export_request(state, "video through time")
     assert request is not None
     own = [next(draw_view(views[0])).scale for views in request.moments]

@@ -16,6 +16,7 @@ from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import draw_view
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.settling import show_live
 
 SIZE = (64, 48)
 
@@ -23,8 +24,8 @@ SIZE = (64, 48)
 @pytest.fixture
 def live(state: AppState, model: DynamicGaussians) -> AppState:
     job_actions.start_reconstruction(state, FakeJob)
-    job_actions.show_live_model(state, model)
-    state.view_size = SIZE
+    show_live(state, model)
+    state.scene.size = SIZE
     camera_actions.turn(state, 0.3, 0.2)
     return state
 
@@ -39,7 +40,7 @@ def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live:
     graphics, textures = GraphicsViewport(ctx, Textures(ctx)), Textures(ctx)
     processor = ProcessorViewport(textures)
     assert live.view_request is not None
-    (live.view,) = draw_view(live.view_request)
+    (live.scene.view,) = draw_view(live.view_request)
     drawn, made = graphics.show(live), processor.show(live)
     assert drawn is not None
     assert made is not None
@@ -56,17 +57,17 @@ def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live:
 @pytest.mark.gl
 def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: AppState) -> None:
     """In metres, or in no units at all: what counts is the near plane's share of the scene."""
-    assert live.model is not None
-    large = ViewRequest.fitted(live.model, 0.0, None, SIZE)
+    assert live.scene.model is not None
+    large = ViewRequest.fitted(live.scene.model, 0.0, None, SIZE)
     share = 1e-4
-    raw = live.model.model.raw
+    raw = live.scene.model.model.raw
     smaller = replace(
         raw, means=raw.means * np.float32(share), log_scales=raw.log_scales + np.float32(np.log(share))
     )
-    model = replace(live.model.model, raw=smaller)
-    smaller_scene = replace(live.model, model=model, distance=live.model.distance * share)
+    model = replace(live.scene.model.model, raw=smaller)
+    smaller_scene = replace(live.scene.model, model=model, distance=live.scene.model.distance * share)
     tiny = ViewRequest.fitted(smaller_scene, 0.0, None, SIZE)
-    assert large.near / live.model.distance == pytest.approx(tiny.near / tiny.scene.distance)
+    assert large.near / live.scene.model.distance == pytest.approx(tiny.near / tiny.scene.distance)
     (wanted,), (seen,) = draw_view(large), draw_view(tiny)
     assert wanted.image.max() > 60
     assert np.abs(wanted.image.astype(int) - seen.image).max() <= 1
@@ -90,12 +91,12 @@ def test_the_graphics_card_draws_only_what_changed(
     for _ in range(3):
         graphics.show(live)
     assert len(drawn) == 1
-    live.view_size = (32, 24)
+    live.scene.size = (32, 24)
     graphics.show(live)
     actions.seek(live, 3)
     graphics.show(live)
     assert len(drawn) == 3
-    live.view_size = (0, 0)
+    live.scene.size = (0, 0)
     assert graphics.show(live) is None
     graphics.release()
 
@@ -112,41 +113,41 @@ def test_both_ways_of_drawing_show_the_same_views(
     view_actions.choose_view(live, kind)
     assert live.photo_request is not None or kind != "difference"
     if live.photo_request is not None:
-        (live.viewer.photo,) = read_photo(live.photo_request)
+        (live.scene.viewer.photo,) = read_photo(live.photo_request)
     request = live.view_request
     assert request is not None
     assert request.kind == kind
-    (live.view,) = draw_view(request)
+    (live.scene.view,) = draw_view(request)
     drawn, made = graphics.show(live), processor.show(live)
     assert drawn is not None
     assert made is not None
-    assert drawn.scale == made.scale == live.view.scale
+    assert drawn.scale == made.scale == live.scene.view.scale
     assert (made.scale is not None) == has_scale(kind)
     if kind != "color":
         assert graphics._composed is not None
-        away = np.abs(graphics._composed.image.astype(int) - live.view.image).max(axis=2)
+        away = np.abs(graphics._composed.image.astype(int) - live.scene.view.image).max(axis=2)
         assert np.mean(away > 3) < 0.01
-        assert live.view.image.std() > 1
+        assert live.scene.view.image.std() > 1
     graphics.release()
 
 
 def test_a_difference_needs_the_clips_camera_and_its_photo(live: AppState) -> None:
     view_actions.choose_view(live, "difference")
-    assert live.viewer.snapped
+    assert live.scene.viewer.snapped
     assert live.view_request is not None
     assert live.view_request.kind == "color"
     assert live.photo_request is not None
-    (live.viewer.photo,) = read_photo(live.photo_request)
+    (live.scene.viewer.photo,) = read_photo(live.photo_request)
     assert live.view_request.kind == "difference"
     camera_actions.turn(live, 0.1, 0.0)
     assert live.view_request.kind == "color"
-    live.clip = None
+    live.source.clip = None
     assert "difference" not in view_actions.choices(live)
 
 
 def test_the_key_goes_through_all_views_and_back(live: AppState) -> None:
     seen = []
     for _ in EXPLAINED:
-        seen.append(live.view_kind)
+        seen.append(live.scene.kind)
         view_actions.next_view(live)
-    assert (tuple(seen), live.view_kind) == (tuple(EXPLAINED), "color")
+    assert (tuple(seen), live.scene.kind) == (tuple(EXPLAINED), "color")

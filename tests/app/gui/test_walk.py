@@ -1,4 +1,7 @@
-"""One case from the first start to a session taken up again: a person's hands, a real job, files compared."""
+"""One case from the first start to a session taken up again: a person's hands, a real job, files compared.
+
+The window's own thread touches no file meanwhile: neither the user's nor the clip's.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,11 @@ from app.exports.replay import replay
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
+from tests.app.gui.window_thread import files_touched
 from tests.benchmarks.soak_deeds import Context, K, Person, compare, reconstruct
 
 UNPACED = 1e9
@@ -42,19 +46,23 @@ def test_a_case_from_first_start_to_the_session_taken_up_again(places: Places) -
     def drive(ctx: Context) -> None:
         nonlocal deleted
         person = person_at(ctx, window)
-        person.click("//Before you begin/I understand")
-        person.click("//Pictures/**/###phantom")
-        person.wait(lambda: state.opening is None and person.settled(), "the phantom")
-        ctx.item_input_value("//Enhancement/##d_factor", 1.5)
-        person.wait(lambda: state.params.d_factor == 1.5 and person.settled(), "the setting")
-        compare(person)
-        reconstruct(person)
-        assert person.run is not None
-        scrub(person)
-        deleted = edit(person)
-        export(person)
-        person.press(chord("Ctrl+S"))
-        person.wait(lambda: state.session_path is not None and state.session_path.is_file(), "the session")
+        with files_touched((*vars(places).values(), phantom_path())) as touched:
+            person.click("//Before you begin/I understand")
+            person.click("//Pictures/**/###phantom")
+            person.wait(lambda: state.source.opening is None and person.settled(), "the phantom")
+            ctx.item_input_value("//Enhancement/##d_factor", 1.5)
+            person.wait(lambda: state.enhancement.params.d_factor == 1.5 and person.settled(), "the setting")
+            compare(person)
+            reconstruct(person)
+            assert person.run is not None
+            scrub(person)
+            deleted = edit(person)
+            export(person)
+            person.press(chord("Ctrl+S"))
+            person.wait(
+                lambda: state.session.path is not None and state.session.path.is_file(), "the session"
+            )
+            assert not touched, "\n".join(dict.fromkeys(touched))
 
     run_window(window, drive)
     (run,) = (RunFolder(path) for path in places.runs.iterdir())
@@ -63,36 +71,41 @@ def test_a_case_from_first_start_to_the_session_taken_up_again(places: Places) -
     assert {path.suffix for path in saved} == {".png", ".mp4"}
     for path in saved:
         assert replay(path, (), path.with_stem("again")).sentence == "identical", path.name
-    assert state.session_path is not None
+    assert state.session.path is not None
 
     again = Window(AppState(places, Settings(acknowledged=True)))
-    actions.open_path(again.state, state.session_path)
+    actions.open_path(again.state, state.session.path)
 
     def look(ctx: Context) -> None:
         person = person_at(ctx, again)
-        person.wait(lambda: again.state.opening is None and again.state.view is not None, "the session")
+        person.wait(
+            lambda: again.state.source.opening is None and again.state.scene.view is not None, "the session"
+        )
 
     run_window(again, look)
-    assert again.state.params == state.params
-    assert again.state.frame_index == state.frame_index
+    assert again.state.enhancement.params == state.enhancement.params
+    assert again.state.timeline.frame_index == state.timeline.frame_index
     assert len(again.state.editing.edits.deleted) == deleted
-    assert again.state.model is not None
-    assert len(again.state.model.model) == len(run.model()) - deleted
+    assert again.state.scene.model is not None
+    assert len(again.state.scene.model.model) == len(run.model()) - deleted
 
 
 def scrub(person: Person) -> None:
     """Time moves both the picture and the reconstruction."""
     state = person.state
     person.open(person.run or Path())
-    person.wait(lambda: state.view is not None, "the 3D view")
+    person.wait(lambda: state.scene.view is not None, "the 3D view")
     seen = []
     for end in (0.05, 0.95):
         person.drag("//**/strip", (0.5, 0.5), (end, 0.5))
         person.wait(lambda: person.settled() and not state.is_busy, "the frame")
-        person.wait(lambda: state.view is not None and state.view.request == state.view_request, "its view")
-        assert state.pictures is not None
-        assert state.view is not None
-        seen.append((state.pictures.photo, state.view.image, state.frame_index))
+        person.wait(
+            lambda: state.scene.view is not None and state.scene.view.request == state.view_request,
+            "its view",
+        )
+        assert state.picture.pictures is not None
+        assert state.scene.view is not None
+        seen.append((state.picture.pictures.photo, state.scene.view.image, state.timeline.frame_index))
     assert seen[0][2] != seen[1][2]
     assert not np.array_equal(seen[0][0], seen[1][0])
     assert not np.array_equal(seen[0][1], seen[1][1])

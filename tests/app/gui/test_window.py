@@ -22,10 +22,10 @@ from app.gui.commands.keys import chord
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport
 from app.gui.state.app_state import AppState
-from app.gui.state.clip_settings import load_clips
-from app.gui.state.presets import load_presets, presets_file
-from app.gui.state.settings import Places, Settings, load_settings
 from app.gui.window import Window
+from app.gui.work.clip_settings import load_clips
+from app.gui.work.presets import load_presets, presets_file
+from app.gui.work.settings import Places, Settings, load_settings
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from enhance import EnhanceParams
@@ -70,13 +70,13 @@ def wait(ctx: imgui.test_engine.TestContext, until: Callable[[], bool], what: st
 
 
 def enhanced(state: AppState) -> np.ndarray:
-    assert state.pictures is not None
-    assert state.pictures.enhanced is not None
-    return state.pictures.enhanced
+    assert state.picture.pictures is not None
+    assert state.picture.pictures.enhanced is not None
+    return state.picture.pictures.enhanced
 
 
 def is_settled(state: AppState) -> bool:
-    done = state.pictures is not None and state.pictures.enhanced is not None
+    done = state.picture.pictures is not None and state.picture.pictures.enhanced is not None
     return done and not state.pictures_are_stale
 
 
@@ -92,24 +92,30 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
         wait(ctx, lambda: is_settled(state), "the enhanced phantom")
         before = enhanced(state)
         ctx.item_input_value("//Enhancement/##d_factor", 3.0)
-        wait(ctx, lambda: state.params.d_factor == 3.0 and is_settled(state), "the new enhancement")
+        wait(
+            ctx, lambda: state.enhancement.params.d_factor == 3.0 and is_settled(state), "the new enhancement"
+        )
         assert not np.array_equal(before, enhanced(state))
         ctx.key_press(chord("Ctrl+Z"))
-        wait(ctx, lambda: state.params.d_factor == 1.0 and is_settled(state), "undo")
+        wait(ctx, lambda: state.enhancement.params.d_factor == 1.0 and is_settled(state), "undo")
         np.testing.assert_array_equal(before, enhanced(state))
 
         ctx.item_click("//Reconstruction/###start")
         wait(ctx, lambda: bool(jobs), "the job")
         jobs[0].inbox = [Started(0, 20, 30, ()), Progress(10, 20, 0.2, 22.0, 1.0, 1.0, 30)]
         jobs[0].model = model
-        wait(ctx, lambda: state.view is not None, "the first preview")
+        wait(ctx, lambda: state.scene.view is not None, "the first preview")
         ctx.item_click("//Reconstruction/###pause")
         ctx.item_click("//**/##frame")
-        wait(ctx, lambda: state.frame_index > 5 and is_settled(state), "scrubbing")
+        wait(ctx, lambda: state.timeline.frame_index > 5 and is_settled(state), "scrubbing")
         jobs[0].inbox = [Finished(20, 2.0, model)]
-        wait(ctx, lambda: state.model is not None and not state.model.live, "the finished model")
+        wait(ctx, lambda: state.scene.model is not None and not state.scene.model.live, "the finished model")
         ctx.key_press(imgui.Key.s)
-        wait(ctx, lambda: state.toast is not None and "saved" in state.toast.message, "the saved picture")
+        wait(
+            ctx,
+            lambda: state.window.toast is not None and "saved" in state.window.toast.message,
+            "the saved picture",
+        )
 
     driver.run(drive)
     assert load_settings(places.settings_file).acknowledged
@@ -130,37 +136,41 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
     actions.open_path(state, phantom_path())
 
     def ready() -> bool:
-        return is_settled(state) and not state.panes_wait
+        return is_settled(state) and not state.comparing.waits
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
         ctx.key_press(chord("Shift+A"))
-        wait(ctx, lambda: "A" in state.stored, "the stored setting")
+        wait(ctx, lambda: "A" in state.enhancement.stored, "the stored setting")
         ctx.set_ref("//Pictures")
         ctx.combo_click("##left/Stored settings A")
         ctx.combo_click("##right/Method: CLAHE")
         ctx.set_ref("")
-        wait(ctx, lambda: (state.comparison.left, state.comparison.right) == ("A", "clahe"), "the sources")
+        wait(
+            ctx,
+            lambda: (state.comparing.chosen.left, state.comparing.chosen.right) == ("A", "clahe"),
+            "the sources",
+        )
         wait(ctx, ready, "both pictures")
         ctx.mouse_move("//Pictures/left")
         ctx.yield_(2)
-        assert state.pointer is not None
+        assert state.picture.pointer is not None
         ctx.key_press(key.w)
         ctx.yield_(2)
         ctx.item_drag_with_delta("//Pictures/line", ImVec2(-100, 0))
-        assert 0.02 < state.comparison.wipe < 0.48
+        assert 0.02 < state.comparing.chosen.wipe < 0.48
         ctx.item_double_click("//Pictures/line")
-        assert state.comparison.wipe == 0.5
-        assert state.picture_view == type(state.picture_view)()
+        assert state.comparing.chosen.wipe == 0.5
+        assert state.picture.view == type(state.picture.view)()
         for press, mode in ((key.d, "difference"), (key.t, "flip"), (key.v, "side by side")):
             ctx.key_press(press)
-            wait(ctx, lambda mode=mode: state.comparison.mode == mode and ready(), mode)  # type: ignore[misc]
-        wait(ctx, lambda: state.difference is not None, "the difference")
+            wait(ctx, lambda mode=mode: state.comparing.chosen.mode == mode and ready(), mode)  # type: ignore[misc]
+        wait(ctx, lambda: state.comparing.difference is not None, "the difference")
         ctx.key_press(key.z)
         ctx.yield_(2)
-        assert state.comparison.zebra
+        assert state.comparing.chosen.zebra
         ctx.key_press(key.escape)
-        wait(ctx, lambda: not state.enhancing, "white light")
+        wait(ctx, lambda: not state.enhancement.active, "white light")
 
     driver.run(drive)
 
@@ -180,10 +190,10 @@ def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> Non
         ctx.item_click("//Enhancement/Save…")
         ctx.key_chars("mine")
         ctx.key_press(key.enter)
-        wait(ctx, lambda: "mine" in state.presets, "the preset")
+        wait(ctx, lambda: "mine" in state.enhancement.presets, "the preset")
         ctx.set_ref("//Enhancement")
         ctx.combo_click("##preset/Vessel (ours)")
-        wait(ctx, lambda: isinstance(state.params, VesselParams), "the other preset")
+        wait(ctx, lambda: isinstance(state.enhancement.params, VesselParams), "the other preset")
         ctx.combo_click("##preset/mine")
         ctx.set_ref("")
         wait(ctx, lambda: scales_of(state) == (4, 16, 64, 128) and is_settled(state), "the own preset")
@@ -193,10 +203,12 @@ def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> Non
         wait(ctx, lambda: is_measured(state), "the measures")
 
     def scales_of(state: AppState) -> tuple[int, ...]:
-        return state.params.radii if isinstance(state.params, EnhanceParams) else ()
+        return state.enhancement.params.radii if isinstance(state.enhancement.params, EnhanceParams) else ()
 
     def is_measured(state: AppState) -> bool:
-        return state.measured is not None and state.measured.pictures is state.pictures
+        return (
+            state.picture.measured is not None and state.picture.measured.pictures is state.picture.pictures
+        )
 
     driver.run(drive)
     presets, trouble = load_presets(presets_file(places))
@@ -211,28 +223,28 @@ def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        wait(ctx, lambda: state.strip is not None, "the frame strip")
+        wait(ctx, lambda: state.timeline.strip is not None, "the frame strip")
         ctx.item_click("//**/strip")
-        wait(ctx, lambda: state.frame_index > 2 and is_settled(state), "the frame in the middle")
+        wait(ctx, lambda: state.timeline.frame_index > 2 and is_settled(state), "the frame in the middle")
         ctx.item_click("//**/Out")
-        assert state.span == (0, state.frame_index)
-        before = state.pictures.statistics if state.pictures else None
+        assert state.source.span == (0, state.timeline.frame_index)
+        before = state.picture.pictures.statistics if state.picture.pictures else None
         ctx.item_click("//**/###mask")
         ctx.item_click("//**/Text box: draw")
-        wait(ctx, lambda: state.mask_tool == "text", "the tool")
+        wait(ctx, lambda: state.picture.mask_tool == "text", "the tool")
         ctx.item_drag_with_delta("//Pictures/left", ImVec2(90, 60))
-        wait(ctx, lambda: state.clip_settings.mask.text is not None and not state.mask_tool, "the box")
+        wait(ctx, lambda: state.source.part.mask.text is not None and not state.picture.mask_tool, "the box")
         wait(ctx, lambda: is_settled(state), "the new statistics")
-        assert state.pictures is not None
-        assert state.pictures.statistics != before
-        assert state.picture_view.zoom is None  # Drawn, not panned.
-        wait(ctx, lambda: state.left_out is not None, "the tint")
+        assert state.picture.pictures is not None
+        assert state.picture.pictures.statistics != before
+        assert state.picture.view.zoom is None  # Drawn, not panned.
+        wait(ctx, lambda: state.picture.left_out is not None, "the tint")
         ctx.key_press(chord("Shift+M"))
-        wait(ctx, lambda: not state.overlay, "the tint's end")
+        wait(ctx, lambda: not state.picture.overlay, "the tint's end")
 
     driver.run(drive)
     (kept,) = load_clips(places.config).values()
-    assert kept == state.clip_settings
+    assert kept == state.source.part
 
 
 @pytest.mark.display
@@ -241,13 +253,13 @@ def test_a_mistake_is_a_banner_that_can_be_dismissed(places: Places) -> None:
     actions.open_path(driver.state, places.config / "nothing.mp4")
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
-        wait(ctx, lambda: driver.state.banner is not None, "the banner")
+        wait(ctx, lambda: driver.state.window.banner is not None, "the banner")
         ctx.yield_(3)
         ctx.item_click("//##banner/Dismiss")
-        wait(ctx, lambda: driver.state.banner is None, "its end")
+        wait(ctx, lambda: driver.state.window.banner is None, "its end")
 
     driver.run(drive)
-    assert driver.state.clip is None
+    assert driver.state.source.clip is None
 
 
 @pytest.mark.display
@@ -260,13 +272,13 @@ def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
         ctx.item_click("//Enhancement/##Method")
         ctx.key_press(imgui.Key.escape)  # Closes the list, and that alone.
         ctx.item_click("//Enhancement/Auto##z")
-        assert driver.state.enhancing
+        assert driver.state.enhancement.active
         ctx.key_press(imgui.Key.f)
         ctx.key_press(imgui.Key.e)
-        wait(ctx, lambda: not driver.state.enhancing, "white light")
+        wait(ctx, lambda: not driver.state.enhancement.active, "white light")
 
     driver.run(drive)
-    assert driver.state.frozen_index == 0
+    assert driver.state.timeline.frozen_index == 0
 
 
 @pytest.mark.display
@@ -276,7 +288,7 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
     """Drawn by OpenGL in the window's context, the view is in its pane and the controls are still there."""
 
     def on_the_card(ctx: moderngl.Context, textures: Textures, state: AppState) -> GraphicsViewport:
-        state.processor_draws = False
+        state.scene.processor_draws = False
         return GraphicsViewport(ctx, textures)
 
     monkeypatch.setattr("app.gui.window.ChosenViewport", on_the_card)
@@ -296,7 +308,7 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
         pane.extend((box.min.x, box.min.y, box.max.x, box.max.y))
 
     driver.run(drive)
-    assert not driver.state.processor_draws
+    assert not driver.state.scene.processor_draws
     shot = np.asarray(hello_imgui.final_app_window_screenshot()).astype(int)
     left, top, right, bottom = (round(edge) for edge in pane)
     view = shot[top:bottom, left:right]
@@ -318,7 +330,7 @@ def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
     heights: list[float] = []
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
-        wait(ctx, lambda: driver.state.view is not None, "the splats")
+        wait(ctx, lambda: driver.state.scene.view is not None, "the splats")
         ctx.yield_(3)
         box = ctx.item_info("//Splats/view").rect_full
         heights.append(box.max.y - box.min.y)
@@ -328,7 +340,7 @@ def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
         ctx.item_click("//Pictures/**/###freeze")
 
     driver.run(drive)
-    assert driver.state.frozen_index == 0
+    assert driver.state.timeline.frozen_index == 0
     assert heights[0] > 340
 
 
@@ -350,7 +362,7 @@ def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path
         wait(ctx, lambda: state.editing.wish is None and not state.editing.stroke, "the selection")
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
-        wait(ctx, lambda: state.view is not None, "the view")
+        wait(ctx, lambda: state.scene.view is not None, "the view")
         ctx.key_press(chord("Ctrl+E"))
         wait(ctx, lambda: state.editing.active and state.editing.wish is None, "edit mode")
         ctx.yield_(3)
@@ -366,7 +378,7 @@ def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path
         actions.open_path(state, folder.path)
         ctx.yield_(3)
         ctx.item_click("//Unsaved edits/Stay")
-        assert state.opening is None
+        assert state.source.opening is None
         glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
         wait(ctx, lambda: state.editing.leaving is not None, "the question before quitting")
         ctx.yield_(3)
@@ -374,11 +386,11 @@ def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path
         ctx.item_click("//Edit/###edit Save")
         wait(ctx, lambda: not state.editing.is_unsaved, "the saved edits")
         actions.open_path(state, folder.path)
-        wait(ctx, lambda: state.opening is None and not state.editing.active, "the run again")
+        wait(ctx, lambda: state.source.opening is None and not state.editing.active, "the run again")
         ctx.yield_(2)
         assert len(state.editing.edits.deleted) == chosen
-        assert state.model is not None
-        assert len(state.model.model) == count - chosen
+        assert state.scene.model is not None
+        assert len(state.scene.model.model) == count - chosen
 
     driver.run(drive)
     assert len(folder.model()) == count

@@ -16,7 +16,7 @@ from app.files.provenance import read_provenance
 from app.gui.actions import actions, window_actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
+from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from tests.app.conftest import Call
 from tests.app.gui.test_window import Driver, is_settled, wait
@@ -35,8 +35,8 @@ def test_the_frame_is_taken_once_what_was_clicked_has_gone(state: AppState) -> N
 def test_it_says_what_was_seen_and_that_it_cannot_be_made_again(
     state: AppState, vesselsplat: Callable[..., Call]
 ) -> None:
-    assert state.clip is not None
-    state.clip.path.mkdir()
+    assert state.source.clip is not None
+    state.source.clip.path.mkdir()
     image = np.random.default_rng(0).integers(0, 255, (30, 40, 3), np.uint8)
     (step,) = save_window(window_actions.window_request(state, image))
     assert step.path is not None
@@ -73,13 +73,13 @@ def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> N
         wait(ctx, lambda: len(shots()) == 1, "the first picture")
         ctx.yield_(3)
         ctx.item_click("//Export/#CLOSE")
-        state.toast = None
+        state.window.toast = None
         ctx.mouse_move("//Pictures/left")
         ctx.yield_(3)
         ctx.key_press(imgui.Key.f12)
         wait(ctx, lambda: len(shots()) == 2, "the second picture")
-        wait(ctx, lambda: state.toast is not None, "the word that it is there")
-        state.toast = None
+        wait(ctx, lambda: state.window.toast is not None, "the word that it is there")
+        state.window.toast = None
         ctx.yield_(3)
 
     driver.run(drive)

@@ -110,8 +110,8 @@ def view3d(state: AppState, photo_texture: PhotoTexture = no_texture) -> None:
 
 
 def pictures(state: AppState) -> Pictures:
-    assert state.pictures is not None
-    return state.pictures
+    assert state.picture.pictures is not None
+    return state.picture.pictures
 
 
 def texts(tags: list[tuple[str, object]]) -> str:

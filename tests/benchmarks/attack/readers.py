@@ -10,8 +10,8 @@ from app.commands.described.paths import described
 from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
 from app.gui.session_file import mended_session
-from app.gui.state.presets import load_presets
-from app.gui.state.settings import load_settings
+from app.gui.work.presets import load_presets
+from app.gui.work.settings import load_settings
 from app.report.saved import read_report
 from app.runs.progress_log import told
 from app.runs.queue_file import take_over

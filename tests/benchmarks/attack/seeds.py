@@ -21,8 +21,8 @@ from app.gui.session_file import (
     Varied,
     write_session,
 )
-from app.gui.state.presets import save_presets
-from app.gui.state.settings import Settings, save_settings
+from app.gui.work.presets import save_presets
+from app.gui.work.settings import Settings, settings_content
 from app.runs.clip_selection import ClipPart
 from app.runs.queue_file import keep_queue
 from app.runs.run_edits import packed, save_edits
@@ -64,7 +64,7 @@ def _window_files(folder: Path, run: RunFolder) -> None:
     edits = Edits.none(len(model))
     save_edits(run, replace(edits, deleted=Mask.of(np.arange(len(model)) < 9)))
     write_session(folder / "a.vesselsplat", session_of(run, folder))
-    save_settings(folder / "settings.json", Settings(recent=("a", "b")))
+    (folder / "settings.json").write_bytes(settings_content(Settings(recent=("a", "b"))))
     save_presets(folder / "presets.json", {"mine": EnhanceParams()})
     keep_queue(folder / "queue-1.json", [TrainRequest(clip_path=folder, run_path=folder, config=CONFIG)])
 

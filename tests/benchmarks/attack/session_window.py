@@ -36,8 +36,8 @@ from app.gui.actions import (
 from app.gui.frame import dockings
 from app.gui.session_file import SESSION
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, Settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, Settings
 from enhance import ImageError
 from renderer.clip import ClipError
 from tests.benchmarks.attack.session_mutations import damaged_session
@@ -132,13 +132,13 @@ class Attacked:
         print(json.dumps({"begins": number}), flush=True)
         state, path = self.state, self.folder / f"{number}.vesselsplat"
         path.write_bytes(damaged_session(self.content, number))
-        state.banner = None
+        state.window.banner = None
         actions.open_path(state, path)
         if state.editing.leaving is not None:
             edit_actions.answer(state, "discard")
         end = time.monotonic() + SECONDS
-        self._wait(ctx, lambda: state.opening is None, end, "it to open")
-        print(json.dumps({"taken": state.session_path == path}), flush=True)
+        self._wait(ctx, lambda: state.source.opening is None, end, "it to open")
+        print(json.dumps({"taken": state.session.path == path}), flush=True)
         self._wait(ctx, self._is_seen, end, "its pictures")
         for act in self._acts(number):
             act(state)
@@ -150,7 +150,7 @@ class Attacked:
 
     def _is_seen(self) -> bool:
         state = self.state
-        return state.clip is None or (state.pictures is not None and not state.pictures_wait)
+        return state.source.clip is None or (state.picture.pictures is not None and not state.pictures_wait)
 
     def _acts(self, number: int) -> list[Callable[[AppState], None]]:
         """All panels in turn, and what may meet a value that was taken up."""

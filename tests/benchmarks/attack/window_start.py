@@ -12,8 +12,8 @@ from pathlib import Path
 from app.__main__ import keep_quiet
 from app.gui.actions import session_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings import Places, load_settings
 from app.gui.window import Window
+from app.gui.work.settings import Places, load_settings
 
 FRAMES = 12
 

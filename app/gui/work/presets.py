@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -17,7 +18,7 @@ from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.provenance import strict_json
-from app.gui.state.settings import Places
+from app.gui.work.settings import Places
 from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -92,6 +93,32 @@ def merged_presets(
     changed = {name: look for name, look in mine.items() if before.get(name) != look}
     gone = before.keys() - mine.keys()
     return {name: look for name, look in others.items() if name not in gone} | changed
+
+
+@dataclass(frozen=True, eq=False)
+class KeepPresets:
+    """All own presets as this window has them; what other windows have saved meanwhile stays."""
+
+    path: Path
+    presets: Mapping[str, EnhancementSettings]
+    before: Mapping[str, EnhancementSettings]
+    """As they were before the change that is to be kept."""
+    done: str
+    """What is said when they are kept."""
+
+
+@dataclass(frozen=True, eq=False)
+class KeptPresets:
+    """What the file holds now."""
+
+    presets: dict[str, EnhancementSettings]
+
+
+def keep_presets(request: KeepPresets) -> Iterator[KeptPresets]:
+    """Answers a KeepPresets. Raises OSError or UserError."""
+    presets = merged_presets(request.path, request.presets, request.before)
+    save_presets(request.path, presets)
+    yield KeptPresets(presets)
 
 
 def preset_name(look: EnhancementSettings, own: Mapping[str, EnhancementSettings]) -> str:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.provenance import strict_json
 from app.runs.clip_selection import WHOLE, ClipPart
@@ -29,7 +28,7 @@ def load_clips(folder: Path) -> dict[str, ClipPart]:
     return mended(CLIPS, dict(list(told.items())[-MOST_CLIPS:]))[0] or {}
 
 
-def save_clips(folder: Path, clips: Mapping[str, ClipPart]) -> None:
-    """Atomic; the last MOST_CLIPS of those that differ from the defaults. Raises OSError or UserError."""
+def clips_content(clips: Mapping[str, ClipPart]) -> bytes:
+    """The whole file: the last MOST_CLIPS of those that differ from the defaults."""
     said = [(path, part) for path, part in clips.items() if part != WHOLE]
-    write_bytes(folder / FILE, strict_json(dict(said[-MOST_CLIPS:]), indent=2).encode())
+    return strict_json(dict(said[-MOST_CLIPS:]), indent=2).encode()

@@ -13,7 +13,6 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, Ty
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
 from app.enhancement.settable import PathText, at_most
-from app.files.atomic import write_bytes
 from app.files.mended import mended
 from renderer.json_files import read_json
 
@@ -92,7 +91,7 @@ SETTINGS = TypeAdapter(Settings)
 
 
 def load_settings(path: Path) -> Settings:
-    """What `save_settings` wrote; defaults for what is missing or damaged: nothing in it is precious."""
+    """What `settings_content` was; defaults for what is missing or damaged: nothing in it is precious."""
     try:
         told = read_json(path)
     except (OSError, ValueError):
@@ -101,6 +100,6 @@ def load_settings(path: Path) -> Settings:
     return found or Settings()
 
 
-def save_settings(path: Path, settings: Settings) -> None:
-    """Atomic: a crash leaves the old file or the new one."""
-    write_bytes(path, json.dumps(asdict(settings), indent=2).encode())
+def settings_content(settings: Settings) -> bytes:
+    """The whole file."""
+    return json.dumps(asdict(settings), indent=2).encode()

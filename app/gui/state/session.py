@@ -1,0 +1,23 @@
+"""The session's notes, and where it is kept. A part of the state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.gui.session_file import Session
+
+
+@dataclass
+class KeptSession:
+    """Session actions change it; drawing reads it."""
+
+    notes: str = ""
+    path: Path | None = None
+    """Where the session was opened from or saved to."""
+    recoverable: Path | None = None
+    """A session that ended unexpectedly, until it is restored or declined."""
+    autosaved: Session | None = None
+    """The newest that was saved in passing, or is about to be."""
+    autosaved_at: float = 0.0
+    autosave_trouble: str = ""

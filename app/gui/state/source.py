@@ -1,0 +1,39 @@
+"""What is open: a clip, a run or a file of splats, and what of the clip counts. A part of the state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from app.gui.work.opening import OpenRequest
+from app.runs.clip_selection import WHOLE, ClipPart
+from renderer.clip import Clip
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+
+
+@dataclass
+class Source:
+    """Opening and clip actions change it; drawing reads it."""
+
+    clip_options: ClipOptions = DEFAULTS
+    """How clips are read, as said at the start."""
+    opening: OpenRequest | None = None
+    path: Path | None = None
+    """The clip, run or file of splats that was opened last."""
+    clip: Clip | None = None
+    options: ClipOptions = DEFAULTS
+    """How `clip` was read."""
+    part: ClipPart = WHOLE
+    """Trim and mask of the open clip."""
+    known: dict[str, ClipPart] = field(default_factory=dict)
+    """Those of all clips, by path."""
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """First and last frame that count."""
+        return self.part.span(1 if self.clip is None else len(self.clip))
+
+    @property
+    def training_part(self) -> ClipPart:
+        """What of the open clip the next reconstruction is of."""
+        return replace(self.part, trim=self.span if self.part.trim else None)

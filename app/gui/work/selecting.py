@@ -1,0 +1,95 @@
+"""Gaussians of the shown model selected off the window's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from app.gui.work.picking import surface
+from app.scenes.free_camera import Vector
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
+from renderer.editing.edits import Combination
+from renderer.editing.mask import Mask
+from renderer.editing.regions import Box, Region, Sphere, found
+from renderer.editing.sight import Sight, Trail, Trait
+
+TRAITS: tuple[Trait, ...] = ("opacity", "size", "depth", "motion")
+Limits = tuple[float, float]
+MOST_TIMES = 32
+"""Moments at which the motion over a clip is looked at."""
+
+
+@dataclass(frozen=True)
+class Around:
+    """A sphere or a box around the surface behind a pixel of the view."""
+
+    pixel: tuple[int, int]
+    kind: Literal["sphere", "box"]
+    radius: float
+    """Or half of the box's edges, in the clip's unit."""
+
+    def region(self, center: Vector) -> Region:
+        half = (self.radius,) * 3
+        return Sphere(center, self.radius) if self.kind == "sphere" else Box(center, half)
+
+
+@dataclass(frozen=True, eq=False)
+class SelectRequest:
+    """One wish to select; the next one like it is another request."""
+
+    base: Scene
+    """Without any edit."""
+    view: ViewRequest
+    """As it is seen, edited."""
+    wish: Region | Around | None
+    """None: only the limits are wanted."""
+    how: Combination = "replace"
+
+
+@dataclass(frozen=True, eq=False)
+class Selected:
+    """The Gaussians in the region."""
+
+    mask: Mask | None
+    """None: no surface is there, or nothing was wished for."""
+    center: Vector | None
+    """Of a sphere or a box."""
+    limits: dict[Trait, Limits]
+    """Lowest and highest value of each trait."""
+
+
+@dataclass
+class Selector:
+    """Answers requests; keeps what the next one of the same view needs again."""
+
+    _trail: Trail | None = None
+    _sight: Sight | None = None
+    _seen: tuple[object, ...] = ()
+
+    def select(self, request: SelectRequest) -> Iterator[Selected]:
+        sight = self._at(request)
+        wish, center = request.wish, None
+        if isinstance(wish, Around):
+            center = surface(request.view, wish.pixel)
+            wish = wish.region(center) if center is not None else None
+        mask = found(wish, sight) if wish is not None else None
+        yield Selected(mask, center, {trait: _limits(sight.trait(trait)) for trait in TRAITS})
+
+    def _at(self, request: SelectRequest) -> Sight:
+        base, view = request.base, request.view
+        if self._trail is None or self._trail.model is not base.model:
+            self._trail = Trail(base.model, tuple(np.linspace(0, 1, min(len(base.cameras), MOST_TIMES))))
+        seen = (base, view.camera, view.time)
+        if self._sight is None or self._seen != seen:
+            self._sight = Sight.of(self._trail, view.camera, view.time, view.near)
+            self._seen = seen
+        return self._sight
+
+
+def _limits(values: np.ndarray[Any, np.dtype[np.float32]]) -> Limits:
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
