@@ -22,6 +22,8 @@ class EnhancedPicture(Record):
 
     kind: Literal["enhanced picture"] = "enhanced picture"
     source: Source
+    output: str | None = None
+    """The name of the file that holds it, where that is told elsewhere."""
     picture: str | None = None
     """Its name, without suffix."""
     frame: int | None

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.exports.make import make
-from app.exports.records import Splats, extended
+from app.exports.records import Splats
 from app.exports.sources import Opened
+from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
