@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Literal
 
+from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.methods import RecordedSettings
@@ -14,6 +16,16 @@ from enhance.result import Omission
 from renderer.readers.clip_options import Deinterlacing
 
 Pixels = Literal["all", "tissue"]
+
+
+def _numbers(given: Any) -> Any:
+    """JSON says null for what could not be measured."""
+    if not isinstance(given, dict):
+        return given
+    return {name: math.nan if value is None else value for name, value in given.items()}
+
+
+RecordedMeasures = Annotated[Measures, BeforeValidator(_numbers)]
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
@@ -36,7 +48,7 @@ class EnhancedPicture(Record):
     statistics: Statistics | None
     """Those used; of a whole series they are given, of the picture alone they are measured."""
     omitted: Annotated[tuple[Omission, ...] | None, Told] = None
-    measures: Annotated[Measures | None, Told] = None
+    measures: Annotated[RecordedMeasures | None, Told] = None
     """Of a cell of a tuning grid."""
 
     @property
