@@ -17,7 +17,7 @@ from app.errors import UserError
 from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
 from app.files.prefetch import ahead
-from app.files.provenance import plain, provenance, strict_json
+from app.files.provenance import provenance, strict_json
 from app.files.stepping import run_to_end
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -89,7 +89,7 @@ def run(flags: argparse.Namespace) -> None:
     seconds = time.perf_counter() - started
     if flags.json:
         shared = _shared(setting) | {"notices": written.notices}
-        facts = provenance(**shared, pictures=_pictures(written), seconds=seconds)
+        facts = provenance(**shared, pictures=written.pictures, seconds=seconds)
         sys.stdout.write(strict_json(facts) + "\n")
     else:
         sys.stdout.write(f"{flags.output}: {len(written.pictures)} enhanced in {seconds:.1f} s\n")
@@ -98,12 +98,6 @@ def run(flags: argparse.Namespace) -> None:
 def _shared(setting: Setting) -> dict[str, Any]:
     """For the JSON: what all pictures have in common."""
     return {"method": setting.method, "params": setting.params, "pixels": setting.pixels}
-
-
-def _pictures(written: Written) -> list[dict[str, Any]]:
-    """For the JSON."""
-    pairs = zip(written.outputs, written.pictures, strict=True)
-    return [{"output": output} | plain(record) for output, record in pairs]
 
 
 def _params(flags: argparse.Namespace) -> Params:
@@ -195,4 +189,4 @@ def _ended(step: Step, item: Item, output: Path) -> dict[str, Any]:
     if step.failed is not None:
         return facts | {"failure": step.failed.reason}
     assert step.written is not None
-    return facts | {"pictures": _pictures(step.written), "notices": step.written.notices}
+    return facts | {"pictures": step.written.pictures, "notices": step.written.notices}

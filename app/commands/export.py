@@ -10,13 +10,14 @@ from app.commands import view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
-from app.exports.records import RenderVideo, Splats, VideoMoment, extended
-from app.exports.scene_splats import of_degree
+from app.exports.records import RenderVideo, Splats
 from app.exports.sources import Opened
 from app.files.atomic import filled, write_bytes
+from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
 from app.scenes.drawer import Drawer
+from app.scenes.records import MomentRecord
 from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
 from app.scenes.view_request import drawn_record
@@ -66,7 +67,6 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    _check_degree(scene, degree)
     sources = Opened(scenes=(scene,))
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
@@ -76,21 +76,11 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | 
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
 
 
-def _check_degree(scene: Scene, degree: int | None) -> None:
-    """Raises UserError for a degree that would lose colours."""
-    try:
-        of_degree(scene, degree)
-    except ValueError as error:
-        raise UserError(
-            f"--sh-degree: expected a degree that holds the whole model, got {degree} for {error}"
-        ) from error
-
-
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
     pen = Drawer(*drawer(flags.renderer))
     views = view_flags.asked_for(flags, scene, wanted)
     seen = tuple(
-        VideoMoment(frame=moment.frame, time=moment.time, camera=moment.camera, near=view.near)
+        MomentRecord(frame=moment.frame, time=moment.time, camera=moment.camera, near=view.near)
         for moment, view in zip(wanted, views, strict=True)
     )
     record = extended(
@@ -103,4 +93,4 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
         for done in make(record, Opened(tuple(views), pen=pen), flags.video):
             if done:
                 report(done, wanted[done - 1].name)
-    sys.stdout.write(f"{flags.video}: {len(wanted)} frames rendered with {pen.name}\n")
+    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {pen.name}\n")

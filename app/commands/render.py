@@ -11,9 +11,10 @@ from app.commands import view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
-from app.exports.records import Depth, Export, Render, extended
+from app.exports.records import Depth, Export, Render
 from app.exports.sources import Opened
 from app.files.atomic import filled
+from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
 from app.scenes.drawer import Drawer

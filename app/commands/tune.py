@@ -17,7 +17,7 @@ from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.console.terminal import table_terminal
-from app.enhancement.contact_sheet import columns_of, tile, write_tuning_sheet
+from app.enhancement.contact_sheet import columns_of, contact_sheet, tile
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.parameter_grid import (
     DEFINITIONS,
@@ -37,7 +37,7 @@ from app.errors import UserError
 from app.files.atomic import filled
 from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import open_series
-from app.files.provenance import provenance, strict_json
+from app.files.provenance import provenance, strict_json, write_png
 from app.files.records import Source
 from app.files.sheet import Tile
 from enhance import EnhanceParams, ImageError
@@ -185,7 +185,8 @@ def _write_summary(
     columns = columns_of([len(one.values) for one in axes], in_order=sort is None)
     shown = tuple(SheetCell(label=row.setting.label, params=row.setting.params) for row in rows)
     sheet = TuningSheet(**origin.shared, title=title, columns=columns, settings=shown)
-    write_tuning_sheet(folder / "sheet.png", sheet, [row.tile for row in rows])
+    picture = contact_sheet(title, [row.tile for row in rows], columns)
+    write_png(folder / "sheet.png", picture, sheet.signed)
     (folder / "tuning.csv").write_bytes(_table(axes, rows))
     report = provenance(
         **origin.shared,

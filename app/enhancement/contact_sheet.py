@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import cv2
 import numpy as np
 
 from app.enhancement.parameter_grid import Cell, Measures
-from app.enhancement.records import TuningSheet
 from app.files.image_files import ArrayImage
-from app.files.provenance import NOTICE, write_png
+from app.files.provenance import NOTICE
 from app.files.sheet import Tile, sheet
 from renderer.clip import ByteImage
 
@@ -44,11 +42,6 @@ def small(image: ArrayImage, width: int) -> ByteImage:
 def contact_sheet(title: str, tiles: Sequence[Tile], columns: int) -> ByteImage:
     """(H, W, 3) RGB."""
     return sheet(title, tiles, FOOT, columns=columns, tile_width=TILE_WIDTH)
-
-
-def write_tuning_sheet(path: Path, record: TuningSheet, tiles: Sequence[Tile]) -> None:
-    """`tiles`: one a setting of the record, in its order."""
-    write_png(path, contact_sheet(record.title, tiles, record.columns), record.signed)
 
 
 def columns_of(axis_lengths: Sequence[int], *, in_order: bool) -> int:

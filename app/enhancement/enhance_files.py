@@ -74,8 +74,6 @@ class Setting:
 class Written:
     """What has been made of one series."""
 
-    outputs: tuple[str, ...]
-    """The name of the file that holds each picture."""
     pictures: tuple[EnhancedPicture, ...]
     """What was used for each."""
     notices: tuple[str, ...]
@@ -111,11 +109,10 @@ def enhance_into(
     pooled = _pooled(series, setting, notices, watch) if setting.statistics == "clip" else None
     pictures = watch("enhance", series, _enhanced(series, ahead(_pictures(series, notices)), setting, pooled))
     try:
-        written = yield from _write(output, series, pictures, notices)
+        records = yield from _write(output, series, pictures, notices)
     finally:
         pictures.close()
-    outputs = tuple(output for output, _ in written)
-    return Written(outputs, tuple(record for _, record in written), tuple(notices))
+    return Written(records, tuple(notices))
 
 
 def _pictures(series: Series, notices: list[str], indices: Iterable[int] | None = None) -> Stream:
@@ -174,33 +171,26 @@ def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statisti
 
 def _write(
     output: Path, series: Series, pictures: Iterator[Made], notices: list[str]
-) -> Generator[int, None, list[tuple[str, EnhancedPicture]]]:
-    """Write all pictures or none; what was used for each, by the name of the file that holds it."""
+) -> Generator[int, None, tuple[EnhancedPicture, ...]]:
+    """Write all pictures or none; what was used for each."""
     if output.suffix.lower() == VIDEO:
-        records = yield from _write_video(output, series, pictures, notices)
-        return [(output.name, record) for record in records]
+        with together(output) as place:
+            video = yield from write_enhanced_video(place, pictures, series.timing, notices)
+        return video.pictures
     if is_image(output) and not output.is_dir():
         ((image, record),) = pictures
         write_image(output, image, record.signed)
         yield 1
-        return [(output.name, record)]
-    written: list[tuple[str, EnhancedPicture]] = []
+        return (replace(record, output=output.name),)
+    written: list[EnhancedPicture] = []
     with filled(output) as staging:
         for image, record in pictures:
             # PNG holds no floats.
             name = f"{record.picture}" + (".tiff" if image.dtype.kind == "f" else ".png")
             write_image(staging / name, image, record.signed)
-            written.append((name, record))
+            written.append(replace(record, output=name))
             yield len(written)
-    return written
-
-
-def _write_video(
-    output: Path, series: Series, pictures: Iterator[Made], notices: list[str]
-) -> Generator[int, None, tuple[EnhancedPicture, ...]]:
-    with together(output) as place:
-        record = yield from write_enhanced_video(place, pictures, series.timing, notices)
-    return record.pictures
+    return tuple(written)
 
 
 def write_enhanced_video(
@@ -211,7 +201,7 @@ def write_enhanced_video(
 
     def frames() -> Iterator[ArrayImage]:
         for image, record in pictures:
-            records.append(record)
+            records.append(replace(record, output=place.name))
             yield image
 
     written = yield from write_frames(place, frames(), timing)

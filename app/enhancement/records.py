@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Literal
 
+from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.methods import RecordedSettings
@@ -16,12 +18,24 @@ from renderer.readers.clip_options import Deinterlacing
 Pixels = Literal["all", "tissue"]
 
 
+def _numbers(given: Any) -> Any:
+    """JSON says null for what could not be measured."""
+    if not isinstance(given, dict):
+        return given
+    return {name: math.nan if value is None else value for name, value in given.items()}
+
+
+RecordedMeasures = Annotated[Measures, BeforeValidator(_numbers)]
+
+
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class EnhancedPicture(Record):
     """One picture of a file, a folder or a video, enhanced."""
 
     kind: Literal["enhanced picture"] = "enhanced picture"
     source: Source
+    output: str | None = None
+    """The name of the file that holds it, where that is told elsewhere."""
     picture: str | None = None
     """Its name, without suffix."""
     frame: int | None
@@ -34,7 +48,7 @@ class EnhancedPicture(Record):
     statistics: Statistics | None
     """Those used; of a whole series they are given, of the picture alone they are measured."""
     omitted: Annotated[tuple[Omission, ...] | None, Told] = None
-    measures: Annotated[Measures | None, Told] = None
+    measures: Annotated[RecordedMeasures | None, Told] = None
     """Of a cell of a tuning grid."""
 
     @property

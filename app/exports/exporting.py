@@ -15,13 +15,12 @@ from app.exports.records import (
     PanesRecord,
     PanesVideo,
     ViewVideo,
-    extended,
 )
 from app.exports.shots import Panes
 from app.exports.sources import Opened
 from app.exports.view_pages import Views
 from app.files.atomic import filled
-from app.files.records import Source
+from app.files.records import Source, extended
 from app.files.stepping import map_steps
 from app.files.timestamp import stamp
 from app.scenes.cpu_rendering import ON_CPU

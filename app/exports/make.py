@@ -2,29 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
+from app.enhancement.contact_sheet import contact_sheet, tile
+from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
+from app.enhancement.frame_enhancer import PictureRequest
+from app.enhancement.methods import METHODS, MethodEnhancer
+from app.enhancement.parameter_grid import Setting, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.errors import UserError
-from app.exports import make_drawn, make_enhanced, make_panes
+from app.exports.comparison_images import OtherMaker
+from app.exports.measure_table import Row, measured_rows, write_measures
+from app.exports.page import Panel, sheet
 from app.exports.records import (
     Depth,
     Export,
     MeasuresTable,
+    PaneRecord,
     PanesPicture,
+    PanesRecord,
     PanesVideo,
     Render,
     RenderVideo,
+    SpanRecord,
     Splats,
     ViewVideo,
-    WindowPicture,
 )
 from app.exports.scene_splats import write_splats
+from app.exports.shots import Panes, Shot
+from app.exports.sizing import Sizing
 from app.exports.sources import Sources
+from app.exports.view_pages import Views, drawn_panel, steady, view_pages
+from app.files.atomic import together
+from app.files.image_files import write_image
+from app.files.image_series import Series, timing_of
+from app.files.provenance import write_png, write_sidecar
+from app.files.records import Source
+from app.files.stepping import map_steps
+from app.files.timing import Timing
+from app.files.video import write_frames
+from app.scenes import view_request
+from app.scenes.color_bar import with_bar
+from app.scenes.cpu_rendering import colored_depth
+from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
+from enhance.surround import inside
+from renderer.clip import Clip
+from renderer.near_plane import NEAR_SHARE
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+
+Steps = Generator[int, None, None]
 
 
-def make(record: Export, sources: Sources, target: Path) -> Generator[int, None, None]:
+def make(record: Export, sources: Sources, target: Path) -> Steps:
     """Write the file that `record` is of, with the record and what was found out while it was made.
 
     Yields how many of its pictures are made; closed before its end, it leaves nothing behind.
@@ -34,29 +68,224 @@ def make(record: Export, sources: Sources, target: Path) -> Generator[int, None,
     """
     match record:
         case EnhancedPicture():
-            make_enhanced.make_picture(record, sources, target)
+            image, made = _enhanced(record, _series(record, sources), MethodEnhancer())
+            write_image(target, image, made.signed)
         case EnhancedVideo():
-            yield from make_enhanced.make_video(record, sources, target)
+            yield from _enhanced_video(record, sources, target)
         case TuningSheet():
-            make_enhanced.make_sheet(record, sources, target)
+            _tuning_sheet(record, sources, target)
         case Render():
-            make_drawn.make_render(record, sources, target)
+            _render(record, sources, target)
         case Depth():
-            make_drawn.make_depth(record, sources, target)
+            _depth(record, sources, target)
         case RenderVideo():
-            yield from make_drawn.make_video(record, sources, target)
+            yield from _render_video(record, sources, target)
         case Splats():
             write_splats(target, sources.scene(record), record)
+        case PanesPicture(kind="panes"):
+            _page(record, sources, target)
         case PanesPicture():
-            make_panes.make_picture(record, sources, target)
-        case PanesVideo():
-            yield from make_panes.make_video(record, sources, target)
-        case MeasuresTable():
-            yield from make_panes.make_measures(record, sources, target)
-        case ViewVideo():
-            yield from make_drawn.make_view_video(record, sources, target)
-        case WindowPicture():
             raise UserError(
                 "expected panes or a 3D view, which can be reproduced from their sources, got a capture of "
                 "the whole window as on screen"
             )
+        case PanesVideo():
+            yield from _panes_video(record, sources, target)
+        case MeasuresTable():
+            yield from _measures(record, sources, target)
+        case ViewVideo():
+            yield from _view_video(record, sources, target)
+
+
+def _series(record: EnhancedPicture, sources: Sources) -> Series:
+    return sources.series(record.source, ClipOptions(deinterlacing=record.deinterlacing))
+
+
+def _enhanced(record: EnhancedPicture, series: Series, enhancer: MethodEnhancer) -> Made:
+    frame = record.frame or 0
+    if record.method not in METHODS or not 0 <= frame < len(series):
+        raise UserError(
+            f"expected one of {len(series)} frames and a known method, got {record.method} of {frame}"
+        )
+    return enhanced(record, series.read(frame), enhancer)
+
+
+def _enhanced_video(record: EnhancedVideo, sources: Sources, target: Path) -> Steps:
+    if not record.pictures:
+        raise UserError("expected at least one frame, got none")
+    enhancer = MethodEnhancer()
+
+    @lru_cache(maxsize=1)
+    def opened(source: Source) -> Series:
+        return _series(next(one for one in record.pictures if one.source == source), sources)
+
+    def pictures() -> Iterator[Made]:
+        for picture in record.pictures:
+            yield _enhanced(picture, opened(picture.source), enhancer)
+
+    timing = opened(record.pictures[0].source).timing
+    timing = replace(timing, frames_per_second=record.frames_per_second)
+    yield from write_enhanced_video(target, pictures(), timing, [])
+
+
+def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
+    series, frame = sources.series(record.source, DEFAULTS), record.frame or 0
+    if not 0 <= frame < len(series) or not record.settings or record.columns < 1:
+        raise UserError(f"expected settings, columns and one of {len(series)} frames")
+    image = series.read(frame)
+    mask = inside([image]) if record.pixels == "tissue" else None
+    wanted = [Setting((place,), one.label, one.params) for place, one in enumerate(record.settings)]
+    tiles = {cell.setting: tile(cell) for cell in tried(image, wanted, mask)}
+    picture = contact_sheet(record.title, [tiles[setting] for setting in wanted], record.columns)
+    write_png(target, picture, record.signed)
+
+
+def _render(record: Render, sources: Sources, target: Path) -> None:
+    drawer, view = sources.drawer(record.renderer), _view(record, record, sources, trained=True)
+    drawn = drawer.drawn(view)
+    image = drawn.straight if record.background is None else with_bar(view.composed(drawn))
+    write_image(target, image, replace(record, renderer=drawer.name).signed)
+
+
+def _depth(record: Depth, sources: Sources, target: Path) -> None:
+    """As numbers or in colours, as the suffix says."""
+    drawer = sources.drawer(record.renderer)
+    depth = drawer.drawn(_seen(record, record, sources.scene(record))).depth
+    said = replace(record, renderer=drawer.name)
+    if target.suffix == ".npy":
+        said = replace(said, holds="expected depth in scene units, 0 where nothing is")
+        write_image(target, depth, said.signed)
+        return
+    picture, (nearest, farthest) = colored_depth(depth)
+    said = replace(said, shows="expected depth", nearest=nearest, farthest=farthest)
+    write_image(target, picture, said.signed)
+
+
+def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
+    if not record.moments:
+        raise UserError("expected at least one frame, got none")
+    drawer = sources.drawer(record.renderer)
+    seen = [_view(record, moment, sources, trained=True) for moment in record.moments]
+    views = yield from map_steps(view_request.steady(seen, drawer.draw), lambda view: 0)
+    frames = (with_bar(drawer.picture(view)) for view in views)
+    with together(target) as place:
+        written = yield from write_frames(place, frames, Timing(record.frames_per_second))
+        said = replace(record, renderer=drawer.name, scale=views[0].scale, video=written)
+        write_sidecar(place, said.signed)
+
+
+def _view_video(record: ViewVideo, sources: Sources, target: Path) -> Steps:
+    if not (record.views and record.moments):
+        raise UserError("expected at least one 3D view and one frame, got none")
+    drawer = sources.drawer(record.views[0].renderer)
+
+    def views_at(moment: MomentRecord) -> Views:
+        return tuple(_view(one, moment, sources, trained=False) for one in record.views)
+
+    moments = yield from steady([views_at(moment) for moment in record.moments], drawer)
+    pairs = zip(record.views, moments[0], strict=True)
+    views = tuple(replace(one, renderer=drawer.name, scale=view.scale) for one, view in pairs)
+    pages, timing = view_pages(moments, drawer), Timing(record.frames_per_second)
+    with together(target) as place:
+        written = yield from write_frames(place, pages, timing)
+        write_sidecar(place, replace(record, views=views, video=written).signed)
+
+
+def _view(record: DrawnRecord, moment: MomentRecord, sources: Sources, *, trained: bool) -> ViewRequest:
+    """What is drawn at a moment; a difference is to the photos that the run was `trained` on, or to the
+    clip's own."""
+    view = _seen(record, moment, sources.scene(record))
+    if record.view != "difference":
+        return view
+    return replace(view, photo=sources.photo(record, moment.frame, trained=trained))
+
+
+def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewRequest:
+    """Without what a difference is to."""
+    return ViewRequest(
+        scene,
+        moment.time,
+        moment.camera,
+        record.view,
+        supersampling=record.supersampling,
+        scale=record.scale,
+        near_plane=record.near if moment.near is None else moment.near,
+    )
+
+
+def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
+    """Panes, the 3D view, or both."""
+    panels: list[Panel] = []
+    if record.panes:
+        panes = _panes(record, sources)
+        made = panes.made(OtherMaker())
+        panels += panes.laid_out(made)
+        pairs = zip(record.panes, made, strict=True)
+        said = tuple(replace(pane, statistics=one.statistics) for pane, one in pairs)
+        record = replace(record, panes=said)
+    drawers = [sources.drawer(view.renderer) for view in record.views]
+    for one, drawer in zip(record.views, drawers, strict=True):
+        panels.append(drawn_panel(_view(one, one, sources, trained=False), drawer))
+    if not panels:
+        raise UserError("expected panes or a 3D view, got neither")
+    pairs_of_views = zip(record.views, drawers, strict=True)
+    views = tuple(replace(view, renderer=drawer.name) for view, drawer in pairs_of_views)
+    write_png(target, sheet(panels), replace(record, views=views).signed)
+
+
+def _panes_video(record: PanesVideo, sources: Sources, target: Path) -> Steps:
+    panes, frames = _panes_and_frames(record, sources)
+    if record.arrangement.top is None:
+        panes = panes.steady(OtherMaker())
+    timing = timing_of(panes.shots[0].photo.clip, frames)
+    timing = replace(timing, frames_per_second=record.frames_per_second)
+    with together(target) as place:
+        written = yield from write_frames(place, panes.pages(frames), timing)
+        write_sidecar(place, replace(record, arrangement=panes.arrangement, video=written).signed)
+
+
+def _measures(record: MeasuresTable, sources: Sources, target: Path) -> Steps:
+    panes, frames = _panes_and_frames(record, sources)
+    rows: list[Row] = []
+    for done, rows_of_frame in enumerate(measured_rows(panes, frames), start=1):
+        rows += rows_of_frame
+        yield done
+    write_measures(target, rows, record)
+
+
+def _panes_and_frames(record: SpanRecord, sources: Sources) -> tuple[Panes, range]:
+    panes = _panes(record, sources)
+    count = len(panes.shots[0].photo.clip)
+    if not 0 <= record.first_frame <= record.last_frame < count:
+        got = f"{record.first_frame} to {record.last_frame}"
+        raise UserError(f"expected frames from 0 to {count - 1}, got {got}")
+    return panes, range(record.first_frame, record.last_frame + 1)
+
+
+def _panes(record: PanesRecord, sources: Sources) -> Panes:
+    if record.source is None or not record.panes:
+        raise UserError("expected panes of a clip, got none")
+    clip, frame = sources.clip(record.source, record.clip_options), record.frame.index
+    if not 0 <= frame < len(clip):
+        raise UserError(f"expected panes of one of {len(clip)} frames, got frame {frame}")
+    shots = tuple(_shot(pane, clip, frame, sources) for pane in record.panes)
+    return Panes(shots, record.arrangement, Sizing(record.scale, record.width))
+
+
+def _shot(pane: PaneRecord, clip: Clip, frame: int, sources: Sources) -> Shot:
+    photo = PictureRequest(clip, frame, None, pane.scope, pane.tissue_only, pane.mask, pane.span)
+    shot = Shot(pane.title, photo)
+    if pane.shows == "original":
+        return shot
+    if pane.shows == "render" and pane.view is not None:
+        return replace(shot, by=_scene(pane.view, sources))
+    by = pane.params if pane.shows == "setting" else pane.method
+    if by is None or (isinstance(by, str) and by not in METHODS):
+        raise UserError(f"expected a setting or a method for {pane.title}, got neither")
+    return replace(shot, by=by)
+
+
+def _scene(view: ViewRecord, sources: Sources) -> Scene:
+    """As the window shows it through the clip's cameras."""
+    scene, near = sources.scene(view), view.near
+    return scene if near is None or near == scene.near else replace(scene, distance=near / NEAR_SHARE)

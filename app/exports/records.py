@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Literal, get_args, get_type_hints
 
 from annotated_types import Interval
 from pydantic import Discriminator, TypeAdapter
@@ -41,20 +41,12 @@ class Depth(ViewRecord):
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
-class VideoMoment(MomentRecord):
-    """A frame of a video of a model."""
-
-    near: float | None = None
-    """In scene units; None: that of the video."""
-
-
-@dataclass(frozen=True, kw_only=True, config=LENIENT)
 class RenderVideo(DrawnRecord):
     """Pictures of a model as a video."""
 
     kind: Literal["render video"] = "render video"
     frames_per_second: float
-    moments: tuple[VideoMoment, ...]
+    moments: tuple[MomentRecord, ...]
     video: Annotated[Written | None, Told] = None
 
 
@@ -121,9 +113,9 @@ class PanesRecord(Record):
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class PanesPicture(PanesRecord):
-    """Panes, the 3D view, or both on a page."""
+    """Panes, the 3D view, or both: on a page, or in the whole window as it was on a screen."""
 
-    kind: Literal["panes"] = "panes"
+    kind: Literal["panes", "window"] = "panes"
     views: tuple[ViewRecord, ...] = ()
 
 
@@ -162,14 +154,6 @@ class ViewVideo(Record):
     video: Annotated[Written | None, Told] = None
 
 
-@dataclass(frozen=True, kw_only=True, config=LENIENT)
-class WindowPicture(PanesRecord):
-    """The whole window as it was on a screen, and what of panes and 3D view it showed."""
-
-    kind: Literal["window"] = "window"
-    views: tuple[ViewRecord, ...] = ()
-
-
 Export = (
     EnhancedPicture
     | EnhancedVideo
@@ -182,14 +166,7 @@ Export = (
     | PanesVideo
     | MeasuresTable
     | ViewVideo
-    | WindowPicture
 )
 """What makes a file."""
 EXPORT: TypeAdapter[Export] = TypeAdapter(Annotated[Export, Discriminator("kind")])
-KINDS: tuple[str, ...] = tuple(kind.kind for kind in get_args(Export))
-Of = TypeVar("Of", bound=Record)
-
-
-def extended(kind: type[Of], record: Record, **more: Any) -> Of:
-    """A record of another kind that says all that `record` does, and more."""
-    return kind(**{name: value for name, value in vars(record).items() if name != "kind"} | more)
+KINDS = tuple(name for kind in get_args(Export) for name in get_args(get_type_hints(kind)["kind"]))

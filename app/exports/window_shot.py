@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.exports.exporting import ExportRequest, Step, picture_record
-from app.exports.records import PanesRecord, WindowPicture, extended
+from app.exports.records import PanesPicture
 from app.files.provenance import write_png
 from app.files.timestamp import stamp
 from renderer.clip import ByteImage
@@ -31,6 +31,6 @@ class WindowRequest:
 def save_window(request: WindowRequest) -> Iterator[Step]:
     """Raises OSError or UserError."""
     path = request.folder / f"{request.stem}-window-{stamp()}.png"
-    shown = picture_record(request.shown) if request.shown is not None else PanesRecord()
-    write_png(path, request.image, extended(WindowPicture, shown).signed)
+    shown = picture_record(request.shown) if request.shown is not None else PanesPicture()
+    write_png(path, request.image, replace(shown, kind="window").signed)
     yield Step(1, path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from pydantic import (
     ConfigDict,
@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic.dataclasses import dataclass
 
-from app.files.provenance import digest, plain, provenance, repeatable
+from app.files.provenance import digest, plain, provenance
 
 LENIENT: Final = ConfigDict(extra="ignore")
 """Of the classes of records: what another version may say besides is passed over."""
@@ -48,10 +48,13 @@ class Record:
         """It below what every export says."""
         return provenance(**plain(self))
 
-    @property
-    def signed_without_hour(self) -> dict[str, Any]:
-        """The same of what is the same file every time."""
-        return repeatable(**plain(self))
+
+Of = TypeVar("Of", bound=Record)
+
+
+def extended(kind: type[Of], record: Record, **more: Any) -> Of:
+    """A record of another kind that says all that `record` does, and more."""
+    return kind(**{name: value for name, value in vars(record).items() if name != "kind"} | more)
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

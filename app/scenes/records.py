@@ -9,6 +9,7 @@ from annotated_types import Interval
 from pydantic import PlainSerializer, PlainValidator
 from pydantic.dataclasses import dataclass
 
+from app.files.provenance import plain, repeatable
 from app.files.records import LENIENT, Record, Source, Told
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import LeftOut
@@ -61,6 +62,12 @@ class SceneRecord(Record):
     edits: LeftOut | None = None
 
     @property
+    def signed(self) -> dict[str, Any]:
+        """Without the hour: what is drawn of a model at exact moments and poses is the same file every
+        time."""
+        return repeatable(**plain(self))
+
+    @property
     def scene(self) -> SceneRecord:
         """The model alone, without when it is seen and how."""
         return SceneRecord(**{field.name: getattr(self, field.name) for field in fields(SceneRecord)})
@@ -73,6 +80,8 @@ class MomentRecord(Record):
     time: float
     camera: RecordedCamera
     frame: int | None = None
+    near: float | None = None
+    """In scene units; None: as at the other moments."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 
+from app.files.records import extended
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.free_camera import FreeView
 from app.scenes.photos import Photo, PhotoRequest
@@ -120,13 +121,15 @@ def steady(views: Sequence[ViewRequest], draw: Draw) -> Generator[ViewRequest, N
 def view_record(view: ViewRequest, renderer: str) -> ViewRecord:
     """What an export says of it, with the name of what draws it: its own run and clip, which need not be
     those of the pictures beside it."""
-    return ViewRecord(**vars(drawn_record(view, renderer)), **vars(moment_record(view)))
+    moment = {"time": view.time, "camera": view.camera, "frame": view.frame}
+    return extended(ViewRecord, drawn_record(view, renderer), **moment)
 
 
 def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
     """What is so at every moment of a video: the model, and how it is drawn."""
-    return DrawnRecord(
-        **vars(view.scene.record),
+    return extended(
+        DrawnRecord,
+        view.scene.record,
         iteration=view.scene.iteration,
         near=view.near,
         renderer=renderer,

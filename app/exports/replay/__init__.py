@@ -14,6 +14,7 @@ from app.exports.records import EXPORT, KINDS, Export
 from app.exports.replay.difference import Difference, difference
 from app.exports.replay.recorded import Facts, recorded
 from app.exports.replay.sources import Found
+from app.files.provenance import SCHEMA
 from app.files.stepping import run_to_end
 
 
@@ -52,7 +53,9 @@ def replay(path: Path, given: tuple[Path, ...], target: Path) -> Replayed:
 
 
 def _record(facts: Facts, path: Path) -> Export:
-    kind = facts.get("kind")
+    kind, schema = facts.get("kind"), facts.get("schema", SCHEMA)
+    if schema != SCHEMA:
+        raise UserError(f"expected a record of schema {SCHEMA}, got {schema}, of another version: {path}")
     if kind not in KINDS:
         raise UserError(f"expected an export of one of {', '.join(KINDS)}, got kind {kind}: {path}")
     try:

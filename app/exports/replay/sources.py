@@ -31,6 +31,7 @@ class Found:
     file: Path
     given: tuple[Path, ...] = ()
     _drawers: dict[str, Drawer] = field(default_factory=dict, init=False)
+    _scenes: dict[object, Scene] = field(default_factory=dict, init=False)
     _photos: dict[tuple[RunSource, bool], Clip] = field(default_factory=dict, init=False)
 
     def series(self, source: Source, options: ClipOptions) -> Series:
@@ -41,6 +42,12 @@ class Found:
 
     def scene(self, record: SceneRecord) -> Scene:
         """Without the edits of the run, whatever has been edited since, and with those of the record."""
+        key = record.run, record.splats, record.edits
+        if key not in self._scenes:
+            self._scenes[key] = self._opened(record)
+        return self._scenes[key]
+
+    def _opened(self, record: SceneRecord) -> Scene:
         if record.run is not None:
             scene = open_scene(self.find_run(record.run).path, as_trained=True)
         elif record.splats is not None:

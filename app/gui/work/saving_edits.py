@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.exports.make import make
-from app.exports.records import Splats, extended
+from app.exports.records import Splats
 from app.exports.sources import Opened
+from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.runs.run_edits import save_edits, saved_since
 from app.runs.run_folder import RunFolder

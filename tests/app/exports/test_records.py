@@ -1,0 +1,100 @@
+"""What files say of themselves: nothing of it is lost, and what no pixel needs may be odd."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.errors import UserError
+from app.exports.records import EXPORT, KINDS
+from app.exports.replay import replay
+from app.exports.replay.recorded import recorded
+from app.files.image_files import read_image
+from app.files.provenance import SCHEMA, plain, write_png
+from tests.app.exports.test_before import BEFORE, FILES, SOURCES
+
+HEAD = {"app", "version", "schema", "utc", "notice", "libraries"}
+TABLE = {"definitions", "frames"}
+"""Of measures: what is worked out again."""
+
+
+def said(name: str) -> dict[str, Any]:
+    """All but the head."""
+    return {key: value for key, value in recorded(BEFORE / name).items() if key not in HEAD}
+
+
+@pytest.mark.parametrize("name", [*FILES, "window.png"])
+def test_all_that_files_of_before_say_is_kept(name: str) -> None:
+    facts = {key: value for key, value in said(name).items() if key not in TABLE}
+    assert_kept(facts, plain(EXPORT.validate_python(facts)))
+
+
+def assert_kept(before: Any, now: Any, place: str = "") -> None:
+    """Everything that was said is said, but for None, which nothing says as well."""
+    if isinstance(before, dict):
+        for key, value in before.items():
+            if value is not None or key in now:
+                assert key in now, f"{place}.{key}"
+                assert_kept(value, now[key], f"{place}.{key}")
+    elif isinstance(before, list):
+        assert len(before) == len(now), place
+        for one, other in zip(before, now, strict=True):
+            assert_kept(one, other, place)
+    else:
+        assert before == now, place
+
+
+def test_the_files_of_before_are_of_every_kind() -> None:
+    assert {said(name)["kind"] for name in (*FILES, "window.png")} == set(KINDS)
+
+
+@pytest.mark.parametrize("name", ["render-color.png", "panes-and-view.png", "depth.npy", "tuned.png"])
+def test_a_file_that_was_made_again_is_made_again_of_its_own_record(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(BEFORE)
+    first, second = tmp_path / "first" / name, tmp_path / "second" / name
+    replay(BEFORE / name, SOURCES, first)
+    assert replay(first, SOURCES, second).difference.is_none
+    assert recorded(first) | {"utc": None} == recorded(second) | {"utc": None}
+
+
+def test_what_is_drawn_of_a_model_is_the_same_file_every_time(tmp_path: Path) -> None:
+    first, second = tmp_path / "first.png", tmp_path / "second.png"
+    for path in (first, second):
+        replay(BEFORE / "render-color.png", SOURCES, path)
+    assert first.read_bytes() == second.read_bytes()
+    before, again = (EXPORT.validate_python(recorded(path)) for path in (BEFORE / "render-color.png", first))
+    assert before == again
+
+
+def changed(name: str, tmp_path: Path, **facts: object) -> Path:
+    """The same picture that says something else."""
+    path = tmp_path / name
+    write_png(path, read_image(BEFORE / name), recorded(BEFORE / name) | facts)
+    return path
+
+
+def test_what_no_pixel_needs_keeps_nobody_from_replaying(tmp_path: Path) -> None:
+    """A later or an earlier version may say it in another way."""
+    odd = {"config": {"no": "such setting"}, "enhancement": 3, "iteration": "many", "clip": [], "newly": 1}
+    path = changed("render-color.png", tmp_path, **odd)
+    assert replay(path, SOURCES, tmp_path / "again.png").difference.largest <= 2
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"supersampling": 0}, {"camera": {"fx": 1}}, {"renderer": 3}, {"time": "now"}]
+)
+def test_what_pixels_need_is_one_line(tmp_path: Path, wrong: dict[str, object]) -> None:
+    path = changed("render-color.png", tmp_path, **wrong)
+    with pytest.raises(UserError, match=next(iter(wrong))) as caught:
+        replay(path, SOURCES, tmp_path / "again.png")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_record_of_a_later_schema_is_refused(tmp_path: Path) -> None:
+    path = changed("render-color.png", tmp_path, schema=SCHEMA + 1)
+    with pytest.raises(UserError, match=f"schema {SCHEMA}, got {SCHEMA + 1}.*render-color.png"):
+        replay(path, SOURCES, tmp_path / "again.png")
