@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.legible import legible
-from app.gui.actions import export_actions, window_actions
+from app.gui.actions import export_actions, export_choices, window_actions
 from app.gui.actions.export_actions import OFFERS, Offer, What
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -41,7 +41,7 @@ def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> No
         imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
         imgui_ctx.begin("Export", True, beside) as window,
     ):
-        state.exports.shown = bool(window.opened)
+        export_choices.show_exports(state, bool(window.opened))
         if not window:
             return
         _draw_picture_size(state)
@@ -86,13 +86,13 @@ def _draw_picture_size(state: AppState) -> None:
     explain(SCALE_TEXT)
     if changed:
         chosen = Sizing(SCALES[index]) if index < len(SCALES) else Sizing(width=FIRST_WIDTH)
-        state.exports.sizing = chosen
+        export_choices.choose_sizing(state, chosen)
     if state.exports.sizing.width is not None:
         imgui.same_line()
         width = _pixels("##width", state.exports.sizing.width, "Width of each pane's picture, in pixels.")
         imgui.same_line()
         imgui.text_colored(theme.now().muted, "pixels")
-        state.exports.sizing = Sizing(width=width)
+        export_choices.choose_sizing(state, Sizing(width=width))
 
 
 def _draw_view_size(state: AppState) -> None:
@@ -104,7 +104,8 @@ def _draw_view_size(state: AppState) -> None:
     changed, index = imgui.combo("##view size", now, labels)
     explain(VIEW_TEXT)
     if changed:
-        state.exports.view_size = None if index == 0 else (*VIEW_SIZES, (1024, 1024))[index - 1]
+        wanted = None if index == 0 else (*VIEW_SIZES, (1024, 1024))[index - 1]
+        export_choices.choose_view_size(state, wanted)
     if now == len(labels) - 1 and state.exports.view_size is not None:
         width, height = state.exports.view_size
         imgui.same_line()
@@ -112,13 +113,14 @@ def _draw_view_size(state: AppState) -> None:
         imgui.same_line()
         imgui.text("×")
         imgui.same_line()
-        state.exports.view_size = width, _pixels("##view height", height, "Pixels down.")
+        height = _pixels("##view height", height, "Pixels down.")
+        export_choices.choose_view_size(state, (width, height))
     imgui.same_line()
     imgui.set_next_item_width(em(8))
     labels = ["Drawn once" if factor == 1 else f"Drawn {factor}× finer" for factor in FACTORS]
     _, index = imgui.combo("##supersampling", FACTORS.index(state.exports.supersampling), labels)
     explain(FACTOR_TEXT)
-    state.exports.supersampling = FACTORS[index]
+    export_choices.choose_supersampling(state, FACTORS[index])
 
 
 def _pixels(label: str, value: int, text: str) -> int:

@@ -7,9 +7,9 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.enhancement.settable import LONGEST_NAME, InputKind
+from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
-from app.gui.actions import job_actions, run_actions
+from app.gui.actions import draft_actions, job_actions, laid_out, run_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
@@ -77,19 +77,21 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
         "Reconstruct the photos as they are, or enhanced by the paper's method as set above; "
         "both in turn makes two reconstructions to compare."
     )
-    run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)]
+    chosen = _choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
+    draft_actions.choose_input(state, INPUTS[chosen])
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "Of the frames to reconstruct; the paper takes 0.5 there. " + about.text)
         imgui.set_next_item_width(-em(0.1))
-        _, run.d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
+        _, d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
+        draft_actions.choose_d_factor(state, d_factor)
     iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (METHODS.index(config.method), config.iterations):
-        run.config = replace(config, method=METHODS[method], iterations=iterations)
+        draft_actions.choose_method(state, METHODS[method], iterations)
     row("Name", "Folder of the run; empty: the clip's name and the time.")
     imgui.set_next_item_width(-em(0.1))
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
-    run.name = name[:LONGEST_NAME]
+    draft_actions.name_run(state, name)
 
 
 def _draw_part(state: AppState) -> None:
@@ -213,7 +215,7 @@ def _draw_preparing(stage: Preparing) -> None:
 
 def _draw_omissions(state: AppState) -> None:
     """Looked up when it is unfolded: what, and why, before anything is started."""
-    state.runs.asks_for_omissions = imgui.tree_node("What will be left out")
+    laid_out.unfold_omissions(state, imgui.tree_node("What will be left out"))
     explain("Training does without what this clip does not need. Looked up from the photos as they are.")
     if not state.runs.asks_for_omissions:
         return

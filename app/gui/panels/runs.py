@@ -8,7 +8,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import legible, named
-from app.gui.actions import queue_actions, run_actions
+from app.gui.actions import laid_out, queue_actions, run_actions
 from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
@@ -19,7 +19,7 @@ from app.gui.work.run_list import ListedRun
 
 def draw_runs(state: AppState, make_job: MakeJob) -> None:
     """What waits, the next one first; below it what lies on disk of the open clip, the newest first."""
-    state.runs.is_listed = state.source.clip is not None
+    laid_out.list_runs(state)
     if state.runs.queue:
         _draw_queue(state)
         imgui.separator()
