@@ -42,7 +42,7 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         *_picture(state),
         *_compare(),
         *_clip(),
-        *job_sections(outside),
+        *job_sections(),
         *camera_sections(state, outside),
         *edit_sections(),
         *view_sections(outside),

@@ -10,7 +10,6 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import draft_actions, job_actions, laid_out, run_actions
-from app.gui.actions.job_actions import MakeJob
 from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
@@ -40,15 +39,15 @@ PART = (
 )
 
 
-def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
+def draw_reconstruction(state: AppState) -> None:
     """Choices before, buttons always, progress during and after."""
     run = state.runs.reconstruction
     if run.is_alive:
         _draw_hold(state)
     else:
         if run.status in ("failed", "cancelled"):
-            _draw_end(state, run, make_job)
-        _draw_next(state, run, make_job)
+            _draw_end(state, run)
+        _draw_next(state, run)
     if run.status != "none":
         _draw_status(run)
     draw_curves(run)
@@ -56,15 +55,15 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     if run.is_alive:
         waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
         if imgui.tree_node(f"Another one after it{waiting}###another"):
-            _draw_next(state, run, make_job)
+            _draw_next(state, run)
             imgui.tree_pop()
 
 
-def _draw_next(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
+def _draw_next(state: AppState, run: Reconstruction) -> None:
     _draw_choices(state, run)
     _draw_part(state)
     imgui.spacing()
-    _draw_start(state, make_job)
+    _draw_start(state)
     if not run.is_alive and state.source.clip is not None:
         _draw_omissions(state)
 
@@ -137,11 +136,11 @@ def _steps(config: TrainConfig) -> int:
     return int(min(max(value, about.lo), about.hi)) if changed else config.iterations
 
 
-def _draw_start(state: AppState, make_job: MakeJob) -> None:
+def _draw_start(state: AppState) -> None:
     run = state.runs.reconstruction
     reason = job_actions.why_not_reconstruct(state)
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-        start = lambda: job_actions.start_reconstruction(state, make_job)  # noqa: E731
+        start = lambda: job_actions.start_reconstruction(state)  # noqa: E731
         label = "Add to the queue" if run.is_alive else "Reconstruct"
         button(f"{label}###start", start, enabled=not reason, width=-1.0)
     soon = "Starts when those before it have ended, as it is set now." if run.is_alive else ""
@@ -151,14 +150,14 @@ def _draw_start(state: AppState, make_job: MakeJob) -> None:
             imgui.text_colored(theme.now().muted, reason)
 
 
-def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
+def _draw_end(state: AppState, run: Reconstruction) -> None:
     """Of a run that was cut short: why, and what can be done with it."""
     if run.failure:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().danger, f"{capital(legible(run.failure))}.")
             imgui.text_colored(theme.now().muted, run.way_out)
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
-    onward = lambda: job_actions.continue_reconstruction(state, make_job)  # noqa: E731
+    onward = lambda: job_actions.continue_reconstruction(state)  # noqa: E731
     again = job_actions.can_continue(state)
     button("Continue", onward, enabled=again, width=half)
     explain("From the run's last checkpoint." if again else "It goes on only with its own clip: open that.")
