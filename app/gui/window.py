@@ -20,7 +20,6 @@ from app.gui.actions import (
     second_actions,
     session_actions,
 )
-from app.gui.actions.job_actions import MakeJob
 from app.gui.commands.camera_commands import second_commands
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
@@ -53,6 +52,7 @@ from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.style import theme
+from app.gui.update.job_starting import MakeJob, start_due
 from app.gui.update.update import Channels, take_pictures, update
 from app.gui.work.background import Apart, Worker
 from app.gui.work.clip_settings import load_clips
@@ -138,7 +138,6 @@ class Window:
             quit=dockings.quit_app,
             toggle_panel=dockings.toggle,
             panel_shown=dockings.is_shown,
-            make_job=self._make_job,
         )
 
     def run(self) -> None:
@@ -237,8 +236,8 @@ class Window:
             ("Pictures", "MainDockSpace", self._draw_pictures),
             ("3D view", "Below", self._draw_view),
             (SPLATS, "MainDockSpace", self._draw_view),
-            ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state, self._make_job)),
-            ("Runs", "SideBelow", lambda: draw_runs(self.state, self._make_job)),
+            ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),
+            ("Runs", "SideBelow", lambda: draw_runs(self.state)),
             ("Cameras", "SideBelow", lambda: draw_cameras(self.state, self._import_views)),
         ]
         layout.dockable_windows = [
@@ -280,7 +279,7 @@ class Window:
         while self._dropped:
             self._open(Path(self._dropped.pop()))
         update(self.state, self._channels, time.monotonic() - self._began)
-        queue_actions.advance(self.state, self._make_job)
+        start_due(self.state, self._make_job)
         self._commands = sections(self.state, self._outside)
         params = hello_imgui.get_runner_params()
         self._wear(params)

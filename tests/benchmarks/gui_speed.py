@@ -21,7 +21,6 @@ from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
-from app.runs.job import TrainingJob
 from enhance import EnhanceParams
 
 MOVES = 60
@@ -138,7 +137,7 @@ def drag(window: Window, *, train: bool) -> None:
     def drive(ctx: Context) -> None:
         wait(ctx, lambda: state.picture.pictures is not None and state.picture.pictures.enhanced is not None)
         if train:
-            job_actions.start_reconstruction(state, TrainingJob)
+            job_actions.start_reconstruction(state)
             wait(ctx, lambda: state.runs.reconstruction.progress is not None)
         for warm in (0.21, 0.22, 0.23):
             move(ctx, warm)

@@ -18,7 +18,6 @@ from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places
 from app.gui.work.tuning import Choice
-from app.runs.job import TrainingJob
 from assets import phantom_path
 from enhance import EnhanceParams
 
@@ -319,7 +318,8 @@ def reconstruct(person: Person) -> None:
     """Fifty steps, to the end or until it is cancelled."""
     state, finish = person.state, person.run is None or person.rng.random() < 0.4
     state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=STEPS)
-    job_actions.start_reconstruction(state, TrainingJob)
+    job_actions.start_reconstruction(state)
+    person.wait(lambda: not state.runs.starts, "the start")
     begun = state.runs.reconstruction
     person.wait(lambda: state.runs.reconstruction is not begun or begun.progress is not None
                 or not begun.is_alive, "the first step")  # fmt: skip

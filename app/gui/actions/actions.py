@@ -39,6 +39,16 @@ def fail(state: AppState, sentence: str) -> None:
     say(state, sentence)
 
 
+def dismiss(state: AppState) -> None:
+    """What went wrong has been read."""
+    state.window.banner = None
+
+
+def show_help(state: AppState, shown: bool) -> None:
+    """Every key and gesture."""
+    state.window.help_open = shown
+
+
 def announce(state: AppState, sentence: str) -> None:
     """Show what went well for a few seconds."""
     state.window.toast = Toast(legible(sentence), state.window.now + TOAST_SECONDS)
@@ -166,6 +176,11 @@ def choose_chart(state: AppState, place: int) -> None:
     state.reports.place = place
 
 
+def report_came(state: AppState) -> None:
+    """Its panel is in front."""
+    state.reports.asked = False
+
+
 def seek(state: AppState, index: int) -> None:
     """Go to a frame, kept within the clip."""
     if state.source.clip is not None:
@@ -252,6 +267,11 @@ def reset_params(state: AppState) -> None:
 
 def toggle_enhancement(state: AppState) -> None:
     state.enhancement.active = not state.enhancement.active
+
+
+def peek(state: AppState, peeking: bool) -> None:
+    """Show the original in the enhanced pane while a key is held."""
+    state.enhancement.peeking = peeking
 
 
 def white_light(state: AppState) -> None:

@@ -73,6 +73,11 @@ def toggle_flight(state: AppState) -> None:
         _leave(state, state.scene.model)
 
 
+def hold_flight(state: AppState, held: bool) -> None:
+    """A key of flight is held."""
+    state.scene.viewer.moving = held
+
+
 def fly(state: AppState, right: float, down: float, forward: float, seconds: float) -> None:
     """On in the camera's own directions, each -1, 0 or 1."""
     if state.scene.model is None or not state.scene.viewer.flying:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
 from app.files.legible import capital, legible
-from app.gui.actions.actions import latest, leave, say
+from app.gui.actions.actions import latest, leave
 from app.gui.state.app_state import AppState
-from app.gui.state.reconstruction import Job, Reconstruction, Waiting
+from app.gui.state.reconstruction import Waiting
 from app.gui.work.run_models import ModelRequest
 from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
@@ -20,16 +19,14 @@ from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import Part
 
-MakeJob = Callable[[TrainRequest], Job]
 
-
-def start_reconstruction(state: AppState, make_job: MakeJob) -> None:
+def start_reconstruction(state: AppState) -> None:
     """Make what is chosen, in another process: at once, or when its turn comes."""
     if state.source.clip is None:
         return
     chosen = state.runs.reconstruction.input
     inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
-    enqueue(state, make_job, tuple(Waiting(state.source.clip, _request(state, each)) for each in inputs))
+    enqueue(state, tuple(Waiting(state.source.clip, _request(state, each)) for each in inputs))
 
 
 def keep_part(state: AppState, part: Part, *, kept: bool) -> None:
@@ -53,15 +50,15 @@ def _request(state: AppState, frames: Input) -> TrainRequest:
     )
 
 
-def continue_reconstruction(state: AppState, make_job: MakeJob) -> None:
+def continue_reconstruction(state: AppState) -> None:
     """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
     run = state.runs.reconstruction
     clip, request = state.source.clip, run.request
     if can_continue(state) and clip is not None and request is not None:
-        enqueue(state, make_job, (Waiting(clip, replace(request, resume=True), run.told),))
+        enqueue(state, (Waiting(clip, replace(request, resume=True), run.told),))
 
 
-def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) -> None:
+def enqueue(state: AppState, waiting: tuple[Waiting, ...]) -> None:
     """Behind those that wait for their turn, before those of an earlier session that nobody has asked for;
     where none is under way the first starts."""
 
@@ -69,37 +66,12 @@ def enqueue(state: AppState, make_job: MakeJob, waiting: tuple[Waiting, ...]) ->
         awake = tuple(each for each in state.runs.queue if not each.asleep)
         asleep = tuple(each for each in state.runs.queue if each.asleep)
         state.runs.queue, state.runs.reconstruction.name = awake + waiting + asleep, ""
-        start_first(state, make_job)
+        state.runs.starts = True
 
     if state.runs.reconstruction.is_alive:
         go()
     else:
         leave(state, go)
-
-
-def start_first(state: AppState, make_job: MakeJob) -> None:
-    """Start what waits first, once its clip is open, unless a reconstruction is under way."""
-    first = state.runs.next_waiting
-    if state.runs.reconstruction.is_alive or first is None or first.clip is None:
-        return
-    state.runs.queue, draft = (
-        tuple(each for each in state.runs.queue if each is not first),
-        state.runs.reconstruction,
-    )
-    job = make_job(first.request)
-    state.runs.reconstruction = Reconstruction(
-        config=draft.config,
-        input=draft.input,
-        d_factor=draft.d_factor,
-        name=draft.name,
-        status="starting",
-        job=job,
-        clip=first.request.part.of(first.clip),
-        request=first.request,
-        told=first.told,
-    )
-    job.start()
-    say(state, f"reconstruction of {first.clip.name} started: {first.request.run_path.name}")
 
 
 def _run_path(state: AppState, suffix: str) -> Path:

@@ -41,6 +41,11 @@ def go_to(state: AppState, camera: Camera) -> None:
         )
 
 
+def type_name(state: AppState, name: str) -> None:
+    """Of the next named view."""
+    state.scene.cameras.name = name
+
+
 def save_view(state: AppState) -> None:
     """Keep the present view by the name that was typed, or a number."""
     camera, cameras = present_camera(state), state.scene.cameras

@@ -25,6 +25,11 @@ def load(state: AppState) -> None:
         actions.fail(state, trouble)
 
 
+def type_name(state: AppState, name: str) -> None:
+    """Of the preset that is to be kept."""
+    state.enhancement.preset_draft = name[:LONGEST_NAME]
+
+
 def choose(state: AppState, name: str) -> None:
     """The preset becomes the present setting; a step of undo."""
     presets = {**BUILT_IN, **state.enhancement.presets}

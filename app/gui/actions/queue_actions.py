@@ -6,21 +6,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 from app.errors import UserError
-from app.gui.actions import actions, job_actions
-from app.gui.actions.job_actions import MakeJob
+from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.runs.progress_log import TrainingLog
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
-
-
-def advance(state: AppState, make_job: MakeJob) -> None:
-    """Once a frame: when one has ended, in whatever way, the next starts."""
-    run = state.runs.reconstruction
-    if not run.is_alive and run.job is None and not why_held(state):
-        job_actions.start_first(state, make_job)
 
 
 def why_held(state: AppState) -> str:

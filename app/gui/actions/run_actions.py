@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from app.gui.actions import actions, job_actions, second_actions
-from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.state.second import Second
@@ -50,11 +49,11 @@ def why_not_open(state: AppState, run: ListedRun) -> str:
     return "" if state.scene.model is not None else "Wait for the first preview of the one in training."
 
 
-def continue_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
+def continue_run(state: AppState, run: ListedRun) -> None:
     """Go on with it as it was begun: at once, or when its turn comes."""
     if state.source.clip is not None and not why_not_continue(state, run):
         waiting = Waiting(state.source.clip, replace(run.request, resume=True), run.told)
-        job_actions.enqueue(state, make_job, (waiting,))
+        job_actions.enqueue(state, (waiting,))
 
 
 def why_not_continue(state: AppState, run: ListedRun) -> str:

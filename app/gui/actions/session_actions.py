@@ -9,6 +9,7 @@ from datetime import datetime
 from itertools import groupby
 from pathlib import Path
 
+from app.enhancement.settable import LONGEST_NOTES
 from app.errors import UserError
 from app.gui.actions import actions, edit_actions
 from app.gui.session_file import (
@@ -143,6 +144,11 @@ def _restore_views(state: AppState, session: Session) -> None:
         state.scene.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
     if session.views is not None:
         state.scene.cameras.views = views_of(session.views)
+
+
+def write_notes(state: AppState, text: str) -> None:
+    """What a person writes down; as much of it as a session keeps."""
+    state.session.notes = text[:LONGEST_NOTES]
 
 
 def save_request(state: AppState) -> SessionRequest | None:

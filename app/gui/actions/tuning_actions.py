@@ -7,7 +7,7 @@ from app.enhancement.parameter_grid import Axis, Setting, settings
 from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.views.picture_view import PictureView
+from app.gui.views.picture_view import PictureView, Room
 from app.gui.work.background import Failure
 from app.gui.work.tuning import CellRequest, Choice, Grid, GridCell
 
@@ -54,6 +54,16 @@ def stop_grid(state: AppState) -> None:
 def look_at(state: AppState, setting: Setting | None) -> None:
     """One cell at 100 %, or all of them again."""
     state.tuning.chosen, state.tuning.view = setting, PictureView(zoom=1.0)
+
+
+def sort_by(state: AppState, measure: str) -> None:
+    """The best first by a measure; empty: as varied."""
+    state.tuning.sort = measure
+
+
+def pan_cell(state: AppState, by: tuple[float, float], picture: tuple[int, int], pane: Room) -> None:
+    """The cell that is looked at, along with the hand."""
+    state.tuning.view = state.tuning.view.panned(by, picture, pane)
 
 
 def use_setting(state: AppState, setting: Setting) -> None:

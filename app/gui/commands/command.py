@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.gui.actions.job_actions import MakeJob
 from app.gui.state.app_state import AppState
 
 Act = Callable[[AppState], object]
@@ -72,4 +71,3 @@ class WindowServices:
     quit: Callable[[], None]
     toggle_panel: Callable[[str], None]
     panel_shown: Callable[[str], bool]
-    make_job: MakeJob

@@ -14,6 +14,7 @@ from app.gui.actions import (
     comparing,
     export_actions,
     history_actions,
+    picture_actions,
     tuning_actions,
     window_actions,
 )
@@ -41,7 +42,7 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         *_picture(state),
         *_compare(),
         *_clip(),
-        *job_sections(outside),
+        *job_sections(),
         *camera_sections(state, outside),
         *edit_sections(),
         *view_sections(outside),
@@ -262,13 +263,13 @@ def _open_palette(state: AppState) -> None:
 
 
 def fit_pictures(state: AppState) -> None:
-    state.picture.view = state.picture.view.fitted()
+    picture_actions.fit(state)
 
 
 def one_to_one(state: AppState) -> None:
     """One picture pixel a pixel of the screen, also where the window counts in larger units."""
-    state.picture.view = state.picture.view.one_to_one(1 / imgui.get_io().display_framebuffer_scale.x)
+    picture_actions.one_to_one(state, 1 / imgui.get_io().display_framebuffer_scale.x)
 
 
 def toggle_help(state: AppState) -> None:
-    state.window.help_open = not state.window.help_open
+    actions.show_help(state, not state.window.help_open)

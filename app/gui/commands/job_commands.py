@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from app.gui.actions import job_actions, queue_actions, run_actions
-from app.gui.commands.command import Command, Section, WindowServices
+from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 
 
-def job_sections(outside: WindowServices) -> tuple[Section, ...]:
-    make_job = outside.make_job
+def job_sections() -> tuple[Section, ...]:
     making = (
-        Command("Reconstruct", lambda s: job_actions.start_reconstruction(s, make_job), ("Ctrl+R",),
+        Command("Reconstruct", job_actions.start_reconstruction, ("Ctrl+R",),
                 text="reconstruct with the current settings: now, or after those in the queue",
                 applies=lambda s: not job_actions.why_not_reconstruct(s)),
         Command("Pause reconstruction", job_actions.toggle_pause, ("Ctrl+P",),
@@ -21,7 +20,7 @@ def job_sections(outside: WindowServices) -> tuple[Section, ...]:
                 applies=lambda s: s.runs.reconstruction.is_alive),
     )  # fmt: skip
     ended = (
-        Command("Continue the interrupted run", lambda s: job_actions.continue_reconstruction(s, make_job),
+        Command("Continue the interrupted run", job_actions.continue_reconstruction,
                 text="from its last checkpoint", applies=job_actions.can_continue),
         Command("View the interrupted run", run_actions.look_at_present,
                 text="show the model as last seen", applies=_can_look),

@@ -7,7 +7,7 @@ from functools import cache
 
 from imgui_bundle import imgui
 
-from app.gui.actions import camera_actions
+from app.gui.actions import actions, camera_actions
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 
@@ -63,7 +63,7 @@ class Keyboard:
         # The key that has just closed a menu or ended typing has done its work.
         acts, self._was_free = free and self._was_free, free
         # While controls are walked by keyboard, Space presses the one in focus.
-        state.enhancement.peeking = acts and not io.nav_visible and imgui.is_key_down(PEEK)
+        actions.peek(state, acts and not io.nav_visible and imgui.is_key_down(PEEK))
         flies = state.scene.viewer.flying
         for command in _pressed(state, sections) if acts else ():
             command.act(state)
@@ -95,6 +95,7 @@ def _is_pressed(code: int, repeats: bool) -> bool:
 def _fly(state: AppState, ways: list[tuple[int, int, int]], seconds: float) -> None:
     """Where the held keys together lead."""
     right, down, forward = (sum(way[axis] for way in ways) for axis in range(3))
-    state.scene.viewer.moving = any((right, down, forward))
-    if state.scene.viewer.moving:
+    moving = any((right, down, forward))
+    camera_actions.hold_flight(state, moving)
+    if moving:
         camera_actions.fly(state, right, down, forward, seconds)

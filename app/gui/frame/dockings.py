@@ -5,6 +5,7 @@ from __future__ import annotations
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
+from app.gui.actions import actions
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -144,7 +145,7 @@ def follow(state: AppState) -> None:
     if state.reports.asked:
         # Once in front, it is as the View menu says.
         panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True
-        state.reports.asked = False
+        actions.report_came(state)
 
 
 def _show(window: hello_imgui.DockableWindow, wanted: bool) -> None:

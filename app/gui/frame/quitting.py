@@ -21,7 +21,7 @@ def ask_before_quitting(state: AppState) -> None:
         params.app_shall_exit = False
         glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
         if state.editing.is_unsaved:
-            state.window.closing = "no"
+            queue_actions.answer_closing(state, close=False)
             actions.leave(state, dockings.quit_app)
     _draw_question(state)
 

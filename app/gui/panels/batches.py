@@ -41,7 +41,7 @@ def draw_batches(state: AppState, asking: Asking) -> None:
     if not batches.shown:
         return
     with imgui_ctx.begin("Enhance files and folders", True, floating(42)) as window:
-        batches.shown = bool(window.opened)
+        batch_actions.show_batches(state, bool(window.opened))
         if not window:
             return
         with imgui_ctx.push_text_wrap_pos(0):

@@ -63,9 +63,8 @@ def _open_export() -> None:
 
 def _draw_new_view(state: AppState) -> None:
     imgui.set_next_item_width(-em(6))
-    _, state.scene.cameras.name = imgui.input_text_with_hint(
-        "##name", "name of this view", state.scene.cameras.name
-    )
+    _, name = imgui.input_text_with_hint("##name", "name of this view", state.scene.cameras.name)
+    path_actions.type_name(state, name)
     imgui.same_line()
     button(f"{icons.ICON_FA_PLUS} Add###keep", lambda: path_actions.save_view(state), width=-1)
     explain("B: add this viewpoint under this name.")

@@ -10,7 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
-from app.gui.actions import actions, comparing
+from app.gui.actions import actions, comparing, laid_out
 from app.gui.commands.commands import fit_pictures, one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
@@ -131,7 +131,7 @@ def _draw_pair(
             imgui.same_line(0, gap)
         area = Area.here(size)
         pointer = draw_side(state, textures, side, shown, area) or pointer
-    state.picture.pointer = pointer
+    laid_out.point(state, pointer)
 
 
 def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2) -> None:
@@ -139,13 +139,13 @@ def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, size
     area, mode = Area.here(size), shown_mode(state)
     left, right = (pane(state, pictures, side) for side in SIDES)
     if mode == "wipe":
-        state.picture.pointer = draw_divider(state, textures, left, right, area)
+        laid_out.point(state, draw_divider(state, textures, left, right, area))
         return
     difference = state.comparing.difference
     if mode == "difference" and difference is not None and not state.enhancement.peeking:
         heat = difference_pane(state, pictures, difference)
-        state.picture.pointer = draw_single(state, textures, heat, (left, right), area)
+        laid_out.point(state, draw_single(state, textures, heat, (left, right), area))
         draw_bar(difference.top, area)
         return
     shown = left if state.comparing.chosen.flipped else right
-    state.picture.pointer = draw_single(state, textures, shown, (left, right), area)
+    laid_out.point(state, draw_single(state, textures, shown, (left, right), area))

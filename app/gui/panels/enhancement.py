@@ -9,9 +9,9 @@ from typing import get_args
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
-from app.enhancement.settable import LONGEST_NAME, Scope
+from app.enhancement.settable import Scope
 from app.files.legible import legible, named
-from app.gui.actions import actions, history_actions, preset_actions
+from app.gui.actions import actions, history_actions, picture_actions, preset_actions
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.panels.enhancement_scales import draw_scales
 from app.gui.state import scales
@@ -126,14 +126,12 @@ def _draw_keep(state: AppState) -> None:
     if not imgui.begin_popup("keep preset"):
         return
     if imgui.is_window_appearing():
-        state.enhancement.preset_draft = ""
+        preset_actions.type_name(state, "")
         imgui.set_keyboard_focus_here()
     imgui.set_next_item_width(em(14))
     flags = imgui.InputTextFlags_.enter_returns_true
-    entered, state.enhancement.preset_draft = imgui.input_text_with_hint(
-        "##name", "name", state.enhancement.preset_draft, flags
-    )
-    state.enhancement.preset_draft = state.enhancement.preset_draft[:LONGEST_NAME]
+    entered, name = imgui.input_text_with_hint("##name", "name", state.enhancement.preset_draft, flags)
+    preset_actions.type_name(state, name)
     imgui.same_line()
     named = bool(state.enhancement.preset_draft.strip())
     imgui.begin_disabled(not named)
@@ -186,13 +184,12 @@ def _draw_scope(state: AppState) -> None:
     text = (
         "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
     )
-    state.enhancement.scope = SCOPES[
-        _choose("Statistics", SCOPES.index(state.enhancement.scope), SCOPE_LABELS, text)
-    ]
+    chosen = state.enhancement
+    scope = _choose("Statistics", SCOPES.index(chosen.scope), SCOPE_LABELS, text)
+    picture_actions.choose_scope(state, SCOPES[scope])
     text = "Measured on all pixels as in the paper, or without tools and the black surround."
-    state.enhancement.tissue_only = bool(
-        _choose("Pixels", int(state.enhancement.tissue_only), PIXEL_LABELS, text)
-    )
+    pixels = _choose("Pixels", int(chosen.tissue_only), PIXEL_LABELS, text)
+    picture_actions.choose_tissue_only(state, bool(pixels))
 
 
 def _choose(label: str, index: int, values: list[str], text: str) -> int:

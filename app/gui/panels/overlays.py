@@ -71,7 +71,7 @@ def draw_banner(state: AppState) -> None:
         imgui.same_line(0, em(1))
         can_stop = state.window.banner.can_stop
         if imgui.button("Dismiss"):
-            state.window.banner = None
+            actions.dismiss(state)
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
@@ -104,7 +104,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
     imgui.set_next_window_size(ImVec2(within(36, 48).x, height), imgui.Cond_.appearing)
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
     with imgui_ctx.begin("Keys and mouse", True, flags) as window:
-        state.window.help_open = bool(window.opened)
+        actions.show_help(state, bool(window.opened))
         if not window:
             return
         for menu, grouped in groupby(sections, lambda section: section.menu):

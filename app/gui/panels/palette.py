@@ -33,7 +33,8 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
     imgui.set_next_window_size(ImVec2(min(em(38), viewport.work_size.x - em(2)), 0))
     with imgui_ctx.begin_popup(NAME, FLAGS) as opened:
         # A click beside it closes the popup.
-        palette.shown = bool(opened) and not imgui.is_key_pressed(imgui.Key.escape)
+        stays = bool(opened) and not imgui.is_key_pressed(imgui.Key.escape)
+        palette.stay(stays)
         if not opened:
             return
         if appears:
@@ -47,8 +48,8 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         if imgui.is_key_pressed(imgui.Key.enter) or imgui.is_key_pressed(imgui.Key.keypad_enter):
             chosen = found[palette.marked] if found else None
         runs = chosen is not None and chosen.applies
-        palette.shown = palette.shown and not runs
-        if not palette.shown:
+        if not stays or runs:
+            palette.stay(False)
             imgui.close_current_popup()
     if chosen is not None and runs:
         chosen.command.act(state)

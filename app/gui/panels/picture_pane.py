@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import heat_colors
-from app.gui.actions import clip_actions
-from app.gui.commands.commands import fit_pictures
+from app.gui.actions import clip_actions, laid_out, picture_actions
 from app.gui.drawing.textures import Marks, ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Side
@@ -83,7 +82,7 @@ def draw_divider(
     pointer = _button(state, "wipe", left.image, area, allow_overlap=True)
     x = _drag_line(state, area)
     across = _placement(state, left.image, area).picture_at(x - area.corner.x, 0)[0] / left.image.shape[1]
-    state.comparing.wiped = min(max(across, 0.0), 1.0)
+    laid_out.place_wipe(state, across)
     draw = imgui.get_window_draw_list()
     draw.push_clip_rect(area.corner, area.end, True)
     for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
@@ -158,16 +157,17 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel != 0:
             at = (io.mouse_pos.x - area.corner.x, io.mouse_pos.y - area.corner.y)
-            state.picture.view = state.picture.view.zoomed(WHEEL_STEP**io.mouse_wheel, at, picture, pane)
+            picture_actions.zoom(state, WHEEL_STEP**io.mouse_wheel, at, picture, pane)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-            fit_pictures(state)
+            picture_actions.fit(state)
             return
     dragged = io.mouse_delta.x != 0 or io.mouse_delta.y != 0
     if state.picture.mask_tool:
         _draw_mask(state, image, area)
     elif imgui.is_item_active() and dragged:
-        state.picture.view = state.picture.view.panned((io.mouse_delta.x, io.mouse_delta.y), picture, pane)
-    state.picture.zoom = io.display_framebuffer_scale.x * state.picture.view.place(picture, pane).zoom
+        picture_actions.pan(state, (io.mouse_delta.x, io.mouse_delta.y), picture, pane)
+    zoom = state.picture.view.place(picture, pane).zoom
+    laid_out.size_picture(state, io.display_framebuffer_scale.x * zoom)
 
 
 def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
@@ -177,7 +177,7 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
     if imgui.is_item_hovered():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
     if imgui.is_item_activated():
-        state.picture.mask_start = at
+        picture_actions.begin_mask(state, at)
     if imgui.is_item_active() and state.picture.mask_start is not None and at != state.picture.mask_start:
         mask = state.source.part.mask.drawn(state.picture.mask_tool, state.picture.mask_start, at)
         clip_actions.set_mask(state, mask)
@@ -261,10 +261,10 @@ def _drag_line(state: AppState, area: Area) -> float:
     if imgui.is_item_hovered() or imgui.is_item_active():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
     if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-        state.comparing.chosen = replace(state.comparing.chosen, wipe=0.5)
+        picture_actions.center_wipe(state)
     elif imgui.is_item_active() and imgui.get_io().mouse_delta.x:
         wipe = (imgui.get_io().mouse_pos.x - area.corner.x) / area.size.x
-        state.comparing.chosen = state.comparing.chosen.wiped(wipe)
+        picture_actions.set_wipe(state, wipe)
     return area.corner.x + state.comparing.chosen.wipe * area.size.x
 
 

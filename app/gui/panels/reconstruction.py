@@ -7,10 +7,9 @@ from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.enhancement.settable import LONGEST_NAME, InputKind
+from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
-from app.gui.actions import job_actions, run_actions
-from app.gui.actions.job_actions import MakeJob
+from app.gui.actions import draft_actions, job_actions, laid_out, run_actions
 from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
@@ -40,15 +39,15 @@ PART = (
 )
 
 
-def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
+def draw_reconstruction(state: AppState) -> None:
     """Choices before, buttons always, progress during and after."""
     run = state.runs.reconstruction
     if run.is_alive:
         _draw_hold(state)
     else:
         if run.status in ("failed", "cancelled"):
-            _draw_end(state, run, make_job)
-        _draw_next(state, run, make_job)
+            _draw_end(state, run)
+        _draw_next(state, run)
     if run.status != "none":
         _draw_status(run)
     draw_curves(run)
@@ -56,15 +55,15 @@ def draw_reconstruction(state: AppState, make_job: MakeJob) -> None:
     if run.is_alive:
         waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
         if imgui.tree_node(f"Queue another{waiting}###another"):
-            _draw_next(state, run, make_job)
+            _draw_next(state, run)
             imgui.tree_pop()
 
 
-def _draw_next(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
+def _draw_next(state: AppState, run: Reconstruction) -> None:
     _draw_choices(state, run)
     _draw_part(state)
     imgui.spacing()
-    _draw_start(state, make_job)
+    _draw_start(state)
     if not run.is_alive and state.source.clip is not None:
         _draw_omissions(state)
 
@@ -73,23 +72,22 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
     text = declared(TrainConfig, "method").text
     method = _choose("Method", "method", METHODS.index(config.method), [*map(named, METHODS)], text)
-    frames = (
-        "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
-        "runs two reconstructions to compare."
-    )
-    run.input = INPUTS[_choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)]
+    frames = "Reconstruct the original frames, or frames enhanced with the settings above; both in turn runs two reconstructions to compare."
+    chosen = _choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
+    draft_actions.choose_input(state, INPUTS[chosen])
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "For the frames to reconstruct; the paper uses 0.5. " + about.text)
         imgui.set_next_item_width(-em(0.1))
-        _, run.d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
+        _, d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
+        draft_actions.choose_d_factor(state, d_factor)
     iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (METHODS.index(config.method), config.iterations):
-        run.config = replace(config, method=METHODS[method], iterations=iterations)
+        draft_actions.choose_method(state, METHODS[method], iterations)
     row("Name", "Folder of the run; if empty, the clip's name and the time.")
     imgui.set_next_item_width(-em(0.1))
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
-    run.name = name[:LONGEST_NAME]
+    draft_actions.name_run(state, name)
 
 
 def _draw_part(state: AppState) -> None:
@@ -135,11 +133,11 @@ def _steps(config: TrainConfig) -> int:
     return int(min(max(value, about.lo), about.hi)) if changed else config.iterations
 
 
-def _draw_start(state: AppState, make_job: MakeJob) -> None:
+def _draw_start(state: AppState) -> None:
     run = state.runs.reconstruction
     reason = job_actions.why_not_reconstruct(state)
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-        start = lambda: job_actions.start_reconstruction(state, make_job)  # noqa: E731
+        start = lambda: job_actions.start_reconstruction(state)  # noqa: E731
         label = "Add to the queue" if run.is_alive else "Reconstruct"
         button(f"{label}###start", start, enabled=not reason, width=-1.0)
     soon = "Starts with the current settings when the runs before it have ended." if run.is_alive else ""
@@ -149,14 +147,14 @@ def _draw_start(state: AppState, make_job: MakeJob) -> None:
             imgui.text_colored(theme.now().muted, reason)
 
 
-def _draw_end(state: AppState, run: Reconstruction, make_job: MakeJob) -> None:
+def _draw_end(state: AppState, run: Reconstruction) -> None:
     """Of a run that was cut short: why, and what can be done with it."""
     if run.failure:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().danger, f"{capital(legible(run.failure))}.")
             imgui.text_colored(theme.now().muted, run.way_out)
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
-    onward = lambda: job_actions.continue_reconstruction(state, make_job)  # noqa: E731
+    onward = lambda: job_actions.continue_reconstruction(state)  # noqa: E731
     again = job_actions.can_continue(state)
     button("Continue", onward, enabled=again, width=half)
     explain(
@@ -217,7 +215,7 @@ def _draw_preparing(stage: Preparing) -> None:
 
 def _draw_omissions(state: AppState) -> None:
     """Looked up when it is unfolded: what, and why, before anything is started."""
-    state.runs.asks_for_omissions = imgui.tree_node("What will be left out")
+    laid_out.unfold_omissions(state, imgui.tree_node("What will be left out"))
     explain("Training leaves out what this clip does not need. Judged on the original frames.")
     if not state.runs.asks_for_omissions:
         return

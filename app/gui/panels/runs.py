@@ -8,8 +8,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import legible, named
-from app.gui.actions import queue_actions, run_actions
-from app.gui.actions.job_actions import MakeJob
+from app.gui.actions import laid_out, queue_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
@@ -17,9 +16,9 @@ from app.gui.style.widgets import button, em, explain
 from app.gui.work.run_list import ListedRun
 
 
-def draw_runs(state: AppState, make_job: MakeJob) -> None:
+def draw_runs(state: AppState) -> None:
     """What waits, the next one first; below it what lies on disk of the open clip, the newest first."""
-    state.runs.is_listed = state.source.clip is not None
+    laid_out.list_runs(state)
     if state.runs.queue:
         _draw_queue(state)
         imgui.separator()
@@ -34,7 +33,7 @@ def draw_runs(state: AppState, make_job: MakeJob) -> None:
         imgui.text_colored(theme.now().muted, "No reconstruction of this clip yet.")
     for run in found.runs:
         with imgui_ctx.push_id(run.path.name):
-            _draw_run(state, make_job, run)
+            _draw_run(state, run)
     if found.unreadable:
         imgui.text_colored(theme.now().warning, f"{found.unreadable} run folders cannot be read.")
         explain(str(found.request.folder))
@@ -54,7 +53,7 @@ def _draw_queue(state: AppState) -> None:
             _draw_waiting(state, waiting, first=place == 0 and not waiting.asleep)
 
 
-def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
+def _draw_run(state: AppState, run: ListedRun) -> None:
     config, shown = run.request.config, state.runs.reconstruction.run_path == run.path
     reason = run_actions.why_not_open(state, run)
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
@@ -76,13 +75,13 @@ def _draw_run(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
     imgui.align_text_to_frame_padding()
     imgui.text_colored(theme.now().muted, f"{_when(run.created)} · {steps} · {_made(state, run)}")
     if run.made == "unfinished" and not run_actions.is_present(state, run):
-        _draw_unfinished(state, make_job, run)
+        _draw_unfinished(state, run)
     imgui.spacing()
 
 
-def _draw_unfinished(state: AppState, make_job: MakeJob, run: ListedRun) -> None:
+def _draw_unfinished(state: AppState, run: ListedRun) -> None:
     reason = run_actions.why_not_continue(state, run)
-    onward = lambda: run_actions.continue_run(state, make_job, run)  # noqa: E731
+    onward = lambda: run_actions.continue_run(state, run)  # noqa: E731
     button("Continue", onward, enabled=not reason)
     kept = "Continue from the last checkpoint." if run.has_checkpoint else "No checkpoint: starts over."
     explain(reason or kept)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.enhancement.settable import LONGEST_NOTES
 from app.gui.actions import session_actions
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import em, explain
@@ -20,7 +19,7 @@ def draw_notes(state: AppState) -> None:
     )
     explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
     if changed:
-        state.session.notes = text[:LONGEST_NOTES]
+        session_actions.write_notes(state, text)
 
 
 def draw_recovery(state: AppState) -> None:

@@ -8,7 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.image_mask import NO_MASK
-from app.gui.actions import actions, clip_actions
+from app.gui.actions import actions, clip_actions, laid_out
 from app.gui.commands.commands import has_something
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -110,9 +110,8 @@ def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgu
     """The clip in small; a click or drag goes to that frame."""
     corner = imgui.get_cursor_screen_pos()
     size = ImVec2(max(imgui.get_content_region_avail().x, em(4)), em(STRIP_HEIGHT))
-    state.timeline.strip_count = (
-        0 if state.source.clip is None else count_for(state.source.clip, size.x, size.y)
-    )
+    clip = state.source.clip
+    laid_out.size_strip(state, 0 if clip is None else count_for(clip, size.x, size.y))
     imgui.invisible_button("strip", size)
     if imgui.is_item_active() and state.source.clip is not None:
         actions.seek(state, int((imgui.get_io().mouse_pos.x - corner.x) / size.x * count))

@@ -136,7 +136,7 @@ def _draw_buttons(state: AppState) -> None:
     index = METRICS.index(tuning.sort) + 1 if tuning.sort else 0
     _, index = imgui.combo("##order", index, SORT_LABELS)
     explain(_why(tuning.sort))
-    tuning.sort = METRICS[index - 1] if index else ""
+    tuning_actions.sort_by(state, METRICS[index - 1] if index else "")
     if tuning.grid is not None:
         imgui.same_line()
         imgui.text_colored(theme.now().muted, f"{len(tuning.cells)} of {len(tuning.grid.settings)}")
@@ -216,7 +216,8 @@ def _draw_whole(state: AppState, textures: ShowsTiles, look: GridCell) -> None:
     scale = io.display_framebuffer_scale.x
     pane = (size.x * scale, size.y * scale)
     if imgui.is_item_active() and (io.mouse_delta.x or io.mouse_delta.y):
-        tuning.view = tuning.view.panned((io.mouse_delta.x * scale, io.mouse_delta.y * scale), picture, pane)
+        by = io.mouse_delta.x * scale, io.mouse_delta.y * scale
+        tuning_actions.pan_cell(state, by, picture, pane)
     shown = textures.part("tuning", look.image, tuning.view.place(picture, pane), pane)
     end = ImVec2(corner.x + size.x, corner.y + size.y)
     draw = imgui.get_window_draw_list()

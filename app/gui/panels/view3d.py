@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import grouped, legible, named
-from app.gui.actions import actions, camera_actions, view_actions
+from app.gui.actions import actions, camera_actions, laid_out, view_actions
 from app.gui.commands.command import Command
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.color_bar import draw_color_bar
@@ -53,7 +53,7 @@ def draw_view3d(
     `choices` gives the ways to choose that. The first view is the last item drawn, for those who draw on it.
     """
     if state.scene.model is None:
-        state.scene.size = (0, 0)
+        laid_out.size_view(state, 0, 0)
         _draw_empty(state)
         return
     _draw_toolbar(state, choices)
@@ -61,8 +61,7 @@ def draw_view3d(
     corner, count = imgui.get_cursor_screen_pos(), 1 if state.scene.second.shown is None else 2
     size = ImVec2(max((space.x + gap) / count - gap, em(4)), max(space.y, em(4)))
     scale = imgui.get_io().display_framebuffer_scale
-    state.scene.size = (int(size.x * scale.x), int(size.y * scale.y))
-    state.scene.dragged = False
+    laid_out.size_view(state, int(size.x * scale.x), int(size.y * scale.y))
     if state.scene.second.shown is not None:
         imgui.set_cursor_screen_pos(ImVec2(corner.x + size.x + gap, corner.y))
         _draw_pane(state, "second view", second, state.second_request, photo_texture, size)
@@ -195,7 +194,8 @@ def _move(state: AppState, size: ImVec2) -> None:
     held = imgui.is_item_active() and not imgui.is_mouse_double_clicked(imgui.MouseButton_.left)
     selects = state.editing.takes_drags and not io.key_alt and imgui.is_mouse_down(imgui.MouseButton_.left)
     held = held and not selects
-    state.scene.dragged |= held and any(imgui.is_mouse_down(index) for index in range(3))
+    if held and any(imgui.is_mouse_down(index) for index in range(3)):
+        laid_out.drag_view(state)
     if held and (io.mouse_delta.x or io.mouse_delta.y):
         if imgui.is_mouse_down(imgui.MouseButton_.left):
             camera_actions.turn(state, -TURN * io.mouse_delta.x / size.x, TURN * io.mouse_delta.y / size.x)

@@ -16,6 +16,10 @@ class Palette:
     def open(self) -> None:
         self.shown, self.words, self.marked = True, "", 0
 
+    def stay(self, shown: bool) -> None:
+        """Open, or closed from now on."""
+        self.shown = shown
+
     def type(self, words: str) -> None:
         """Other words find other commands: the first of them is marked."""
         if words != self.words:

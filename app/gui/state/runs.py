@@ -18,6 +18,8 @@ class Runs:
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
     queue: tuple[Waiting, ...] = ()
     """Reconstructions to be made after the present one, the next one first."""
+    starts: bool = False
+    """A person has asked for the next one: it starts with the next frame, where none is under way."""
     wakings: int = 0
     """How often a person has said that some of an earlier session are to be made."""
     model_wish: ModelRequest | None = None

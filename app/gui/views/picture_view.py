@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 
 from app.enhancement.settable import MAX_ZOOM, MIN_ZOOM
 
+Room = tuple[float, float]
+"""Width and height of a pane, in pixels."""
+
 
 @dataclass(frozen=True)
 class Placement:
@@ -40,7 +43,7 @@ class PictureView:
     pixel_aspect: float = 1.0
     """Width of a picture's pixel by its height, which `zoom` counts."""
 
-    def place(self, picture: tuple[int, int], pane: tuple[float, float]) -> Placement:
+    def place(self, picture: tuple[int, int], pane: Room) -> Placement:
         """Placement of a picture of (width, height) pixels in a pane of (width, height) pixels."""
         width, height = picture[0] * self.pixel_aspect, picture[1]
         fit = min(pane[0] / width, pane[1] / height)
@@ -49,7 +52,7 @@ class PictureView:
         return Placement(zoom, x, y, self.pixel_aspect)
 
     def zoomed(
-        self, factor: float, at: tuple[float, float], picture: tuple[int, int], pane: tuple[float, float]
+        self, factor: float, at: tuple[float, float], picture: tuple[int, int], pane: Room
     ) -> PictureView:
         """Zoomed by `factor` so that the picture position under the pane position `at` stays there."""
         now = self.place(picture, pane)
@@ -59,9 +62,7 @@ class PictureView:
         middle = (fixed[0] + across, fixed[1] + (pane[1] / 2 - at[1]) / zoom)
         return replace(self, zoom=zoom, center=_inside(middle, picture))
 
-    def panned(
-        self, by: tuple[float, float], picture: tuple[int, int], pane: tuple[float, float]
-    ) -> PictureView:
+    def panned(self, by: tuple[float, float], picture: tuple[int, int], pane: Room) -> PictureView:
         """Dragged by pane pixels; the middle of the pane stays on the picture.
 
         One that fits the pane only beyond the range of zooms is seen whole and stays where it is.

@@ -16,6 +16,7 @@ from app.files.image_files import read_image
 from app.gui.actions import actions, comparing, job_actions, second_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, GraphicsViewport
+from app.gui.update.job_starting import start_due
 from app.gui.work.saving_edits import SaveRequest, write_splats
 from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits
@@ -214,7 +215,8 @@ def training(trained: Path, clip_path: Path, places: Places) -> Exporter:
     window = Exporter(places, clip_path)
     config = RunFolder(trained).record().config
     window.state.runs.reconstruction.config = config
-    job_actions.start_reconstruction(window.state, FakeJob)
+    job_actions.start_reconstruction(window.state)
+    start_due(window.state, FakeJob)
     request = request_of(clip_path, trained, config=config)
     window.state.runs.reconstruction.request = request
     window.state.scene.size = SIZE

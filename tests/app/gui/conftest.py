@@ -15,6 +15,7 @@ from app.gui.actions import job_actions
 from app.gui.commands.command import WindowServices
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
+from app.gui.update.job_starting import start_due
 from app.gui.work.settings import Places, Settings
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame
@@ -108,7 +109,7 @@ class FakeJob:
 def outside(**doing: Callable[[], None]) -> WindowServices:
     """Nothing is done outside the state but what is named."""
     nothing = {name: lambda *given: None for name in WindowServices.__dataclass_fields__}
-    return WindowServices(**nothing | {"panel_shown": lambda name: False, "make_job": FakeJob} | doing)  # type: ignore[arg-type]
+    return WindowServices(**nothing | {"panel_shown": lambda name: False} | doing)  # type: ignore[arg-type]
 
 
 @pytest.fixture(autouse=True)
@@ -167,5 +168,6 @@ def opened(state: AppState) -> AppState:
 
 
 def start_live(state: AppState, model: DynamicGaussians) -> None:
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     show_live(state, model)

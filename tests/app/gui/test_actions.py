@@ -8,6 +8,7 @@ import pytest
 
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.work.opening import Opened
 from app.gui.work.settings import load_settings
 from app.runs.progress_log import TrainingLog
@@ -22,7 +23,8 @@ MakeFake = Callable[[object], FakeJob]
 
 
 def started(state: AppState, make_job: MakeFake) -> FakeJob:
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
     assert isinstance(state.runs.reconstruction.job, FakeJob)
     return state.runs.reconstruction.job
 
@@ -196,7 +198,8 @@ def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
     run.config = replace(run.config, iterations=7)
     actions.set_params(state, EnhanceParams(z=0.9))
     assert job_actions.can_continue(state)
-    job_actions.continue_reconstruction(state, make_job)
+    job_actions.continue_reconstruction(state)
+    start_due(state, make_job)
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
     assert isinstance(first, TrainRequest)

@@ -8,6 +8,7 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
@@ -20,7 +21,8 @@ Act = Callable[[AppState], None]
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
     """A reconstruction on screen, through the clip's camera and as large as its photos."""
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     show_live(state, model)
     state.scene.size = SIZE
     return state

@@ -16,6 +16,7 @@ from app.files.provenance import digest, read_provenance
 from app.gui.actions import actions, job_actions
 from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
@@ -135,7 +136,8 @@ def test_a_run_s_view_names_its_own_clip_whatever_is_open(
 def test_a_model_of_this_session_knows_its_run(
     tmp_path: Path, state: AppState, model: DynamicGaussians
 ) -> None:
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     path = state.runs.reconstruction.run_path
     assert path is not None
     run = make_run(path, phantom_path(), None)

@@ -17,6 +17,7 @@ import pytest
 
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
 from app.gui.session_file import autosave_path, read_session
+from app.gui.update.job_starting import start_due
 from app.gui.work.presets import load_presets, presets_file
 from app.gui.work.settings import Places, load_settings
 from app.runs.job import TrainingJob
@@ -146,7 +147,8 @@ def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
     app = App(replace(places, runs=disk.folder("runs")), clip_path)
     state = app.state
     state.runs.reconstruction.config = TrainConfig(iterations=400, n_gaussians=300, checkpoint_every=20)
-    job_actions.start_reconstruction(state, TrainingJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, TrainingJob)
     path = state.runs.reconstruction.run_path
     assert path is not None
     run = RunFolder(path)
@@ -165,13 +167,16 @@ def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
     assert app.works
     assert job_actions.can_continue(state)
 
-    job_actions.continue_reconstruction(state, TrainingJob)
+    job_actions.continue_reconstruction(state)
+
+    start_due(state, TrainingJob)
     app.wait(lambda: not state.runs.reconstruction.is_alive)
     assert "of free disk" in app.trouble()
 
     disk.free()
     assert job_actions.can_continue(state)
-    job_actions.continue_reconstruction(state, TrainingJob)
+    job_actions.continue_reconstruction(state)
+    start_due(state, TrainingJob)
     app.wait(lambda: not state.runs.reconstruction.is_alive)
     assert state.runs.reconstruction.status == "finished"
     assert run.is_finished

@@ -27,7 +27,7 @@ from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import Settings
 from renderer.clip import Clip
-from tests.app.gui.conftest import FakeJob, outside
+from tests.app.gui.conftest import outside
 from tests.app.gui.ui import NOTHING, Shown, Ui, compare
 
 NAME = os.fsdecode(b"caf\xe9.png")
@@ -59,7 +59,7 @@ def test_the_panels_show_such_names(ui: Ui, state: AppState, clip: Clip) -> None
     ui.frame(lambda: menus.draw_status(state))
     run = state.runs.reconstruction
     run.status, run.failure, run.warnings = "failed", f"no {NAME}", [NAME]
-    ui.frame(lambda: draw_reconstruction(state, FakeJob))
+    ui.frame(lambda: draw_reconstruction(state))
 
 
 def test_what_is_said_is_legible(ui: Ui, state: AppState) -> None:

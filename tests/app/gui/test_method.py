@@ -13,6 +13,7 @@ from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
+from app.gui.update.job_starting import start_due
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams, measure
 from enhance.vessel import VesselParams, enhance_vessels
@@ -58,7 +59,8 @@ def test_each_method_keeps_its_parameters_and_undo_goes_between_them(state: AppS
 def test_a_reconstruction_takes_the_paper_s_method(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.3))
     actions.choose_method(state, VesselParams)
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     request = state.runs.reconstruction.request
     assert isinstance(request, TrainRequest)
     assert request.enhance_params == EnhanceParams(z=0.3, d_factor=state.runs.reconstruction.d_factor)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.update.update import Channels, update
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.runs.train_run import TrainRequest
@@ -91,7 +92,9 @@ def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
         jobs.append(request)
         return FakeJob(request)
 
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+
+    start_due(state, make_job)
     assert [job.config for job in jobs] == [TrainConfig(keep=both)]
     job_actions.keep_part(state, "tiles", kept=False)
     assert state.runs.reconstruction.config.keep == ("harmonics",)

@@ -14,6 +14,7 @@ from app.files.provenance import version
 from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
+from app.gui.update.job_starting import start_due
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import ClipRecord, RunFolder, RunRecord
@@ -116,7 +117,8 @@ def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> N
     assert state.scene.model is None
     assert job_actions.can_continue(state)
     jobs: list[FakeJob] = []
-    job_actions.continue_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
+    job_actions.continue_reconstruction(state)
+    start_due(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
     request = jobs[0].request
     assert isinstance(request, TrainRequest)
     assert (request.resume, request.run_path, request.config) == (True, run.path, run.record().config)
@@ -181,7 +183,8 @@ def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
     assert state.source.clip is not None
     assert state.source.clip.read_frame(0).tissue_mask.mean() > 0.5
     jobs: list[FakeJob] = []
-    job_actions.start_reconstruction(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
+    job_actions.start_reconstruction(state)
+    start_due(state, lambda request: jobs.append(FakeJob(request)) or jobs[0])
     request = jobs[0].request
     assert isinstance(request, TrainRequest)
     assert request.clip_options.mask_polarity == "tissue"

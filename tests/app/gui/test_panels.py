@@ -19,7 +19,7 @@ from app.runs.progress_log import TrainingLog
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Preparing, Progress, Started
-from tests.app.gui.conftest import FakeJob, start_live
+from tests.app.gui.conftest import start_live
 from tests.app.gui.ui import Draw, Shown, Ui, compare, view3d
 
 
@@ -73,8 +73,8 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
         (Evaluated(50, 22.0), Evaluated(100, 24.0, 0.5)),
     )
     run.warnings = ["a warning"]
-    ui.frame(lambda: draw_reconstruction(opened, FakeJob))
-    ui.frame(lambda: draw_reconstruction(opened, FakeJob))
+    ui.frame(lambda: draw_reconstruction(opened))
+    ui.frame(lambda: draw_reconstruction(opened))
 
 
 @pytest.mark.parametrize("total", [0, 27])
@@ -84,7 +84,7 @@ def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) 
 
     def draw() -> None:
         top = imgui.get_cursor_pos_y()
-        draw_reconstruction(opened, FakeJob)
+        draw_reconstruction(opened)
         shown.append(imgui.get_cursor_pos_y() - top)
 
     ui.frame(draw)
@@ -96,7 +96,7 @@ def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) 
 def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
     state.source.clip = None
     ui.frame(lambda: draw_enhancement(state))
-    ui.frame(lambda: draw_reconstruction(state, FakeJob))
+    ui.frame(lambda: draw_reconstruction(state))
     ui.frame(lambda: draw_timeline(state, lambda: None, lambda image: imgui.ImTextureRef(1)))
     ui.frame(lambda: view3d(state))
     ui.frame(compare(state, Shown()))

@@ -11,6 +11,7 @@ from app.gui.actions import actions, clip_actions, job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import why_not
+from app.gui.update.job_starting import start_due
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import RunFinder
@@ -39,7 +40,8 @@ def live(state: AppState, model: DynamicGaussians) -> AppState:
     """Frames 2 to 4 of 6 are being reconstructed."""
     trimmed(state, 2, 4)
     clip_actions.set_mask(state, MASK)
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     show_live(state, model)
     return state
 
@@ -49,7 +51,8 @@ def test_trim_and_mask_go_along_and_stay_what_they_were(live: AppState) -> None:
     assert request is not None
     assert request.part == ClipPart(trim=(2, 4), mask=MASK)
     clip_actions.untrim(live)
-    job_actions.start_reconstruction(live, FakeJob)
+    job_actions.start_reconstruction(live)
+    start_due(live, FakeJob)
     assert live.runs.reconstruction.request is request
     assert live.runs.queue[0].request.part == ClipPart(mask=MASK)
 
@@ -92,11 +95,11 @@ def test_what_is_left_out_is_looked_up_of_the_part(state: AppState) -> None:
 
 
 def test_the_panel_says_so_before_anything_is_started(ui: Ui, state: AppState) -> None:
-    ui.frame(lambda: draw_reconstruction(state, FakeJob))
+    ui.frame(lambda: draw_reconstruction(state))
     assert state.source.training_part == WHOLE
     trimmed(state, 2, 4)
     assert state.source.training_part.told(6) == "frames 3 to 5 of 6"
-    ui.frame(lambda: draw_reconstruction(state, FakeJob))
+    ui.frame(lambda: draw_reconstruction(state))
 
 
 def test_a_run_of_a_part_is_found_opened_and_continued_as_such(state: AppState, tmp_path: Path) -> None:
@@ -114,7 +117,8 @@ def test_a_run_of_a_part_is_found_opened_and_continued_as_such(state: AppState, 
     assert state.source.part == part  # and what the run is of is marked.
     assert state.scene.model is not None
     assert (state.scene.model.first, len(state.scene.model.cameras), state.has_photos) == (3, 6, True)
-    job_actions.continue_reconstruction(state, FakeJob)
+    job_actions.continue_reconstruction(state)
+    start_due(state, FakeJob)
     assert state.runs.reconstruction.request is not None
     assert state.runs.reconstruction.request.part == part
     state.runs.reconstruction.status = "failed"

@@ -9,6 +9,7 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions, path_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.update.update import Channels, update
 from app.gui.work.opening import Opened
 from renderer.camera import Camera
@@ -22,7 +23,8 @@ from tests.app.gui.settling import keep_all, show_live
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     show_live(state, model)
     state.scene.size = SIZE
     return state

@@ -15,6 +15,7 @@ import pytest
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.update.update import Channels, update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import Cancelled, Failed
@@ -51,13 +52,14 @@ def jobs() -> Jobs:
 def frame(state: AppState, jobs: Jobs, channels: Channels) -> None:
     """As the window goes from one frame to the next."""
     update(state, channels, state.window.now + 0.1)
-    queue_actions.advance(state, jobs.make)
+    start_due(state, jobs.make)
 
 
 def queued(state: AppState, jobs: Jobs, *iterations: int) -> None:
     for count in iterations:
         state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=count)
-        job_actions.start_reconstruction(state, jobs.make)
+        job_actions.start_reconstruction(state)
+        start_due(state, jobs.make)
 
 
 @pytest.mark.parametrize(
@@ -93,14 +95,16 @@ def test_what_waits_is_as_it_was_chosen(state: AppState, jobs: Jobs) -> None:
 def test_no_two_share_a_folder(state: AppState, jobs: Jobs) -> None:
     for _ in range(3):
         state.runs.reconstruction.name = "same"
-        job_actions.start_reconstruction(state, jobs.make)
+        job_actions.start_reconstruction(state)
+        start_due(state, jobs.make)
     requests = [*jobs.requests, *(waiting.request for waiting in state.runs.queue)]
     assert [request.run_path.name for request in requests] == ["same", "same-2", "same-3"]
 
 
 def test_both_in_turn_are_two_that_differ_in_their_frames_alone(state: AppState, jobs: Jobs) -> None:
     state.runs.reconstruction.input, state.runs.reconstruction.name = "both in turn", "clip"
-    job_actions.start_reconstruction(state, jobs.make)
+    job_actions.start_reconstruction(state)
+    start_due(state, jobs.make)
     (first,), (waiting,) = jobs.requests, state.runs.queue
     second = waiting.request
     assert (first.input, second.input) == ("original", "enhanced")
@@ -153,11 +157,11 @@ def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: App
 
 
 def test_the_list_of_what_waits_draws(ui: Ui, state: AppState, jobs: Jobs) -> None:
-    ui.frame(lambda: draw_runs(state, FakeJob))
+    ui.frame(lambda: draw_runs(state))
     queued(state, jobs, 100, 200, 300)
-    ui.frame(lambda: draw_runs(state, FakeJob))
+    ui.frame(lambda: draw_runs(state))
     state.editing.active, state.runs.reconstruction.status = True, "finished"
-    ui.frame(lambda: draw_runs(state, FakeJob))
+    ui.frame(lambda: draw_runs(state))
 
 
 @pytest.fixture
@@ -209,8 +213,10 @@ def test_what_waits_is_there_after_a_restart_and_starts_at_a_word(
 def test_what_is_asked_for_now_goes_before_what_sleeps(later: AppState, clip: Clip) -> None:
     new = Jobs()
     later.source.clip = clip
-    job_actions.start_reconstruction(later, new.make)
-    job_actions.start_reconstruction(later, new.make)
+    job_actions.start_reconstruction(later)
+    start_due(later, new.make)
+    job_actions.start_reconstruction(later)
+    start_due(later, new.make)
     assert len(new.all) == 1
     assert [waiting.asleep for waiting in later.runs.queue] == [False, True, True, True]
     new.all[0].inbox = [Cancelled()]

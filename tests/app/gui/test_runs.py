@@ -15,6 +15,7 @@ from app.gui.actions import job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.update.update import Channels, update
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
@@ -105,7 +106,8 @@ def test_a_run_in_another_process_says_so_and_is_left_alone(
     with locked(folder / "runs" / "short"):
         run = named(opened, "short")
         assert run.made == "training"
-        run_actions.continue_run(opened, make_job, run)
+        run_actions.continue_run(opened, run)
+        start_due(opened, make_job)
     assert opened.runs.reconstruction.job is None
     assert named(opened, "short").made == "unfinished"
 
@@ -123,9 +125,12 @@ def test_an_unfinished_run_goes_on_as_it_was_begun_and_only_once(
     opened: AppState, make_job: MakeFake
 ) -> None:
     run = named(opened, "short")
-    job_actions.start_reconstruction(opened, make_job)
-    run_actions.continue_run(opened, make_job, run)
-    run_actions.continue_run(opened, make_job, run)
+    job_actions.start_reconstruction(opened)
+    start_due(opened, make_job)
+    run_actions.continue_run(opened, run)
+    start_due(opened, make_job)
+    run_actions.continue_run(opened, run)
+    start_due(opened, make_job)
     (waiting,) = opened.runs.queue
     assert waiting.request == replace(run.request, resume=True)
     assert waiting.request.config == CONFIG
@@ -143,7 +148,8 @@ def test_a_finished_run_opens_in_place_or_beside_the_one_that_is_made(
     assert opened.source.opening is not None
     assert opened.source.opening.path == short.path
     opened.source.opening = None
-    job_actions.start_reconstruction(opened, make_job)
+    job_actions.start_reconstruction(opened)
+    start_due(opened, make_job)
     show_live(opened, model)
     run_actions.open_run(opened, replace(short, has_checkpoint=False))
     assert opened.scene.second.opening is None
@@ -172,7 +178,8 @@ def test_the_list_is_asked_for_only_while_it_is_on_screen(opened: AppState) -> N
 def test_a_failure_says_what_can_be_done(
     state: AppState, make_job: MakeFake, model: DynamicGaussians, left: str, said: str
 ) -> None:
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
     run = state.runs.reconstruction
     assert isinstance(run.job, FakeJob)
     assert run.run_path is not None
@@ -194,16 +201,17 @@ def test_a_failure_says_what_can_be_done(
 
 
 def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model: DynamicGaussians) -> None:
-    ui.frame(lambda: draw_runs(opened, FakeJob))
+    ui.frame(lambda: draw_runs(opened))
     found(opened)
-    ui.frame(lambda: draw_runs(opened, FakeJob))
-    job_actions.start_reconstruction(opened, FakeJob)
+    ui.frame(lambda: draw_runs(opened))
+    job_actions.start_reconstruction(opened)
+    start_due(opened, FakeJob)
     show_live(opened, model)
     opened.runs.preview = replace(opened.scene.model, name="short") if opened.scene.model else None
-    ui.frame(lambda: draw_runs(opened, FakeJob))
-    ui.frame(lambda: draw_reconstruction(opened, FakeJob))
+    ui.frame(lambda: draw_runs(opened))
+    ui.frame(lambda: draw_reconstruction(opened))
     opened.source.clip = None
-    ui.frame(lambda: draw_runs(opened, FakeJob))
+    ui.frame(lambda: draw_runs(opened))
 
 
 def kept_model(path: Path) -> Scene:

@@ -10,6 +10,7 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.update.update import SLOW_VIEW, Channels, _ask_second, update, view_request
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.viewing import View
@@ -22,7 +23,8 @@ from tests.app.gui.test_opening import make_run
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     show_live(state, model)
     state.scene.size = SIZE
     return state

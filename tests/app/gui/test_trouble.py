@@ -16,6 +16,7 @@ from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
 from app.gui.session_file import autosave_path, read_session
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.update.update import Channels, update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob
@@ -140,7 +141,9 @@ def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path
         made.append(TrainingJob(request))  # type: ignore[arg-type]
         return made[-1]
 
-    job_actions.start_reconstruction(app.state, make_job)
+    job_actions.start_reconstruction(app.state)
+
+    start_due(app.state, make_job)
     path = app.state.runs.reconstruction.run_path
     assert path is not None
     run = RunFolder(path)

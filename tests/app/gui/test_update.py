@@ -10,6 +10,7 @@ import pytest
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.gui.update.update import PATIENCE, PROMPT, SLOW_VIEW, Channels, take_pictures, update, view_request
 from app.gui.work.background import Channel, Worker
 from app.gui.work.opening import Opened
@@ -223,7 +224,8 @@ def test_opening_nonsense_is_one_sentence_and_keeps_what_is_open(
 def test_a_job_is_followed_from_start_to_end(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
     job, run = state.runs.reconstruction.job, state.runs.reconstruction
     assert isinstance(job, FakeJob)
     progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
@@ -252,7 +254,8 @@ def test_a_job_is_followed_from_start_to_end(
 def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
     state: AppState, channels: Channels, make_job: MakeFake
 ) -> None:
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
     run = state.runs.reconstruction
     assert isinstance(run.job, FakeJob)
     run.told = TrainingLog(tuple(Progress(done, 100, 0.5, 20.0, 1.0, 9.0, 30) for done in (10, 20, 27)))
@@ -268,7 +271,8 @@ def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
 def test_a_job_that_ends_early_says_so(
     state: AppState, channels: Channels, make_job: MakeFake, event: object, status: str, told: str
 ) -> None:
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
     assert isinstance(state.runs.reconstruction.job, FakeJob)
     state.runs.reconstruction.job.inbox = [STARTED, event]
     update(state, channels, 0.1)
@@ -280,7 +284,8 @@ def test_a_job_that_ends_early_says_so(
 def test_the_view_is_asked_for_only_when_it_changes(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
     show_live(state, model)
     state.scene.size = (32, 24)
     settle(state, channels)
@@ -297,7 +302,8 @@ def test_the_view_is_asked_for_only_when_it_changes(
 def test_a_slow_view_is_reduced_only_while_it_moves(
     state: AppState, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
-    job_actions.start_reconstruction(state, make_job)
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
     show_live(state, model)
     state.scene.size = (32, 24)
     request = state.view_request

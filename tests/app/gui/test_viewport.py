@@ -10,6 +10,7 @@ from app.gui.actions import actions, camera_actions, job_actions, view_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
 from app.gui.state.app_state import AppState
+from app.gui.update.job_starting import start_due
 from app.scenes.photos import read_photo
 from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
 from app.scenes.view_request import ViewRequest
@@ -23,7 +24,8 @@ SIZE = (64, 48)
 
 @pytest.fixture
 def live(state: AppState, model: DynamicGaussians) -> AppState:
-    job_actions.start_reconstruction(state, FakeJob)
+    job_actions.start_reconstruction(state)
+    start_due(state, FakeJob)
     show_live(state, model)
     state.scene.size = SIZE
     camera_actions.turn(state, 0.3, 0.2)
