@@ -72,7 +72,10 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
     text = declared(TrainConfig, "method").text
     method = _choose("Method", "method", METHODS.index(config.method), [*map(named, METHODS)], text)
-    frames = "Reconstruct the original frames, or frames enhanced with the settings above; both in turn runs two reconstructions to compare."
+    frames = (
+        "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
+        "runs two reconstructions to compare."
+    )
     chosen = _choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
     draft_actions.choose_input(state, INPUTS[chosen])
     if run.input != "original":
