@@ -58,8 +58,8 @@ SAY_INSTEAD = (
     ("numbers a Gaussian", "numbers per Gaussian"),
     ("file of splats", "splat file"),
 )
-CONTRACT = ("enhanced picture", "whole picture")
-"""Kinds of exports and of statistics that files and requests hold."""
+CONTRACT = ("enhanced picture",)
+"""Kinds of exports that files hold."""
 
 
 def texts() -> Iterator[tuple[str, str]]:

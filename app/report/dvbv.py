@@ -18,9 +18,9 @@ from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 
-Pixels = Literal["whole picture", "gt_masks", "masks"]
-PIXELS: Final[tuple[Pixels, ...]] = ("whole picture", "gt_masks", "masks")
-STATISTICS: Final[tuple[Measured, ...]] = ("whole picture", "tissue")
+Pixels = Literal["whole image", "gt_masks", "masks"]
+PIXELS: Final[tuple[Pixels, ...]] = ("whole image", "gt_masks", "masks")
+STATISTICS: Final[tuple[Measured, ...]] = ("whole image", "tissue")
 SPREAD: Final = 2.0
 """Standard deviations over the seeds that a mean must lie away from 1."""
 Ratios = dict[Pixels, float]
@@ -46,7 +46,7 @@ class PixelSets:
     def masks(self, index: int) -> dict[Pixels, BoolImage | None]:
         """(H, W), True = taken; None for all of them."""
         own = self.clip.read_frame(index).evaluation_mask
-        masks: dict[Pixels, BoolImage | None] = {"whole picture": None, "masks": own}
+        masks: dict[Pixels, BoolImage | None] = {"whole image": None, "masks": own}
         if self.tools_only is not None:
             masks["gt_masks"] = self.tools_only.read_frame(index).evaluation_mask
         return masks

@@ -91,7 +91,7 @@ def read_edits(folder: RunFolder, count: int) -> Edits | None:
         raise UserError(f"{path}: {problem(error)}") from error
     if record.model_sha256 != digest(folder.model_path):
         raise UserError(
-            f"expected edits of this run's model, got edits of an earlier one: {path} "
+            f"expected edits of this run's model, got edits of another model: {path} "
             "(use --as-trained to ignore them, or delete the file)"
         )
     if record.gaussians != count:

@@ -49,8 +49,8 @@ from renderer.train.trainer import TrainingError, require_depth, train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
-Measured = Literal["tissue", "whole picture"]
-"""The pixels that statistics of enhanced photos are of; the paper's Eqs 2 and 12 take the whole picture."""
+Measured = Literal["tissue", "whole image"]
+"""The pixels that statistics of enhanced photos are of; the paper's Eqs 2 and 12 take the whole image."""
 PRESETS: Final[Mapping[Preset, EnhancementSettings]] = MappingProxyType(
     {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
 )
@@ -176,7 +176,7 @@ def _told(
 
 def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue") -> Enhancement:
     """`params` with statistics pooled over the training frames, so that colours agree."""
-    if measured == "whole picture":
+    if measured == "whole image":
         whole = (clip.read_image(index) for index in clip.train_indices)
         return Enhancement(params=params, statistics=measure_for(params, whole))
     # Both iterables of `measure_for` walk the same frames in step: each is decoded once and let go.

@@ -283,7 +283,7 @@ def test_runs_of_two_clips_are_not_compared(runs: dict[str, Path], tmp_path: Pat
     assert vesselsplat("train", other, "--run", tmp_path / "run", "--iterations", 2).code == 0
     call = vesselsplat("evaluate", runs["original"], "--against", tmp_path / "run")
     assert (call.code, call.out, call.error.count("\n")) == (2, "", 1)
-    assert "run of the clip small, got one of other" in call.error
+    assert "run on the clip small, got one on other" in call.error
 
 
 def test_the_paper_stands_beside_its_own_clips_only(runs: dict[str, Path]) -> None:

@@ -219,7 +219,7 @@ def test_edits_of_a_run_come_back_with_it(
     folder.save_model(folder.model().rows(np.arange(count - 1)))
     opened(again, folder.path)
     assert again.window.banner is not None
-    assert "edits of an earlier one" in again.window.banner.message
+    assert "edits of another model" in again.window.banner.message
     assert len(shown(again)) == count - 1
 
 

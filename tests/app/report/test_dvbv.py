@@ -54,9 +54,9 @@ def test_a_rise_holds_by_the_spread_over_seeds(gains: tuple[float, ...], said: s
 
 
 def test_only_seeds_that_both_sides_have_are_compared() -> None:
-    original = {0: {"masks": 1.0, "whole picture": 2.0}, 1: {"masks": 2.0, "whole picture": 2.0}}
-    found = list(rises("m", original, {"tissue": {1: {"masks": 3.0, "whole picture": 5.0}}}))  # type: ignore[arg-type]
-    assert [(one.pixels, one.gains) for one in found] == [("whole picture", (2.5,)), ("masks", (1.5,))]
+    original = {0: {"masks": 1.0, "whole image": 2.0}, 1: {"masks": 2.0, "whole image": 2.0}}
+    found = list(rises("m", original, {"tissue": {1: {"masks": 3.0, "whole image": 5.0}}}))  # type: ignore[arg-type]
+    assert [(one.pixels, one.gains) for one in found] == [("whole image", (2.5,)), ("masks", (1.5,))]
     assert Rise("m", "masks", "tissue", (0.0, 2.0), (1.0, 3.0)).gains == (1.5,)
 
 
@@ -76,7 +76,7 @@ def test_pixels_are_those_of_each_mask(two_masks: Path) -> None:
     assert wide[:, :MASKED].any()
     picture = sets.clip.read_image(1)
     ratios = sets.ratios([(1, picture)])
-    assert ratios["whole picture"] == dvbv_otsu(picture).ratio
+    assert ratios["whole image"] == dvbv_otsu(picture).ratio
     assert ratios["gt_masks"] == dvbv_otsu(picture, tissue_mask=wide).ratio
     assert ratios["masks"] == dvbv_otsu(picture, tissue_mask=narrow).ratio
     assert len({*ratios.values()}) == 3
@@ -87,7 +87,7 @@ def test_pixels_are_those_of_each_mask(two_masks: Path) -> None:
 def test_statistics_are_of_tissue_or_of_whole_pictures(two_masks: Path) -> None:
     clip, params = open_clip(two_masks), EnhanceParams()
     whole = measure([clip.read_image(index) for index in clip.train_indices], params)
-    assert pooled(clip, params, "whole picture").statistics == whole
+    assert pooled(clip, params, "whole image").statistics == whole
     assert pooled(clip, params).statistics != whole
 
 
@@ -114,10 +114,10 @@ def test_all_pixels_and_statistics_stand_side_by_side(
     assert all(row["± SD of seeds"] is not None for row in rows[6:])
     # What a run was trained on is another picture with other statistics.
     of_renders = {(one.pixels, one.statistics): one.enhanced for one in found[6:]}
-    assert of_renders["masks", "tissue"] != of_renders["masks", "whole picture"]
+    assert of_renders["masks", "tissue"] != of_renders["masks", "whole image"]
     told = list(paper._reading_of_rises(found))
     assert len(told) == 2
-    assert "over gt_masks with statistics of whole picture" in told[1]
+    assert "over gt_masks with statistics of whole image" in told[1]
     out_of_time = list(measured_rises(bench, Clock.of(-1), {"vesselsplat": "Deform3DGS"}, missing))
     assert {one.what for one in out_of_time} == {PHOTOS}
     assert missing[-1].endswith("no time left")
@@ -131,11 +131,11 @@ def test_photos_of_the_pulling_clip_gain_as_the_pixels_and_statistics_are_taken(
     gains = {(one.pixels, one.statistics): float(np.mean(one.gains)) for one in found}
     assert gains == pytest.approx(
         {
-            ("whole picture", "whole picture"): 1.252,
-            ("whole picture", "tissue"): 1.182,
-            ("gt_masks", "whole picture"): 1.363,
+            ("whole image", "whole image"): 1.252,
+            ("whole image", "tissue"): 1.182,
+            ("gt_masks", "whole image"): 1.363,
             ("gt_masks", "tissue"): 1.249,
-            ("masks", "whole picture"): 1.092,
+            ("masks", "whole image"): 1.092,
             ("masks", "tissue"): 1.025,
         },
         abs=0.005,

@@ -64,7 +64,7 @@ def test_edits_of_another_model_are_refused_in_a_line(
         flag = "--out" if command == "render" else "--ply"
         call = vesselsplat(command, run.path, flag, tmp_path / "out")
         assert (call.code, call.error.count("\n")) == (2, 1)
-        assert "has changed" in call.error
+        assert "edits of another model" in call.error
     assert not (tmp_path / "out").exists()
     assert vesselsplat("evaluate", run.path, "--edited").code == 2
     assert vesselsplat("render", run.path, "--out", tmp_path / "out", "--frames", 0, "--as-trained").code == 0
