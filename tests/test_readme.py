@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-TREE = (ROOT / "README.md").read_text(encoding="utf-8").split("## Where things are")[1].split("```")[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+TREE = README.split("## Where things are")[1].split("```")[1]
 NAMES = re.compile(r"( *)((?:[\w*]+(?:/|\.py) {0,2})+)")
 """The names that a line begins with, behind two spaces for each folder that they lie in."""
 DEEPEST = 6
@@ -54,3 +55,11 @@ def test_every_folder_and_file_of_the_first_level_is_in_the_tree(top: str) -> No
     names += [path.name for path in inside if path.suffix == ".py"]
     section = TREE[TREE.index(f"\n{top}/") :].split("\n\n")[0]
     assert [name for name in names if not re.search(rf"(?<![\w/]){re.escape(name)}", section)] == []
+
+
+def test_the_files_of_the_walk_are_there() -> None:
+    walk = README.split("From a slider to a kernel")[1].split("Conventions:")[0]
+    files = re.findall(r"`([\w/]+\.py)`", walk)
+    assert len(files) > 10
+    everywhere = [path.as_posix() for path in ROOT.glob("*/**/*.py")]
+    assert [name for name in files if not any(path.endswith(f"/{name}") for path in everywhere)] == []
