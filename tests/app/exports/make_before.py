@@ -18,7 +18,8 @@ from app.__main__ import main
 from app.exports.window_shot import save_window
 from app.gui.actions import actions, comparing, edit_actions, second_actions, window_actions
 from app.gui.actions.export_actions import What
-from app.gui.state.settings import Places
+from app.gui.work.saving_edits import SaveRequest, write_splats
+from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
@@ -117,13 +118,13 @@ def _by_window(folder: Path, run: Path, mip: Path) -> None:
     keep("measures of both panes", "measures.csv")
     second_actions.open_second(state, mip)
     window.turn(6)
-    state.view_kind = "depth"
+    state.scene.kind = "depth"
     window.turn(6)
     keep("3D view", "views.png")
-    assert state.model is not None
-    near, far = (state.model.camera_at(time) for time in (0.0, 0.5))
+    assert state.scene.model is not None
+    near, far = (state.scene.model.camera_at(time) for time in (0.0, 0.5))
     path = CameraPath((Keyframe(0.0, 0.0, near), Keyframe(0.2, 0.9, far)))
-    state.cameras.views = replace(state.cameras.views, path=path)
+    state.scene.cameras.views = replace(state.scene.cameras.views, path=path)
     keep("video through time", "views.mp4")
     second_actions.close_second(state)
     keep("video along the path", "path.mp4")
@@ -140,7 +141,10 @@ def _by_window(folder: Path, run: Path, mip: Path) -> None:
     splats.turn(6)
     edit_actions.delete(splats.state)
     assert not splats.state.editing.edits.is_empty
-    edit_actions.write_splats(splats.state, folder / "splats.ply")
+    editing = splats.state.editing
+    assert editing.base is not None
+    source = folder / "splats.ply"
+    write_splats(SaveRequest(editing.base, source, editing.edits, editing.saved, splats.state.time))
 
 
 def _keep(folder: Path, names: dict[str, str]) -> None:

@@ -260,8 +260,8 @@ def test_splats_are_saved_with_the_mode_and_come_again(
     window: Exporter, source: Source, trained: Path
 ) -> None:
     state, path = window.state, source.path.with_suffix(".ply")
-    edits, model = state.editing.edits, state.scene.model
-    assert model is not None
-    saved = write_splats(SaveRequest(model, path, edits, model, edits, state.time))
+    editing = state.editing
+    assert editing.base is not None
+    saved = write_splats(SaveRequest(editing.base, path, editing.edits, editing.saved, state.time))
     assert read_splats(saved).mode == RunFolder(trained).record().config.render_mode
     assert same(saved, source.path)

@@ -215,7 +215,7 @@ def test_edits_of_a_run_come_back_with_it(
     assert len(shown(again)) == count - len(hidden)
     assert again.scene.model is not None
     assert again.scene.model.record.edits is not None
-    assert again.model.record.edits.n_hidden == len(hidden)
+    assert again.scene.model.record.edits.n_hidden == len(hidden)
     folder.save_model(folder.model().rows(np.arange(count - 1)))
     opened(again, folder.path)
     assert again.window.banner is not None

@@ -108,7 +108,7 @@ def test_a_file_of_splats_is_shown_alone(tmp_path: Path, places: Places, model: 
     (view,) = draw_view(state.view_request)
     assert view.image.any()
     assert state.scene.model.record.splats is not None
-    assert state.model.record.splats.name == "some.ply"
+    assert state.scene.model.record.splats.name == "some.ply"
 
 
 def test_an_unfinished_run_can_be_continued(tmp_path: Path, places: Places) -> None:
