@@ -15,19 +15,12 @@ MOST_SCALE = 64
 
 @dataclass(frozen=True)
 class Sizing:
-    """Whole squares, or a chosen width. Read from provenance: raises ValueError for a size that none is."""
+    """Whole squares, or a chosen width; `PanesRecord` says within which limits."""
 
     scale: int = 1
     """Pixels of the file a pixel of the picture, each way: no value is made up between two."""
     width: int | None = None
     """Pixels across in place of that, the shape kept: averaged when smaller, interpolated when larger."""
-
-    def __post_init__(self) -> None:
-        width = LEAST_WIDTH if self.width is None else self.width
-        if not (1 <= self.scale <= MOST_SCALE and LEAST_WIDTH <= width <= MOST_WIDTH):
-            raise ValueError(
-                f"expected a scale of 1 to {MOST_SCALE} or a width of {LEAST_WIDTH} to {MOST_WIDTH}"
-            )
 
     def of(self, image: ByteImage) -> ByteImage:
         """(H, W, 3) in this size. Values are those of the file: what is stored is meant for screens, and so

@@ -94,6 +94,14 @@ def test_what_pixels_need_is_one_line(tmp_path: Path, wrong: dict[str, object]) 
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("wrong", [{"scale": 0}, {"width": 1 << 20}, {"panes": [{"title": "A"}]}])
+def test_a_page_that_none_is_is_one_line(tmp_path: Path, wrong: dict[str, object]) -> None:
+    path = changed("panes.png", tmp_path, **wrong)
+    with pytest.raises(UserError, match=next(iter(wrong))) as caught:
+        replay(path, SOURCES, tmp_path / "again.png")
+    assert "\n" not in str(caught.value)
+
+
 def test_a_record_of_a_later_schema_is_refused(tmp_path: Path) -> None:
     path = changed("render-color.png", tmp_path, schema=SCHEMA + 1)
     with pytest.raises(UserError, match=f"schema {SCHEMA}, got {SCHEMA + 1}.*render-color.png"):
