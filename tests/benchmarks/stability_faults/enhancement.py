@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replaced
 
-KERNELS, FILTER, SURVEY = "enhance.second_pass", "enhance.guided_filter", "enhance.first_pass"
+KERNELS, FILTER, FIRST_PASS = "enhance.second_pass", "enhance.guided_filter", "enhance.first_pass"
 ENHANCER, POWERS = "enhance.enhancer", "enhance.powers"
 
 
@@ -55,7 +55,7 @@ def _statistics() -> list[Fault]:
         ),
         edit("sign", "of P", "enhance.detail", "(27 - 2 * sigma)", "(27 + 2 * sigma)"),
         edit("dropped", "the mask", ENHANCER, "if tissue_mask is not None or picture", "if picture"),
-        edit("dropped", "the divisor of S", SURVEY, "/ (most if most > LEAST else LEAST)", ""),
+        edit("dropped", "the divisor of S", FIRST_PASS, "/ (most if most > LEAST else LEAST)", ""),
         Fault(
             "statistics",
             "other",
@@ -97,17 +97,17 @@ def _jumps() -> list[Fault]:
     ]
 
 
-def _survey() -> list[Fault]:
+def _first_pass() -> list[Fault]:
     def edit(kind: Kind, what: str, old: str, new: str, *parts: str) -> Fault:
-        return edit_of("first pass", kind, what, SURVEY, old, new, *parts)
+        return edit_of("first pass", kind, what, FIRST_PASS, old, new, *parts)
 
     def low_in_half(whole: Any) -> Any:
-        def survey(*args: Any) -> None:
+        def first_pass(*args: Any) -> None:
             whole(*args)
             for grid in args[4:6]:
                 grid[...] = grid.astype(np.float16)
 
-        return survey
+        return first_pass
 
     return [
         edit(
@@ -131,7 +131,7 @@ def _survey() -> list[Fault]:
             "float16",
             "block means",
             parts_of("ends"),
-            replaced(f"{SURVEY}:survey", low_in_half),
+            replaced(f"{FIRST_PASS}:first_pass", low_in_half),
         ),
         edit(
             "other",
@@ -207,4 +207,4 @@ def _filters() -> list[Fault]:
     ]
 
 
-FAULTS: tuple[Fault, ...] = (*_statistics(), *_jumps(), *_survey(), *_filters())
+FAULTS: tuple[Fault, ...] = (*_statistics(), *_jumps(), *_first_pass(), *_filters())

@@ -25,13 +25,13 @@ def _changed(change: Any) -> Change:
     """The gradients of each step."""
 
     def make(whole: Any) -> Any:
-        def slopes(*args: Any, **named: Any) -> Any:
+        def loss_and_gradients(*args: Any, **named: Any) -> Any:
             found = whole(*args, **named)
             return replace(found, by=change(found.by))
 
-        return slopes
+        return loss_and_gradients
 
-    return replaced(f"{PICTURES}:CpuBackend.slopes", make)
+    return replaced(f"{PICTURES}:CpuBackend.loss_and_gradients", make)
 
 
 def _raises(_: Any) -> Any:
