@@ -52,8 +52,9 @@ from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.style import theme
+from app.gui.update.channels import Channels
 from app.gui.update.job_starting import MakeJob, start_due
-from app.gui.update.update import Channels, take_pictures, update
+from app.gui.update.update import take_pictures, update
 from app.gui.work.background import Apart, Worker
 from app.gui.work.clip_settings import load_clips
 from app.gui.work.settings import Places, Theme, load_settings
@@ -378,7 +379,7 @@ class Window:
             self.state.runs.reconstruction.job = None
         for worker in self._workers:
             worker.close()
-        self._channels.keep.finish(self.state)
+        self._channels.finish(self.state)
 
     def _open(self, path: Path) -> None:
         actions.open_path(self.state, path)

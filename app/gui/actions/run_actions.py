@@ -10,11 +10,11 @@ from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.state.second import Second
 from app.gui.work.background import Failure
-from app.gui.work.run_list import FoundRuns, ListedRun
+from app.gui.work.run_list import FoundRuns, ListedRun, RunsRequest
 from app.gui.work.run_models import Left, LeftRequest
 
 
-def take_found(state: AppState, answer: FoundRuns | Failure) -> None:
+def take_found(state: AppState, request: RunsRequest, answer: FoundRuns | Failure) -> None:
     """Show what was found for the clip that is open."""
     if isinstance(answer, FoundRuns):
         state.runs.found = answer

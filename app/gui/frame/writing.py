@@ -9,7 +9,7 @@ from app.gui.frame.dialogs import Dialogs
 from app.gui.panels.batches import Asking, draw_batches
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
-from app.gui.update.update import Channels
+from app.gui.update.channels import Channels
 
 
 class Writing:

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from app.gui.actions import job_actions
 from app.gui.state.app_state import AppState
-from app.gui.update.job_work import JobWork
-from app.gui.update.keep_work import KeepWork
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from renderer.gaussians import DynamicGaussians
 
 
 def keep_all(state: AppState) -> None:
     """What is to be on disk is there, or it has been told why not."""
-    work = KeepWork()
-    work.finish(state)
-    work.take(state)
+    channels = Channels()
+    channels.finish(state)
+    _answer(state, channels)
 
 
 def show_live(state: AppState, model: DynamicGaussians) -> None:
@@ -30,11 +29,17 @@ def show_finished(state: AppState, model: DynamicGaussians) -> None:
 
 def follow_run(state: AppState) -> None:
     """What has been asked for of the run is there."""
-    work = JobWork()
-    work.ask(state)
-    for channel in work.all:
+    channels = Channels()
+    channels.models.want(state.runs.model_wish)
+    channels.left.want(state.runs.reconstruction.ended)
+    for channel in (channels.models, channels.left):
         channel.run_waiting()
-    work.take(state)
+    _answer(state, channels)
+
+
+def _answer(state: AppState, channels: Channels) -> None:
+    for row in channels.rows:
+        row.answer(state)
 
 
 def settle(state: AppState, channels: Channels, now: float = 0.0) -> None:

@@ -12,7 +12,8 @@ from app.gui.actions import actions, camera_actions, view_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, keyframes_of
 from app.gui.state.app_state import AppState
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.scenes.view_kinds import EXPLAINED, ViewKind
 from app.scenes.viewing import draw_view
 from renderer.draw import splat_view

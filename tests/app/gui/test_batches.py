@@ -18,7 +18,8 @@ from app.gui.commands.keys import chord
 from app.gui.frame.dialogs import TITLES
 from app.gui.panels.batches import Asking, draw_batches
 from app.gui.state.app_state import AppState
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.gui.work.background import Worker
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path

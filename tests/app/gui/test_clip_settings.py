@@ -13,7 +13,8 @@ from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane, tinted
 from app.gui.state.source import Source
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.gui.views.picture_view import Placement
 from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint

@@ -12,7 +12,8 @@ import pytest
 
 from app.gui.actions import actions, edit_actions
 from app.gui.state.app_state import AppState
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.selecting import Selector
 from app.gui.work.settings import Places

@@ -11,8 +11,9 @@ from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Picture
 from app.gui.actions import actions
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
 from app.gui.update.measure_work import REST
-from app.gui.update.update import Channels, update
+from app.gui.update.update import update
 from app.gui.work.measuring import BINS, Measurer, curves, spread
 from enhance import EnhanceParams, enhance
 from enhance.metrics import dvbv_otsu, saturated_share

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
 from app.gui.update.measure_work import REST
 from app.gui.update.memory_work import MemoryWork
-from app.gui.update.update import Channels
 from app.gui.work.tidying import OnScreen
 from enhance import EnhanceParams
 from renderer.clip import Clip

@@ -15,8 +15,9 @@ import pytest
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
 from app.gui.update.job_starting import start_due
-from app.gui.update.update import Channels, update
+from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import Cancelled, Failed
 from app.runs.queue_file import queue_file

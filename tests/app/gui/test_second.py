@@ -10,8 +10,10 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
 from app.gui.update.job_starting import start_due
-from app.gui.update.update import SLOW_VIEW, Channels, _ask_second, update, view_request
+from app.gui.update.update import update
+from app.gui.update.view_wish import SLOW_VIEW, beside, view_request
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.viewing import View
 from assets import phantom_path
@@ -135,7 +137,7 @@ def test_the_processor_draws_the_second_view_as_the_window_asks_for_it(seen: App
     for shown in (replace(seen.scene.model), replace(seen.scene.model, first=2)):
         seen.scene.second.shown = shown
         for wanted in (first, first.of_kind("difference", photo)):
-            _ask_second(seen, channels, wanted)
+            channels.second.want(beside(seen, wanted))
             assert channels.second.asked == seen.scene.beside(wanted) is not None
 
 

@@ -31,7 +31,8 @@ from app.gui.session_file import (
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Comparison
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.gui.views.picture_view import PictureView
 from app.gui.work import session_writing
 from app.gui.work.opening import OpenRequest, open_path

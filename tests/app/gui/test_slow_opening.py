@@ -20,8 +20,9 @@ from app.gui.panels.overlays import draw_banner
 from app.gui.session_file import Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
+from app.gui.update.channels import Channels
 from app.gui.update.opening_work import LONG
-from app.gui.update.update import Channels, update
+from app.gui.update.update import update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.gui.work.session_writing import SessionRequest, write

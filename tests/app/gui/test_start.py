@@ -15,7 +15,8 @@ from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.frame import dockings, kept_layout
 from app.gui.state.app_state import AppState
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
 from renderer.view_files import Views, views_json

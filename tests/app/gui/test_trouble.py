@@ -16,8 +16,9 @@ from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
 from app.gui.session_file import autosave_path, read_session
 from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
 from app.gui.update.job_starting import start_due
-from app.gui.update.update import Channels, update
+from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder

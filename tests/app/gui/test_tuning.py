@@ -12,7 +12,8 @@ from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.state.app_state import AppState
-from app.gui.update.update import Channels, update
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, Settings
 from app.gui.work.tuning import Choice

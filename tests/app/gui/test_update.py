@@ -10,8 +10,10 @@ import pytest
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
 from app.gui.update.job_starting import start_due
-from app.gui.update.update import PATIENCE, PROMPT, SLOW_VIEW, Channels, take_pictures, update, view_request
+from app.gui.update.update import PATIENCE, PROMPT, take_pictures, update
+from app.gui.update.view_wish import SLOW_VIEW, view_request
 from app.gui.work.background import Channel, Worker
 from app.gui.work.opening import Opened
 from app.runs.job import Cancelled, Failed, Paused, Resumed

@@ -1,0 +1,186 @@
+"""The window's background work in one table: what is asked for, who answers, what takes the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Generic
+
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
+from app.exports.exporting import ExportRequest, Step, export
+from app.exports.window_shot import WindowRequest, save_window
+from app.gui.actions import (
+    batch_actions,
+    camera_actions,
+    edit_actions,
+    export_actions,
+    job_actions,
+    preset_actions,
+    run_actions,
+    session_actions,
+    tuning_actions,
+)
+from app.gui.state.app_state import AppState
+from app.gui.update import taking
+from app.gui.update.bake_work import BakeWork
+from app.gui.update.compare_work import CompareWork
+from app.gui.update.measure_work import MeasureWork
+from app.gui.update.memory_work import MemoryWork
+from app.gui.update.opening_work import OpeningWork
+from app.gui.update.queue_work import QueueWork
+from app.gui.update.strip_work import StripWork
+from app.gui.update.taking import told
+from app.gui.update.view_wish import first_wish, second_wish
+from app.gui.work.background import Answer, Channel, Failure, Request, SteppedChannel
+from app.gui.work.batching import BatchRequest, Progressed, batch
+from app.gui.work.file_writing import WriteRequest, write_file
+from app.gui.work.omissions import Omissions, OmissionsRequest, look
+from app.gui.work.picking import Picked, PickRequest, pick
+from app.gui.work.presets import KeepPresets, KeptPresets, keep_presets
+from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
+from app.gui.work.run_models import Left, LeftRequest, ModelRequest, left_of, run_model
+from app.gui.work.saving_edits import SavedEdits, SaveRequest, keep_edits
+from app.gui.work.selecting import Selected, Selector, SelectRequest
+from app.gui.work.session_writing import SessionRequest, write
+from app.gui.work.tuning import CellMaker, CellRequest, GridCell
+from app.scenes.photos import Photo, PhotoRequest, read_photo
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
+from app.scenes.viewing import View, draw_view
+
+
+@dataclass(frozen=True)
+class Row(Generic[Request, Answer]):
+    """One kind of work, from the wish for it to its answer."""
+
+    channel: Channel[Request, Answer]
+    take: Callable[[AppState, Request, Answer | Failure], None]
+    wish: Callable[[AppState], Request | None] | None = None
+    """What the state wishes for now; None where each request is asked for once, when it comes up."""
+
+    def answer(self, state: AppState) -> None:
+        """Take what has been made since the last frame."""
+        while (taken := self.channel.take()) is not None:
+            self.take(state, *taken)
+
+    def ask(self, state: AppState) -> None:
+        """Ask for what is not there."""
+        if self.wish is not None:
+            self.channel.want(self.wish(state))
+
+
+@dataclass
+class Channels:
+    """The kinds of background work; those with rules of their own, when to ask for what, are groups."""
+
+    pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
+    picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
+    selecting: Channel[SelectRequest, Selected] = field(default_factory=lambda: Channel(Selector().select))
+    photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
+    models: Channel[ModelRequest, Scene] = field(default_factory=lambda: Channel(run_model))
+    left: Channel[LeftRequest, Left] = field(default_factory=lambda: Channel(left_of))
+    view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    second: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
+    saving: Channel[ExportRequest, Step] = field(default_factory=lambda: Channel(export, depth=16))
+    windows: Channel[WindowRequest, Step] = field(default_factory=lambda: Channel(save_window, depth=4))
+    cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
+    sessions: Channel[SessionRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
+    exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
+    batches: SteppedChannel[BatchRequest, Progressed] = field(default_factory=lambda: SteppedChannel(batch))
+    omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
+    runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
+    files: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write_file, depth=256))
+    presets: Channel[KeepPresets, KeptPresets] = field(
+        default_factory=lambda: Channel(keep_presets, depth=64)
+    )
+    edits: Channel[SaveRequest, SavedEdits] = field(default_factory=lambda: Channel(keep_edits))
+    opening: OpeningWork = field(default_factory=OpeningWork)
+    bakes: BakeWork = field(default_factory=BakeWork)
+    compare: CompareWork = field(default_factory=CompareWork)
+    measure: MeasureWork = field(default_factory=MeasureWork)
+    strip: StripWork = field(default_factory=StripWork)
+    queue: QueueWork = field(default_factory=QueueWork)
+    memory: MemoryWork = field(default_factory=MemoryWork)
+    photo: Pictures | None = None
+    """A photo whose enhanced partner is being made."""
+
+    @cached_property
+    def rows(self) -> Sequence[Row[Any, Any]]:
+        """In the order in which answers are taken and wishes are asked for."""
+        return (
+            Row(self.models, told("the reconstruction cannot be shown", job_actions.take_model),
+                lambda s: s.runs.model_wish),
+            Row(self.left, told("what the run has left cannot be told", run_actions.take_left),
+                lambda s: s.runs.reconstruction.ended),
+            Row(self.picks, told("the point cannot be located", camera_actions.take_point),
+                lambda s: s.scene.viewer.pick),
+            Row(self.selecting, taking.take_selected, lambda s: s.editing.wish),
+            Row(self.photos, told("the frame cannot be read", taking.take_photo), lambda s: s.photo_request),
+            Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
+                lambda s: s.omissions_request),
+            Row(self.runs, run_actions.take_found, lambda s: s.runs_request),
+            Row(self.view, taking.take_view, first_wish),
+            Row(self.second, taking.take_second, second_wish),
+            Row(self.cells, tuning_actions.take_cell, lambda s: s.tuning.request),
+            Row(self.edits, edit_actions.take_saved, lambda s: s.editing.saving),
+            Row(self.saving, taking.take_saved),
+            Row(self.windows, taking.take_saved),
+            Row(self.sessions, session_actions.take_written),
+            Row(self.exports, export_actions.take_step),
+            Row(self.batches, batch_actions.take_progress),
+            Row(self.files, taking.take_written),
+            Row(self.presets, preset_actions.take_kept),
+        )  # fmt: skip
+
+    @property
+    def keeping(self) -> Sequence[Channel[Any, Any]]:
+        """What is not given up when the window closes."""
+        return (self.files, self.presets, self.edits)
+
+    @property
+    def apart(self) -> Sequence[Channel[Any, Any]]:
+        """What may never end, each request in a thread of its own: work without numba that opens files."""
+        return (*self.opening.all, self.queue.clips)
+
+    @property
+    def beside(self) -> Sequence[Channel[Any, Any]]:
+        """What a second worker does: work without numba, which no picture waits for."""
+        first = (*self.measure.all, *self.strip.all, self.omissions, self.runs)
+        return (*first, *self.keeping, *self.queue.all, *self.memory.all)
+
+    @property
+    def all(self) -> Sequence[Channel[Any, Any]]:
+        """What the first worker does in turn, and what is apart."""
+        first = (*self.opening.all, self.models, self.left, self.pictures, self.picks, self.selecting)
+        views = (self.photos, *self.compare.all, self.view, self.second, *self.bakes.all)
+        return (
+            *first,
+            *views,
+            self.saving,
+            self.windows,
+            self.cells,
+            self.sessions,
+            self.exports,
+            self.batches,
+        )
+
+    def ask_once(self, state: AppState) -> None:
+        """Hand over what came up since the last frame."""
+        wishes, state.window.wishes = state.window.wishes, ()
+        for wish in wishes:
+            if isinstance(wish, KeepPresets):
+                self.presets.ask(wish)
+            else:
+                self.files.ask(wish)
+        if (session := session_actions.autosave_request(state)) is not None:
+            self.sessions.ask(session)
+
+    def finish(self, state: AppState) -> None:
+        """The window has closed and no worker is left: do what must not be given up."""
+        self.ask_once(state)
+        self.edits.want(state.editing.saving)
+        for channel in self.keeping:
+            while channel.run_waiting():
+                pass

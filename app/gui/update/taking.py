@@ -1,0 +1,80 @@
+"""What answers of the background work change in the state, where there is no action for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from app.exports.exporting import Step
+from app.gui.actions import actions, edit_actions, export_actions
+from app.gui.state.app_state import AppState
+from app.gui.work.background import Answer, Failure, Request
+from app.gui.work.file_writing import WriteRequest
+from app.gui.work.omissions import Omissions, OmissionsRequest
+from app.gui.work.selecting import Selected, SelectRequest
+from app.scenes.photos import Photo, PhotoRequest
+from app.scenes.view_request import ViewRequest
+from app.scenes.viewing import View
+
+Take = Callable[[AppState, Request, Answer | Failure], None]
+
+
+def told(trouble: str, take: Callable[[AppState, Request, Answer], None]) -> Take[Request, Answer]:
+    """`take` for an answer; a failure is shown as `trouble` with its reason."""
+
+    def either(state: AppState, request: Request, answer: Answer | Failure) -> None:
+        if isinstance(answer, Failure):
+            actions.fail(state, f"{trouble}: {answer.message}")
+        else:
+            take(state, request, answer)
+
+    return either
+
+
+def take_omissions(state: AppState, request: OmissionsRequest, omissions: Omissions) -> None:
+    state.runs.omissions = omissions
+
+
+def take_photo(state: AppState, request: PhotoRequest, photo: Photo) -> None:
+    state.scene.viewer.photo = photo
+
+
+def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
+    if isinstance(answer, Failure):
+        state.editing.wish = None
+        actions.fail(state, f"nothing was selected: {answer.message}")
+    else:
+        edit_actions.take_selected(state, request, answer)
+
+
+def take_view(state: AppState, request: ViewRequest, answer: View | Failure) -> None:
+    """Of a model that is gone, it is dropped."""
+    if state.scene.model is None:
+        return
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the 3D view cannot be rendered: {answer.message}")
+    else:
+        state.scene.view = answer
+
+
+def take_second(state: AppState, request: ViewRequest, answer: View | Failure) -> None:
+    """Of a model that is no longer beside the first, it is dropped."""
+    if request.scene is not state.scene.second.shown:
+        return
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the second 3D view cannot be rendered: {answer.message}")
+    else:
+        state.scene.second.view = answer
+
+
+def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:
+    export_actions.take_saved(state, answer)
+
+
+def take_written(state: AppState, request: WriteRequest, answer: Path | Failure) -> None:
+    """A file that was asked for is announced; of others only trouble is noted."""
+    if isinstance(answer, Failure):
+        tell = actions.fail if request.announced else actions.say
+        tell(state, f"{request.trouble}: {answer.message}")
+    elif request.announced:
+        actions.announce(state, f"saved {answer.name} in {answer.parent.name}/")
