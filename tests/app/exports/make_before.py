@@ -143,8 +143,8 @@ def _by_window(folder: Path, run: Path, mip: Path) -> None:
     assert not splats.state.editing.edits.is_empty
     editing = splats.state.editing
     assert editing.base is not None
-    path = folder / "splats.ply"
-    write_splats(SaveRequest(editing.base, path, editing.edits, editing.saved, splats.state.time))
+    source = folder / "splats.ply"
+    write_splats(SaveRequest(editing.base, source, editing.edits, editing.saved, splats.state.time))
 
 
 def _keep(folder: Path, names: dict[str, str]) -> None:
