@@ -13,13 +13,7 @@ from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.console.ending import noted
 from app.errors import UserError
-from app.gui.actions import (
-    actions,
-    preset_actions,
-    queue_actions,
-    second_actions,
-    session_actions,
-)
+from app.gui.actions import actions, preset_actions, queue_actions, second_actions, session_actions
 from app.gui.commands.camera_commands import second_commands
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
