@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
@@ -257,15 +257,25 @@ def _parsed(line: str) -> dict[str, Any] | None:
 
 def _is_whole(event: dict[str, Any]) -> bool:
     """Whether it has the fields that are read by name; whatever else it holds is taken as it comes."""
-    if event.get("event") == "Finished":
-        numbers = (event.get("iteration"), event.get("seconds"))
-        if not all(isinstance(each, int | float) and 0 <= each < 1e12 for each in numbers):
-            return False
+    name = event.get("event")
+    if name == "Warned" and not isinstance(event.get("message"), str):
+        return False
+    needed = ("iteration", "seconds") if name == "Finished" else ()
+    if any(not _is_number(event.get(each)) or event[each] < 0 for each in needed):
+        return False
+    if not all(_is_number(event[each]) for each in NUMBERS if event.get(each) is not None):
+        return False
     try:
         OMITTED.validate_python(event.get("omitted", ()))
     except ValidationError:
         return False
-    return isinstance(event.get("event"), str)
+    return isinstance(name, str)
 
 
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e12
+
+
+NUMBERS: Final = ("iteration", "seconds", "wall_seconds", "psnr", "n_gaussians")
+"""Fields of events that are read by name."""
 OMITTED = TypeAdapter(tuple[Omission, ...])

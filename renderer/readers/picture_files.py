@@ -22,6 +22,8 @@ UNREADABLE_ARRAY = (
     RecursionError, TokenError,
 )  # fmt: skip
 """What numpy's reader raises for headers that make no sense."""
+NONSENSE = (TypeError, KeyError, IndexError, AttributeError, OverflowError, MemoryError, struct.error)
+"""What Pillow raises beside errors of its own, for a header or a chunk that is damaged."""
 TIFF_ORDERS = {b"II*\0": "<", b"MM\0*": ">"}
 WIDTH_TAG, HEIGHT_TAG, SHORT = 256, 257, 3
 
@@ -32,12 +34,16 @@ def opened(path: Path) -> Iterator[ImageFile.ImageFile]:
 
     Raises:
         OverBudget: it has too many pixels.
-        OSError, ValueError, SyntaxError: it is no regular file, or no picture.
+        OSError, ValueError, SyntaxError: it is no regular file, or no picture; or what is read of it while
+            it is open is damaged.
     """
     require_regular(path)
-    with Image.open(path) as picture:
-        budget().require(pixels=picture.width * picture.height)
-        yield picture
+    try:
+        with Image.open(path) as picture:
+            budget().require(pixels=picture.width * picture.height)
+            yield picture
+    except NONSENSE as error:
+        raise ValueError(f"its header makes no sense: {error}".rstrip(": ")) from error
 
 
 def require_size(path: Path) -> None:

@@ -182,6 +182,10 @@ def test_a_camera_path_of_months_is_refused(run: RunFolder, vesselsplat: Cli, tm
         b'{"event": "Started", "omitted": 5}',
         b'{"event": "Started", "omitted": [{"what": 1}]}',
         b'{"event": "Progress", "psnr": "high"}',
+        b'{"event": "Evaluated", "iteration": 5, "psnr": "high"}',
+        b'{"event": "Evaluated", "iteration": 5, "psnr": true}',
+        b'{"event": "Progress", "iteration": 1e300, "n_gaussians": []}',
+        b'{"event": "Warned"}',
         b'{"event": ["Finished"]}',
         b"[1]",
         BRACKETS,
@@ -278,6 +282,24 @@ def test_a_pipe_is_refused_and_never_waited_for(
     assert "Traceback" not in done.stderr
     assert done.stderr.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+WIDTH_ENTRY = struct.pack("<HHI", 256, 4, 1)
+"""Tag, type and count in the directory of a TIFF."""
+
+
+@pytest.mark.parametrize("command", [["info"], ["enhance"]], ids=str)
+def test_a_tiff_without_a_width_is_refused_in_one_line(
+    tmp_path: Path, vesselsplat: Cli, command: list[str]
+) -> None:
+    """Pillow raises TypeError."""
+    Image.new("RGB", (64, 48)).save(tmp_path / "a.tif")
+    content = (tmp_path / "a.tif").read_bytes()
+    (tmp_path / "a.tif").write_bytes(content.replace(WIDTH_ENTRY, b"\xe7\x03" + WIDTH_ENTRY[2:]))
+    more = [tmp_path / "out.png"] if command == ["enhance"] else []
+    said = one_line(vesselsplat(*command, tmp_path / "a.tif", *more))
+    assert "a.tif" in said
+    assert not (tmp_path / "out.png").exists()
 
 
 def test_libraries_do_not_warn_past_our_own_lines(tmp_path: Path) -> None:
