@@ -285,21 +285,36 @@ def test_a_pipe_is_refused_and_never_waited_for(
 
 
 WIDTH_ENTRY = struct.pack("<HHI", 256, 4, 1)
-"""Tag, type and count in the directory of a TIFF."""
+"""Tag, type and count in the directory of a page of a TIFF."""
+
+
+def write_without_last_width(path: Path, pages: int) -> None:
+    """Of the last of so many pages."""
+    page = Image.new("RGB", (64, 48))
+    page.save(path, save_all=True, append_images=[page] * (pages - 1))
+    before, after = path.read_bytes().rsplit(WIDTH_ENTRY, 1)
+    path.write_bytes(before + b"\xe7\x03" + WIDTH_ENTRY[2:] + after)
 
 
 @pytest.mark.parametrize("command", [["info"], ["enhance"]], ids=str)
 def test_a_tiff_without_a_width_is_refused_in_one_line(
     tmp_path: Path, vesselsplat: Cli, command: list[str]
 ) -> None:
-    """Pillow raises TypeError."""
-    Image.new("RGB", (64, 48)).save(tmp_path / "a.tif")
-    content = (tmp_path / "a.tif").read_bytes()
-    (tmp_path / "a.tif").write_bytes(content.replace(WIDTH_ENTRY, b"\xe7\x03" + WIDTH_ENTRY[2:]))
+    write_without_last_width(tmp_path / "a.tif", pages=1)
     more = [tmp_path / "out.png"] if command == ["enhance"] else []
     said = one_line(vesselsplat(*command, tmp_path / "a.tif", *more))
     assert "a.tif" in said
     assert not (tmp_path / "out.png").exists()
+
+
+def test_a_damaged_second_page_does_not_keep_the_first_from_being_read(
+    tmp_path: Path, vesselsplat: Cli
+) -> None:
+    """Pillow raises TypeError when it counts the pages."""
+    write_without_last_width(tmp_path / "a.tif", pages=2)
+    call = vesselsplat("enhance", tmp_path / "a.tif", tmp_path / "out.png")
+    assert call.code == 0
+    assert (tmp_path / "out.png").is_file()
 
 
 def test_libraries_do_not_warn_past_our_own_lines(tmp_path: Path) -> None:
