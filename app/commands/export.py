@@ -93,4 +93,4 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
         for done in make(record, Opened(tuple(views), pen=pen), flags.video):
             if done:
                 report(done, wanted[done - 1].name)
-    sys.stdout.write(f"{flags.video}: {len(wanted)} frames drawn with {pen.name}\n")
+    sys.stdout.write(f"{flags.video}: {len(wanted)} frames rendered with {pen.name}\n")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import MISSING, Field, dataclass, fields
 from typing import Any, Final, TypeVar
 
-from app.runs.run_folder import RunFolder
+from app.runs.run_folder import RunFolder, is_number
 from renderer.train.events import Evaluated, Progress
 
 Event = TypeVar("Event", Progress, Evaluated)
@@ -41,14 +41,10 @@ def _of(kind: type[Event], events: list[dict[str, Any]]) -> tuple[Event, ...]:
     for event in events:
         if event["event"] != kind.__name__:
             continue
-        values = {name: value for name, value in event.items() if name in known and _is_number(value)}
+        values = {name: value for name, value in event.items() if name in known and is_number(value)}
         if all(name in values or _is_optional(item) for name, item in known.items()):
             found.append(kind(**values))
     return tuple(found)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _is_optional(item: Field[Any]) -> bool:

@@ -218,7 +218,7 @@ class RunFolder:
         """Of all work on the run that its log tells of; None: not recorded, by an earlier version."""
         timed = self._timed()
         seconds = timed[-1].get("wall_seconds") if timed else None
-        return float(seconds) if isinstance(seconds, int | float) else None
+        return None if seconds is None else float(seconds)
 
     def wall_before(self) -> float | None:
         """The same, before a run goes on: 0 where it has not begun."""
@@ -261,9 +261,10 @@ def _is_whole(event: dict[str, Any]) -> bool:
     if name == "Warned" and not isinstance(event.get("message"), str):
         return False
     needed = ("iteration", "seconds") if name == "Finished" else ()
-    if any(not _is_number(event.get(each)) or event[each] < 0 for each in needed):
+    if not all(is_number(event.get(each)) and event[each] >= 0 for each in needed):
         return False
-    if not all(_is_number(event[each]) for each in NUMBERS if event.get(each) is not None):
+    told = (event[each] for each in NUMBERS if event.get(each) is not None)
+    if not all(is_number(value) and abs(value) < MOST for value in told):
         return False
     try:
         OMITTED.validate_python(event.get("omitted", ()))
@@ -272,10 +273,13 @@ def _is_whole(event: dict[str, Any]) -> bool:
     return isinstance(name, str)
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e12
+def is_number(value: object) -> bool:
+    """True and False are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 NUMBERS: Final = ("iteration", "seconds", "wall_seconds", "psnr", "n_gaussians")
 """Fields of events that are read by name."""
+MOST: Final = 1e12
+"""That any of them may be."""
 OMITTED = TypeAdapter(tuple[Omission, ...])
