@@ -1,38 +1,22 @@
-"""Exports of the window, by value, a step at a time: panes and 3D view as images, videos or measures."""
+"""Exports of the window: a record of what is open, made a step at a time."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import TypeVar
 
 from app.exports.make import make
-from app.exports.records import (
-    FrameRecord,
-    MeasuresTable,
-    PanesPicture,
-    PanesRecord,
-    PanesVideo,
-    ViewVideo,
-)
-from app.exports.shots import Panes
+from app.exports.records import MeasuresTable, PanesPicture, PanesRecord, PanesVideo, SpanRecord, ViewVideo
 from app.exports.sources import Opened
-from app.exports.view_pages import Views
 from app.files.atomic import filled
-from app.files.records import Source, extended
+from app.files.records import Source
 from app.files.stepping import map_steps
 from app.files.timestamp import stamp
-from app.scenes.cpu_rendering import ON_CPU
-from app.scenes.scene import Scene
-from app.scenes.view_request import drawn_record, moment_record, view_record
-from app.scenes.view_selection import FRAMES_PER_SECOND
-from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
-Form = Literal["picture", "panes video", "view video", "measures"]
-SUFFIXES: dict[Form, str] = {
-    "picture": ".png", "panes video": ".mp4", "view video": ".mp4", "measures": ".csv",
-}  # fmt: skip
+SUFFIXES = {"panes": ".png", "panes video": ".mp4", "view video": ".mp4", "measures": ".csv"}
+Panes = TypeVar("Panes", bound=PanesRecord)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,26 +25,16 @@ class ExportRequest:
 
     folder: Path
     stem: str
-    form: Form
-    panes: Panes = field(default_factory=Panes)
-    moments: tuple[Views, ...] = ()
-    """Of the 3D view, with as many pixels as the file has: one in a picture, in a video one a frame."""
-    span: tuple[int, int] = (0, 0)
-    """First and last frame of the clip that a video or a table of panes has."""
-    frames_per_second: float = FRAMES_PER_SECOND
-    clip_options: ClipOptions = DEFAULTS
+    record: PanesPicture | PanesVideo | MeasuresTable | ViewVideo
+    """Its clip without a digest, which takes longer than the window can wait."""
+    sources: Opened
 
     @property
     def steps(self) -> int:
         """How often it comes up for air."""
-        if self.form == "picture":
-            return 1
-        return len(self.moments) if self.form == "view video" else len(self.frames)
-
-    @property
-    def frames(self) -> range:
-        """Of the clip, in a video or a table of panes."""
-        return range(self.span[0], self.span[1] + 1)
+        if isinstance(self.record, ViewVideo):
+            return len(self.record.moments)
+        return len(self.record.frames) if isinstance(self.record, SpanRecord) else 1
 
 
 @dataclass(frozen=True)
@@ -74,57 +48,16 @@ class Step:
 
 def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
-    name = f"{request.stem}-{stamp()}{SUFFIXES[request.form]}"
+    record = request.record
+    if isinstance(record, PanesRecord):
+        record = sourced(record, request.sources)
+    name = f"{request.stem}-{stamp()}{SUFFIXES[record.kind]}"
     with filled(request.folder) as staging:
-        yield from map_steps(make(record_of(request), opened(request), staging / name), Step)
+        yield from map_steps(make(record, request.sources, staging / name), Step)
     yield Step(request.steps, request.folder / name)
 
 
-def opened(request: ExportRequest) -> Opened:
-    """What it is made of, as it is open."""
-    shots = request.panes.shots
-    return Opened(
-        tuple(view for views in request.moments for view in views),
-        shots[0].photo.clip if shots else None,
-        tuple(shot.by for shot in shots if isinstance(shot.by, Scene)),
-    )
-
-
-def record_of(request: ExportRequest) -> PanesPicture | PanesVideo | MeasuresTable | ViewVideo:
-    """Raises OSError or UserError: the clip is gone."""
-    rate, moments = request.frames_per_second, request.moments
-    if request.form == "picture":
-        return picture_record(request)
-    if request.form == "view video":
-        return ViewVideo(
-            views=tuple(drawn_record(view, ON_CPU) for view in moments[0]),
-            moments=tuple(moment_record(views[0]) for views in moments),
-            frames_per_second=rate,
-        )
-    first, last = request.span
-    if request.form == "measures":
-        return extended(MeasuresTable, _panes_record(request), first_frame=first, last_frame=last)
-    return extended(
-        PanesVideo, _panes_record(request), first_frame=first, last_frame=last, frames_per_second=rate
-    )
-
-
-def picture_record(request: ExportRequest) -> PanesPicture:
-    """What there is to see: the panes' clip and frame, and the 3D view."""
-    panes = _panes_record(request) if request.panes.shots else PanesRecord()
-    views = tuple(view_record(view, ON_CPU) for views in request.moments for view in views)
-    return extended(PanesPicture, panes, views=views)
-
-
-def _panes_record(request: ExportRequest) -> PanesRecord:
-    """Of all panes: their clip, and how they are laid out."""
-    panes, photo = request.panes, request.panes.shots[0].photo
-    return PanesRecord(
-        source=Source.of(photo.clip.path),
-        clip_options=request.clip_options,
-        frame=FrameRecord(index=photo.frame_index, label=photo.clip.labels[photo.frame_index]),
-        scale=panes.sizing.scale,
-        width=panes.sizing.width,
-        arrangement=panes.arrangement,
-        panes=tuple(shot.record for shot in panes.shots),
-    )
+def sourced(record: Panes, sources: Opened) -> Panes:
+    """With the digest of the clip that its panes are of. Raises OSError or UserError: it is gone."""
+    clip = sources.own if record.panes else None
+    return record if clip is None else replace(record, source=Source.of(clip.path))

@@ -9,21 +9,18 @@ from pathlib import Path
 
 from app.enhancement.contact_sheet import contact_sheet, tile
 from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
-from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import METHODS, MethodEnhancer
 from app.enhancement.parameter_grid import Setting, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.errors import UserError
-from app.exports.comparison_images import OtherMaker
-from app.exports.measure_table import Row, measured_rows, write_measures
+from app.exports.measure_table import Row, rows_at, write_measures
 from app.exports.page import Panel, sheet
+from app.exports.panes import PaneMaker, arranged
 from app.exports.records import (
     Depth,
     Export,
     MeasuresTable,
-    PaneRecord,
     PanesPicture,
-    PanesRecord,
     PanesVideo,
     Render,
     RenderVideo,
@@ -32,8 +29,6 @@ from app.exports.records import (
     ViewVideo,
 )
 from app.exports.scene_splats import write_splats
-from app.exports.shots import Panes, Shot
-from app.exports.sizing import Sizing
 from app.exports.sources import Sources
 from app.exports.view_pages import Views, drawn_panel, steady, view_pages
 from app.files.atomic import together
@@ -47,12 +42,10 @@ from app.files.video import write_frames
 from app.scenes import view_request
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import colored_depth
-from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
+from app.scenes.records import DrawnRecord, MomentRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
 from enhance.surround import inside
-from renderer.clip import Clip
-from renderer.near_plane import NEAR_SHARE
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 Steps = Generator[int, None, None]
@@ -178,17 +171,20 @@ def _view_video(record: ViewVideo, sources: Sources, target: Path) -> Steps:
     if not (record.views and record.moments):
         raise UserError("expected at least one 3D view and one frame, got none")
     drawer = sources.drawer(record.views[0].renderer)
-
-    def views_at(moment: MomentRecord) -> Views:
-        return tuple(_view(one, moment, sources, trained=False) for one in record.views)
-
-    moments = yield from steady([views_at(moment) for moment in record.moments], drawer)
+    moments = yield from steady(view_moments(record, sources), drawer)
     pairs = zip(record.views, moments[0], strict=True)
     views = tuple(replace(one, renderer=drawer.name, scale=view.scale) for one, view in pairs)
     pages, timing = view_pages(moments, drawer), Timing(record.frames_per_second)
     with together(target) as place:
         written = yield from write_frames(place, pages, timing)
         write_sidecar(place, replace(record, views=views, video=written).signed)
+
+
+def view_moments(record: ViewVideo, sources: Sources) -> list[Views]:
+    """What is drawn for each of its frames."""
+    return [
+        tuple(_view(one, when, sources, trained=False) for one in record.views) for when in record.moments
+    ]
 
 
 def _view(record: DrawnRecord, moment: MomentRecord, sources: Sources, *, trained: bool) -> ViewRequest:
@@ -217,9 +213,8 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
     """Panes, the 3D view, or both."""
     panels: list[Panel] = []
     if record.panes:
-        panes = _panes(record, sources)
-        made = panes.made(OtherMaker())
-        panels += panes.laid_out(made)
+        made = PaneMaker(record, sources).made(record.frame.index)
+        panels += arranged([one.panel for one in made], record.arrangement)
         pairs = zip(record.panes, made, strict=True)
         said = tuple(replace(pane, statistics=one.statistics) for pane, one in pairs)
         record = replace(record, panes=said)
@@ -234,58 +229,28 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
 
 
 def _panes_video(record: PanesVideo, sources: Sources, target: Path) -> Steps:
-    panes, frames = _panes_and_frames(record, sources)
-    if record.arrangement.top is None:
-        panes = panes.steady(OtherMaker())
-    timing = timing_of(panes.shots[0].photo.clip, frames)
-    timing = replace(timing, frames_per_second=record.frames_per_second)
+    maker = _spanning(record, sources)
+    arrangement = maker.steady()
+    pages = (sheet(maker.panels(frame, arrangement)) for frame in record.frames)
+    timing = replace(timing_of(maker.clip, record.frames), frames_per_second=record.frames_per_second)
     with together(target) as place:
-        written = yield from write_frames(place, panes.pages(frames), timing)
-        write_sidecar(place, replace(record, arrangement=panes.arrangement, video=written).signed)
+        written = yield from write_frames(place, pages, timing)
+        write_sidecar(place, replace(record, arrangement=arrangement, video=written).signed)
 
 
 def _measures(record: MeasuresTable, sources: Sources, target: Path) -> Steps:
-    panes, frames = _panes_and_frames(record, sources)
-    rows: list[Row] = []
-    for done, rows_of_frame in enumerate(measured_rows(panes, frames), start=1):
-        rows += rows_of_frame
+    maker, rows = _spanning(record, sources), list[Row]()
+    for done, frame in enumerate(record.frames, start=1):
+        rows += rows_at(frame, record, maker)
         yield done
     write_measures(target, rows, record)
 
 
-def _panes_and_frames(record: SpanRecord, sources: Sources) -> tuple[Panes, range]:
-    panes = _panes(record, sources)
-    count = len(panes.shots[0].photo.clip)
+def _spanning(record: SpanRecord, sources: Sources) -> PaneMaker:
+    """Of panes at several frames, all of which the clip has."""
+    maker = PaneMaker(record, sources)
+    count = len(maker.clip)
     if not 0 <= record.first_frame <= record.last_frame < count:
         got = f"{record.first_frame} to {record.last_frame}"
         raise UserError(f"expected frames from 0 to {count - 1}, got {got}")
-    return panes, range(record.first_frame, record.last_frame + 1)
-
-
-def _panes(record: PanesRecord, sources: Sources) -> Panes:
-    if record.source is None or not record.panes:
-        raise UserError("expected panes of a clip, got none")
-    clip, frame = sources.clip(record.source, record.clip_options), record.frame.index
-    if not 0 <= frame < len(clip):
-        raise UserError(f"expected panes of one of {len(clip)} frames, got frame {frame}")
-    shots = tuple(_shot(pane, clip, frame, sources) for pane in record.panes)
-    return Panes(shots, record.arrangement, Sizing(record.scale, record.width))
-
-
-def _shot(pane: PaneRecord, clip: Clip, frame: int, sources: Sources) -> Shot:
-    photo = PictureRequest(clip, frame, None, pane.scope, pane.tissue_only, pane.mask, pane.span)
-    shot = Shot(pane.title, photo)
-    if pane.shows == "original":
-        return shot
-    if pane.shows == "render" and pane.view is not None:
-        return replace(shot, by=_scene(pane.view, sources))
-    by = pane.params if pane.shows == "setting" else pane.method
-    if by is None or (isinstance(by, str) and by not in METHODS):
-        raise UserError(f"expected a setting or a method for {pane.title}, got neither")
-    return replace(shot, by=by)
-
-
-def _scene(view: ViewRecord, sources: Sources) -> Scene:
-    """As the window shows it through the clip's cameras."""
-    scene, near = sources.scene(view), view.near
-    return scene if near is None or near == scene.near else replace(scene, distance=near / NEAR_SHARE)
+    return maker

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from app.enhancement.parameter_grid import DEFINITIONS, METRICS, measured
-from app.exports.comparison_images import OtherMaker
+from app.exports.panes import PaneMaker
 from app.exports.records import MeasuresTable
-from app.exports.shots import Panes, made
 from app.exports.sizing import Sizing
 from app.files.atomic import together, write_bytes
 from app.files.provenance import write_sidecar
@@ -23,24 +21,16 @@ UNMEASURED = "milliseconds"
 """Of no picture that is made again."""
 
 
-def measured_rows(panes: Panes, frames: Iterable[int]) -> Iterator[list[Row]]:
-    """At each frame a row a pane, of its picture in its own size. Raises ClipError or ImageError."""
-    maker = OtherMaker()
-    for frame in frames:
-        yield _rows_at(panes, frame, maker)
-
-
-def _rows_at(panes: Panes, frame: int, maker: OtherMaker) -> list[Row]:
-    clip = panes.shots[0].photo.clip
-    photo = clip.read_image(frame)
+def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
+    """At a frame a row a pane, of its picture in its own size. Raises ClipError or ImageError."""
+    photo, label = maker.clip.read_image(frame), maker.clip.labels[frame]
     view = field_of_view(photo)
     vessels = vessel_mask(photo, tissue_mask=view)
     rows = []
-    for shot in panes.shots:
-        image = made(shot.at(frame), maker, Sizing()).panel.image
-        found = asdict(measured(image, photo, vessels, view, 0.0))
+    for pane, one in zip(record.panes, maker.made(frame, Sizing()), strict=True):
+        found = asdict(measured(one.panel.image, photo, vessels, view, 0.0))
         del found[UNMEASURED]
-        rows.append({"frame": frame, "label": clip.labels[frame], "pane": shot.title} | found)
+        rows.append({"frame": frame, "label": label, "pane": pane.title} | found)
     return rows
 
 

@@ -126,6 +126,11 @@ class SpanRecord(PanesRecord):
     first_frame: int
     last_frame: int
 
+    @property
+    def frames(self) -> range:
+        """Of the clip."""
+        return range(self.first_frame, self.last_frame + 1)
+
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class PanesVideo(SpanRecord):

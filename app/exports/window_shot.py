@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from app.exports.exporting import ExportRequest, Step, picture_record
+from app.exports.exporting import ExportRequest, Step, sourced
 from app.exports.records import PanesPicture
 from app.files.provenance import write_png
 from app.files.timestamp import stamp
@@ -23,14 +23,12 @@ class WindowRequest:
     shown: ExportRequest | None
     """What was in it of panes and 3D view."""
 
-    @property
-    def stem(self) -> str:
-        return self.shown.stem if self.shown is not None else "vesselsplat"
-
 
 def save_window(request: WindowRequest) -> Iterator[Step]:
     """Raises OSError or UserError."""
-    path = request.folder / f"{request.stem}-window-{stamp()}.png"
-    shown = picture_record(request.shown) if request.shown is not None else PanesPicture()
-    write_png(path, request.image, replace(shown, kind="window").signed)
+    shown, record, stem = request.shown, PanesPicture(), "vesselsplat"
+    if shown is not None and isinstance(shown.record, PanesPicture):
+        record, stem = sourced(shown.record, shown.sources), shown.stem
+    path = request.folder / f"{stem}-window-{stamp()}.png"
+    write_png(path, request.image, replace(record, kind="window").signed)
     yield Step(1, path)

@@ -7,20 +7,31 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.enhancement.frame_enhancer import PictureRequest
-from app.enhancement.settable import ENHANCED, ORIGINAL
-from app.exports.exporting import ExportRequest, Form, Step
-from app.exports.records import Arrangement
-from app.exports.shots import Panes, Shot
+from app.enhancement.settable import ENHANCED
+from app.exports.exporting import ExportRequest, Step
+from app.exports.panes import Shown, pane_record
+from app.exports.records import (
+    Arrangement,
+    FrameRecord,
+    MeasuresTable,
+    PanesPicture,
+    PanesRecord,
+    PanesVideo,
+    ViewVideo,
+)
+from app.exports.sources import Opened
 from app.exports.view_pages import Views
+from app.files.records import extended
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.exports import Exporting
 from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.work.background import Failure
+from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.photos import PhotoRequest
 from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import ViewRequest, drawn_record, moment_record, view_record
 from app.scenes.view_selection import FRAMES_PER_SECOND
 
 What = Literal[
@@ -37,6 +48,7 @@ What = Literal[
     "measures of both panes",
 ]
 
+Form = Literal["picture", "panes video", "view video", "measures"]
 MOST_DRAWN = 2**25
 """Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
 
@@ -159,50 +171,62 @@ def shown_request(state: AppState) -> ExportRequest | None:
 
 
 def _request(state: AppState, offer: Offer) -> ExportRequest:
-    panes = _panes(state, offer) if state.source.clip is not None else Panes()
-    moments = _moments(state, offer)
-    rate = (state.source.clip.frames_per_second if state.source.clip else None) or FRAMES_PER_SECOND
-    if offer.sees == "path":
-        rate = FRAMES_PER_SECOND
-    return ExportRequest(
-        state.places.pictures,
-        state.source.clip.path.stem
-        if state.source.clip is not None and panes.shots
-        else moments[0][0].scene.name,
-        offer.form,
-        panes,
-        moments,
-        state.source.span,
-        rate,
-        state.source.options,
-    )
+    clip, moments = state.source.clip, _moments(state, offer)
+    views = tuple(view for views in moments for view in views)
+    panes, scenes = _panes(state, offer)
+    stem = clip.path.stem if clip is not None and panes.panes else views[0].scene.name
+    rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
+    record = _record(state, offer.form, panes, moments, rate or FRAMES_PER_SECOND)
+    return ExportRequest(state.places.pictures, stem, record, Opened(views, clip, scenes))
 
 
-def _panes(state: AppState, offer: Offer) -> Panes:
-    """What the sides show, one of them where both show the same; and how they are laid out."""
-    sides, mode = offer.sides, shown_mode(state) if offer.as_shown else "side by side"
+def _record(
+    state: AppState, form: Form, panes: PanesRecord, moments: tuple[Views, ...], rate: float
+) -> PanesPicture | PanesVideo | MeasuresTable | ViewVideo:
+    if form == "picture":
+        seen = tuple(view_record(view, ON_CPU) for views in moments for view in views)
+        return extended(PanesPicture, panes, views=seen)
+    if form == "view video":
+        return ViewVideo(
+            views=tuple(drawn_record(view, ON_CPU) for view in moments[0]),
+            moments=tuple(moment_record(views[0]) for views in moments),
+            frames_per_second=rate,
+        )
+    first, last = state.source.span
+    if form == "measures":
+        return extended(MeasuresTable, panes, first_frame=first, last_frame=last)
+    return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
+
+
+def _panes(state: AppState, offer: Offer) -> tuple[PanesRecord, tuple[Scene, ...]]:
+    """What the sides show, one of them where both show the same, and how they are laid out; and the models
+    in them."""
+    picture, sides = state.picture_request, offer.sides
+    if picture is None or not sides:
+        return PanesRecord(), ()
+    mode = shown_mode(state) if offer.as_shown else "side by side"
     if mode == "flip":
         sides, mode = ("left" if state.comparing.chosen.flipped else "right",), "side by side"
-    shots = tuple(dict.fromkeys(_shot(state, side) for side in sides))
-    return Panes(shots, Arrangement(mode, state.comparing.wiped), state.exports.sizing)
+    shown = tuple(dict.fromkeys(_pane(state, side, picture) for side in sides))
+    record = PanesRecord(
+        clip_options=state.source.options,
+        frame=FrameRecord(index=picture.frame_index, label=picture.clip.labels[picture.frame_index]),
+        **vars(state.exports.sizing),
+        arrangement=Arrangement(mode, state.comparing.wiped),
+        panes=tuple(pane_record(*one) for one in shown),
+    )
+    return record, tuple(by for _, _, by in shown if isinstance(by, Scene))
 
 
-def _shot(state: AppState, side: Side) -> Shot:
+def _pane(state: AppState, side: Side, picture: PictureRequest) -> tuple[str, PictureRequest, Shown]:
     """What a side shows; in white light and while the original is peeked at the photo, whatever is chosen."""
-    source, picture = state.comparing.chosen.source(side), state.picture_request
-    assert picture is not None
-    if source == ORIGINAL or not state.enhancement.active or state.enhancement.peeking:
-        return Shot("Original", _photo(picture))
-    if source == ENHANCED:
-        return Shot("Enhanced", _photo(picture), picture.params)
-    request = other_request(state, side)
-    if request is None:  # As on screen, where there is nothing else to show.
-        return Shot("Original", _photo(picture))
-    return Shot(label_of(source), request.photo, request.by)
-
-
-def _photo(picture: PictureRequest) -> PictureRequest:
-    return replace(picture, params=None)
+    source, photo = state.comparing.chosen.source(side), replace(picture, params=None)
+    active = state.enhancement.active and not state.enhancement.peeking
+    if active and source == ENHANCED:
+        return "Enhanced", photo, picture.params
+    request = other_request(state, side) if active else None
+    # As on screen, the original also where there is nothing else to show.
+    return ("Original", photo, None) if request is None else (label_of(source), request.photo, request.by)
 
 
 def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:

@@ -7,19 +7,25 @@ from pathlib import Path
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.exports.exporting import ExportRequest, export
-from app.exports.shots import Panes, Shot
-from app.scenes.view_request import ViewRequest
+from app.exports.panes import pane_record
+from app.exports.records import FrameRecord, PanesPicture
+from app.exports.sources import Opened
+from app.scenes.cpu_rendering import ON_CPU
+from app.scenes.view_request import ViewRequest, view_record
 
 
 def asked(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None = None) -> ExportRequest:
-    shots: tuple[Shot, ...] = ()
+    record = PanesPicture(views=() if view is None else (view_record(view, ON_CPU),))
     if wanted is not None:
         photo = replace(wanted, params=None)
-        shots = (Shot("Original", photo),)
+        panes = (pane_record("Original", photo),)
         if wanted.params is not None:
-            shots += (Shot("Enhanced", photo, wanted.params),)
+            panes += (pane_record("Enhanced", photo, wanted.params),)
+        frame = FrameRecord(index=wanted.frame_index, label=wanted.clip.labels[wanted.frame_index])
+        record = replace(record, frame=frame, panes=panes)
     stem = wanted.clip.path.stem if wanted is not None else "view"
-    return ExportRequest(folder, stem, "picture", Panes(shots), moments=() if view is None else ((view,),))
+    opened = Opened(() if view is None else (view,), wanted.clip if wanted is not None else None)
+    return ExportRequest(folder, stem, record, opened)
 
 
 def saved(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None = None) -> Path:

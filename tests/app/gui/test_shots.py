@@ -18,6 +18,7 @@ from app.enhancement.image_mask import PictureMask
 from app.enhancement.parameter_grid import METRICS
 from app.exports.comparison_images import DifferenceRequest, heat_map
 from app.exports.exporting import export
+from app.exports.records import PanesPicture
 from app.exports.sizing import Sizing
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
@@ -174,7 +175,8 @@ def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
     comparing.choose_mode(state, "wipe")
     request = export_actions.save_request(state)
     assert request is not None
-    assert (request.panes.arrangement.mode, request.panes.shots[0].by) == ("wipe", "clahe")
+    assert isinstance(request.record, PanesPicture)
+    assert (request.record.arrangement.mode, request.record.panes[0].method) == ("wipe", "clahe")
     *_, last = export(request)
     assert last.path is not None
     facts = read_provenance(last.path)
@@ -184,7 +186,8 @@ def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
     state.enhancement.peeking = True
     request = export_actions.save_request(state)
     assert request is not None
-    assert [shot.by for shot in request.panes.shots] == [None]
+    assert isinstance(request.record, PanesPicture)
+    assert [pane.shows for pane in request.record.panes] == ["original"]
 
 
 def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run: Exporter) -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from app.exports.make import view_moments
+from app.exports.records import ViewVideo
 from app.exports.view_pages import steady, view_pages
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_sidecar
@@ -106,7 +108,8 @@ def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
     assert "difference" in export_actions.why_not_export(state, videos[1])
     request = export_actions.export_request(state, videos[0])
     assert request is not None
-    pages = list(view_pages(request.moments, Drawer()))
+    assert isinstance(request.record, ViewVideo)
+    pages = list(view_pages(view_moments(request.record, request.sources), Drawer()))
     assert state.scene.model is not None
     assert state.source.clip is not None
     for frame in (0, 7):
@@ -126,13 +129,13 @@ def test_all_moments_of_a_video_have_one_scale(run: Exporter) -> None:
     state.scene.kind = "motion"
     request = export_actions.export_request(state, "video through time")
     assert request is not None
-    own = [next(draw_view(views[0])).scale for views in request.moments]
-    moments = run_to_end(steady(request.moments, Drawer()))
+    assert isinstance(request.record, ViewVideo)
+    wanted = view_moments(request.record, request.sources)
+    own = [next(draw_view(views[0])).scale for views in wanted]
+    moments = run_to_end(steady(wanted, Drawer()))
     (scale,) = {views[0].scale for views in moments}
     assert scale is not None
-    assert [views[0].of_kind("color").camera for views in moments] == [
-        views[0].camera for views in request.moments
-    ]
+    assert [views[0].of_kind("color").camera for views in moments] == [views[0].camera for views in wanted]
     assert scale.high == max(one.high for one in (own[0], own[-1]) if one is not None)
     assert own[0] is not None
     assert own[0].high < scale.high  # Nothing has moved yet.
