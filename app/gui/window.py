@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
+from typing import Literal
 
 import glfw
 import moderngl
@@ -13,8 +13,7 @@ from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.console.ending import noted
 from app.errors import UserError
-from app.gui.actions import actions, preset_actions, queue_actions, second_actions, session_actions
-from app.gui.commands.camera_commands import second_commands
+from app.gui.actions import actions, preset_actions, queue_actions, session_actions
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
@@ -27,13 +26,14 @@ from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.window_shots import WindowShots
-from app.gui.frame.writing import Writing
 from app.gui.panels import menus, overlays
+from app.gui.panels.batches import draw_batches
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.edit_view import draw_edit_tools
 from app.gui.panels.editing import PANEL, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
+from app.gui.panels.export import draw_export
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
@@ -42,7 +42,6 @@ from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
-from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.style import theme
@@ -53,7 +52,6 @@ from app.gui.work.background import Apart, Worker
 from app.gui.work.clip_settings import load_clips
 from app.gui.work.settings import Places, Theme, load_settings
 from app.runs.job import TrainingJob
-from assets import phantom_path
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
@@ -62,6 +60,7 @@ IDLE_FPS = 1.0
 BUSY_FPS = 25.0
 """While something runs in the background that the window should follow."""
 SIZE = (1280, 720)
+RUNNER = WindowServices(dockings.restore, dockings.quit_app, dockings.toggle, dockings.is_shown)
 
 
 def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> None:
@@ -97,15 +96,10 @@ class Window:
         in_turn = [channel for channel in self._channels.all if channel not in apart]
         beside = [channel for channel in self._channels.beside if channel not in apart]
         self._workers: tuple[Worker | Apart, ...] = (
-            *(Worker(channels, self._refresh) for channels in (in_turn, beside)),
-            *(Apart(channel, self._refresh) for channel in apart),
+            *(Worker(channels, hello_imgui.request_refresh) for channels in (in_turn, beside)),
+            *(Apart(channel, hello_imgui.request_refresh) for channel in apart),
         )
-        self._dialogs = Dialogs(self._open, Path.home())
-        self.writing = Writing(state, self._channels, self._dialogs)
-        self._openers = Openers(
-            lambda: self._dialogs.ask("folder"), lambda: self._dialogs.ask("file"), self._open_phantom
-        )
-        self._outside = self._reach()
+        self._dialogs = Dialogs(Path.home())
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
         self._window_shots = WindowShots(state, self._channels.windows)
@@ -117,23 +111,6 @@ class Window:
         self._has_signal: Callable[[], bool] = lambda: False
         """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
         self._began = time.monotonic()
-
-    def _reach(self) -> WindowServices:
-        ask = self._dialogs.ask
-        return WindowServices(
-            folder=self._openers.folder,
-            file=self._openers.file,
-            phantom=self._openers.phantom,
-            screenshot=self.writing.save_picture,
-            session=self.save_session,
-            import_views=self._import_views,
-            second_run=lambda: ask("folder", self._open_second),
-            second_splats=lambda: ask("file", self._open_second),
-            layout=dockings.restore,
-            quit=dockings.quit_app,
-            toggle_panel=dockings.toggle,
-            panel_shown=dockings.is_shown,
-        )
 
     def run(self) -> None:
         """Return when the window is closed. Raises UserError when it cannot be opened."""
@@ -212,7 +189,7 @@ class Window:
         ground = theme.THEMES[self.state.settings.theme].shade(0.11)
         params.callbacks.add_edge_toolbar(
             hello_imgui.EdgeToolbarType.bottom,
-            lambda: draw_timeline(self.state, self.writing.save_picture, self._strip_texture),
+            lambda: draw_timeline(self.state, self._strip_texture),
             hello_imgui.EdgeToolbarOptions(size_em=5.4, window_padding_em=(0.6, 0.5), window_bg=ground),
         )
 
@@ -225,38 +202,21 @@ class Window:
         layout = hello_imgui.DockingParams()
         layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
         layout.docking_splits = dockings.splits()
-        panels: list[tuple[str, str, Callable[[], None]]] = [
-            # Before the pictures, which show in the same frame what has moved here.
-            ("Enhancement", "Side", lambda: draw_enhancement(self.state)),
-            ("Pictures", "MainDockSpace", self._draw_pictures),
-            ("3D view", "Below", self._draw_view),
-            (SPLATS, "MainDockSpace", self._draw_view),
-            ("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),
-            ("Runs", "SideBelow", lambda: draw_runs(self.state)),
-            ("Cameras", "SideBelow", lambda: draw_cameras(self.state, self._import_views)),
-        ]
         layout.dockable_windows = [
-            hello_imgui.DockableWindow(title, dock, draw, can_be_closed_=False)
-            for title, dock, draw in panels
+            # Before the pictures, which show in the same frame what has moved here.
+            _panel("Enhancement", "Side", lambda: draw_enhancement(self.state)),
+            _panel("Pictures", "MainDockSpace", self._draw_pictures),
+            _panel("3D view", "Below", self._draw_view),
+            _panel(SPLATS, "MainDockSpace", self._draw_view, "by the state"),
+            _panel("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),
+            _panel("Runs", "SideBelow", lambda: draw_runs(self.state)),
+            _panel("Cameras", "SideBelow", lambda: draw_cameras(self.state)),
+            _panel("Log", "Below", self._draw_log, "by the menu"),
+            _panel("Notes", "Below", lambda: draw_notes(self.state), "by the menu"),
+            _panel(REPORT, "MainDockSpace", lambda: draw_report(self.state), "by the menu"),
+            _panel(TUNING, "MainDockSpace", self._draw_tuning, "by the state"),
+            _panel(PANEL, "Side", lambda: draw_editing(self.state), "by the state"),
         ]
-        splats = next(window for window in layout.dockable_windows if window.label == SPLATS)
-        splats.include_in_view_menu = splats.is_visible = False
-        log = hello_imgui.DockableWindow("Log", "Below", self._draw_log, is_visible_=False)
-        tuning = hello_imgui.DockableWindow(
-            TUNING, "MainDockSpace", self._draw_tuning, is_visible_=False, can_be_closed_=False
-        )
-        tuning.include_in_view_menu = False
-        notes = hello_imgui.DockableWindow(
-            "Notes", "Below", lambda: draw_notes(self.state), is_visible_=False
-        )
-        report = hello_imgui.DockableWindow(
-            REPORT, "MainDockSpace", lambda: draw_report(self.state), is_visible_=False
-        )
-        edit = hello_imgui.DockableWindow(
-            PANEL, "Side", lambda: draw_editing(self.state), is_visible_=False, can_be_closed_=False
-        )
-        edit.include_in_view_menu = False
-        layout.dockable_windows = [*layout.dockable_windows, log, notes, report, tuning, edit]
         return layout
 
     def _begin(self) -> None:
@@ -272,10 +232,10 @@ class Window:
     def _advance(self) -> None:
         """Before each frame: news from the background, what can be done, how soon the next is wanted."""
         while self._dropped:
-            self._open(Path(self._dropped.pop()))
+            actions.open_path(self.state, Path(self._dropped.pop()))
         update(self.state, self._channels, time.monotonic() - self._began)
         start_due(self.state, self._make_job)
-        self._commands = sections(self.state, self._outside)
+        self._commands = sections(self.state, RUNNER)
         params = hello_imgui.get_runner_params()
         self._wear(params)
         dockings.follow(self.state)
@@ -309,7 +269,7 @@ class Window:
     def _draw_pictures(self) -> None:
         assert self._textures is not None
         take_pictures(self.state, self._channels)
-        draw_compare(self.state, self._textures, lambda: draw_welcome(self.state, self._openers))
+        draw_compare(self.state, self._textures)
 
     def _draw_tuning(self) -> None:
         assert self._textures is not None
@@ -318,8 +278,7 @@ class Window:
     def _draw_view(self) -> None:
         assert self._viewport is not None
         assert self._second_viewport is not None
-        beside = partial(second_commands, self.state, self._outside)
-        draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture, beside)
+        draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture)
         if self.state.scene.model is not None:
             draw_edit_tools(self.state)
 
@@ -340,8 +299,11 @@ class Window:
         overlays.draw_help(self.state, self._commands)
         draw_question(self.state)
         overlays.draw_notice(self.state)
-        self.writing.draw()
+        draw_export(self.state)
+        draw_batches(self.state)
         draw_recovery(self.state)
+        if (choosing := actions.taken_choice(self.state)) is not None:
+            self._dialogs.ask(choosing.kind, choosing.then)
         self._dialogs.draw()
         draw_palette(self.state, self._commands)
         self._keyboard.handle(self.state, self._commands)
@@ -350,11 +312,6 @@ class Window:
             dockings.quit_app()
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
-
-    def save_session(self) -> None:
-        """Ask for a session file of what is open and how it is set, written in the background."""
-        if (request := session_actions.save_request(self.state)) is not None:
-            self._channels.sessions.ask(request)
 
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""
@@ -375,22 +332,17 @@ class Window:
             worker.close()
         self._channels.finish(self.state)
 
-    def _open(self, path: Path) -> None:
-        actions.open_path(self.state, path)
-
-    def _open_second(self, path: Path) -> None:
-        second_actions.open_second(self.state, path)
-
-    def _import_views(self) -> None:
-        self._dialogs.ask("file", self._open)
-
-    def _open_phantom(self) -> None:
-        self._open(phantom_path())
-
     def drop(self, window: object, paths: list[str]) -> None:
         """Files were dropped on the window: the first one is opened with the next frame."""
         self._dropped = paths[:1]
 
-    def _refresh(self) -> None:
-        """Called from the worker's thread: an idle window draws at once."""
-        hello_imgui.request_refresh()
+
+def _panel(
+    title: str,
+    dock: str,
+    draw: Callable[[], None],
+    shown: Literal["always", "by the menu", "by the state"] = "always",
+) -> hello_imgui.DockableWindow:
+    panel = hello_imgui.DockableWindow(title, dock, draw, shown == "always", shown == "by the menu")
+    panel.include_in_view_menu = shown != "by the state"
+    return panel

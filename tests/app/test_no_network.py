@@ -60,7 +60,7 @@ from pathlib import Path
 import psutil
 from imgui_bundle import imgui
 
-from app.gui.actions import actions
+from app.gui.actions import actions, export_actions, session_actions
 from app.gui.work.settings import Settings
 from assets import phantom_path
 from tests.app.gui.kept_session import places_in
@@ -73,8 +73,8 @@ def drive(ctx):
     ctx.item_click("//Before you begin/I understand")
     actions.open_path(driver.state, phantom_path())
     wait(ctx, lambda: is_settled(driver.state), "the phantom")
-    driver.window.writing.save_picture()
-    driver.window.save_session()
+    export_actions.save_picture(driver.state)
+    session_actions.save(driver.state)
     wait(ctx, lambda: driver.state.window.toast is not None, "the saved files")
 
 

@@ -9,7 +9,15 @@ from pathlib import Path
 import numpy as np
 from imgui_bundle import ImVec2
 
-from app.gui.actions import actions, clip_actions, edit_actions, queue_actions, second_actions, tuning_actions
+from app.gui.actions import (
+    actions,
+    clip_actions,
+    edit_actions,
+    export_actions,
+    queue_actions,
+    second_actions,
+    tuning_actions,
+)
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.work.tuning import Choice
@@ -282,7 +290,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.click("//Export/###video through time")
     person.wait(lambda: state.exports.under_way is not None and state.exports.under_way.done > 0, "a frame")
     yield "export under way"
-    person.window.writing.cancel_export()
+    export_actions.cancelled(person.state)
     person.wait(lambda: not state.exports.is_busy, "the end of the export")
     state.exports.supersampling = FACTORS[0]
     yield "toast"

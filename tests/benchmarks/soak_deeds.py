@@ -11,7 +11,7 @@ from pathlib import Path
 
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, edit_actions, job_actions, second_actions, tuning_actions
+from app.gui.actions import actions, edit_actions, export_actions, job_actions, second_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
@@ -309,7 +309,7 @@ def export(person: Person) -> None:
     person.click("//Export/###video of both panes")
     exports = person.state.exports
     person.wait(lambda: exports.under_way is None or exports.under_way.done > 3, "a few frames")
-    person.window.writing.cancel_export()
+    export_actions.cancelled(person.state)
     person.wait(lambda: person.state.exports.under_way is None, "the cancelled export")
     person.press(chord("Ctrl+Shift+E"))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import TypeVar
@@ -15,12 +16,13 @@ from app.gui.state.camera_list import CameraList
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.second import Second
 from app.gui.state.viewer import Viewer
-from app.gui.state.window import Banner, Toast
+from app.gui.state.window import Banner, Choosing, Kind, Toast
 from app.gui.views.picture_view import PictureView
 from app.gui.work.file_writing import WriteRequest
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
 from app.gui.work.settings import Theme, settings_content
 from app.runs.clip_selection import WHOLE
+from assets import phantom_path
 
 TOAST_SECONDS = 6.0
 MOST_STEPS = 200
@@ -83,6 +85,21 @@ def _save(state: AppState) -> None:
 
 
 # ---- clip and time
+
+
+def choose_path(state: AppState, kind: Kind, take: Callable[[AppState, Path], object]) -> None:
+    """Let a person choose a folder or a file, for `take`."""
+    state.window.choosing = Choosing(kind, partial(take, state))
+
+
+def taken_choice(state: AppState) -> Choosing | None:
+    """What a person is to choose, once."""
+    choosing, state.window.choosing = state.window.choosing, None
+    return choosing
+
+
+def open_phantom(state: AppState) -> None:
+    open_path(state, phantom_path())
 
 
 def open_path(state: AppState, path: Path) -> None:

@@ -164,6 +164,12 @@ def save_request(state: AppState) -> ExportRequest | None:
     return _request(state, offer)
 
 
+def save_picture(state: AppState) -> None:
+    """A PNG of what is shown, written in the background."""
+    if (request := save_request(state)) is not None:
+        state.window.wishes += (request,)
+
+
 def shown_request(state: AppState) -> ExportRequest | None:
     """What there is to see of panes and 3D view; None where there is neither."""
     seen = state.source.clip is not None or state.plain_view_request is not None

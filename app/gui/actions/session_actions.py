@@ -162,6 +162,12 @@ def save_request(state: AppState) -> SessionRequest | None:
     return SessionRequest(path, snapshot(state, path.parent), in_passing=False)
 
 
+def save(state: AppState) -> None:
+    """A session file of what is open and how it is set, written in the background."""
+    if (request := save_request(state)) is not None:
+        state.window.wishes += (request,)
+
+
 def autosave_request(state: AppState) -> SessionRequest | None:
     """What has changed since it was last saved in passing, once in a while."""
     if state.source.path is None or state.window.now - state.session.autosaved_at < AUTOSAVE_SECONDS:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from app.gui.actions import camera_actions, path_actions, second_actions, view_actions
+from functools import partial
+
+from app.gui.actions import actions, camera_actions, path_actions, second_actions, view_actions
 from app.gui.commands import recent_commands
-from app.gui.commands.command import Command, Section, WindowServices, start
+from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 
 BLEND_STEP = 0.1
+import_views = partial(actions.choose_path, kind="file", take=actions.open_path)
 
 
-def camera_sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
+def camera_sections(state: AppState) -> tuple[Section, ...]:
     views = (
         Command("Clip camera", camera_actions.reset_view, ("Home",),
                 text="return the 3D view to the clip's camera", applies=_has_model),
@@ -40,7 +43,7 @@ def camera_sections(state: AppState, outside: WindowServices) -> tuple[Section, 
                 ticked=lambda s: s.scene.cameras.playing),
     )  # fmt: skip
     files = (
-        Command("Import views…", start(outside.import_views), applies=_has_model),
+        Command("Import views…", import_views, applies=_has_model),
         Command("Save views and path", path_actions.save_views,
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes or s.scene.cameras.views.named)),
         Command("Export the clip's cameras", path_actions.export_clip_cameras, applies=_has_model),
@@ -51,15 +54,16 @@ def camera_sections(state: AppState, outside: WindowServices) -> tuple[Section, 
         Section("Camera", views),
         Section("Camera", path),
         Section("Camera", files),
-        Section("Camera", second_commands(state, outside), "Second view"),
+        Section("Camera", second_commands(state), "Second view"),
     )
 
 
-def second_commands(state: AppState, outside: WindowServices) -> tuple[Command, ...]:
+def second_commands(state: AppState) -> tuple[Command, ...]:
     """What to see beside the first 3D view."""
+    choose = partial(actions.choose_path, take=second_actions.open_second)
     return (
-        Command("Run folder beside…", start(outside.second_run), applies=_has_model),
-        Command("Splat file beside…", start(outside.second_splats), applies=_has_model),
+        Command("Run folder beside…", partial(choose, kind="folder"), applies=_has_model),
+        Command("Splat file beside…", partial(choose, kind="file"), applies=_has_model),
         *recent_commands.beside(state),
         Command(
             "Close the second view",

@@ -57,16 +57,8 @@ class Section:
 
 @dataclass(frozen=True)
 class WindowServices:
-    """What commands can start that needs more than the state."""
+    """What the runner alone can do."""
 
-    folder: Callable[[], None]
-    file: Callable[[], None]
-    phantom: Callable[[], None]
-    screenshot: Callable[[], None]
-    session: Callable[[], None]
-    import_views: Callable[[], None]
-    second_run: Callable[[], None]
-    second_splats: Callable[[], None]
     layout: Callable[[], None]
     quit: Callable[[], None]
     toggle_panel: Callable[[str], None]

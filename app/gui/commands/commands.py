@@ -15,6 +15,7 @@ from app.gui.actions import (
     export_actions,
     history_actions,
     picture_actions,
+    session_actions,
     tuning_actions,
     window_actions,
 )
@@ -35,6 +36,10 @@ MODE_TEXTS: dict[Mode, str] = {
 }
 
 
+open_folder = partial(actions.choose_path, kind="folder", take=actions.open_path)
+open_file = partial(actions.choose_path, kind="file", take=actions.open_path)
+
+
 def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     """All commands as they are now: the recent clips are among them."""
     return (
@@ -43,7 +48,7 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         *_compare(),
         *_clip(),
         *job_sections(),
-        *camera_sections(state, outside),
+        *camera_sections(state),
         *edit_sections(),
         *view_sections(outside),
         *_help(),
@@ -60,9 +65,9 @@ def has_something(state: AppState) -> bool:
 
 def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     opening = (
-        Command("Open folder…", start(outside.folder), ("Ctrl+O",)),
-        Command("Open image, video, session or report…", start(outside.file), ("Ctrl+I",)),
-        Command("Open the built-in phantom", start(outside.phantom)),
+        Command("Open folder…", open_folder, ("Ctrl+O",)),
+        Command("Open image, video, session or report…", open_file, ("Ctrl+I",)),
+        Command("Open the built-in phantom", actions.open_phantom),
     )
     remember = Command(
         "Remember recent files",
@@ -73,7 +78,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     saving = (
         Command(
             "Save image",
-            start(outside.screenshot),
+            export_actions.save_picture,
             ("S",),
             text="save an image of what is shown",
             applies=has_something,
@@ -99,7 +104,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         ),
         Command(
             "Save session",
-            start(outside.session),
+            session_actions.save,
             ("Ctrl+S",),
             text="save the open files, settings, views and notes; open it like a clip",
             applies=lambda s: s.source.path is not None,

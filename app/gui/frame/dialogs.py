@@ -7,17 +7,16 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import portable_file_dialogs as desktop
 
 from app.files.legible import legible
+from app.gui.state.window import Kind
 from app.gui.style import theme
 from app.gui.style.widgets import em, within
 
-Kind = Literal["folder", "file"]
 TITLES: dict[Kind, str] = {"folder": "Open a folder", "file": "Open a file"}
 OpenDialog = desktop.select_folder | desktop.open_file
 
@@ -58,19 +57,19 @@ class Browser:
 
 
 class Dialogs:
-    """At most one dialog at a time; `chosen` is called with what the user picked."""
+    """At most one dialog at a time."""
 
-    def __init__(self, chosen: Callable[[Path], None], start: Path) -> None:
-        self._opens = self._chosen = chosen
+    def __init__(self, start: Path) -> None:
         self._start = start
+        self._then: Callable[[Path], object] = lambda path: None
         self._desktop: OpenDialog | None = None
         self.browser: Browser | None = None
 
-    def ask(self, kind: Kind, chosen: Callable[[Path], None] | None = None) -> None:
-        """`chosen`, if given, is called this time in place of the usual."""
+    def ask(self, kind: Kind, then: Callable[[Path], object]) -> None:
+        """`then` is called with what the user picked."""
         if self._desktop is not None or self.browser is not None:
             return
-        self._chosen = chosen or self._opens
+        self._then = then
         if not has_desktop_dialogs():
             self.browser = Browser.at(self._start, kind)
         elif kind == "folder":
@@ -92,7 +91,7 @@ class Dialogs:
     def _choose(self, path: Path) -> None:
         self._start = path.parent
         self.browser = None
-        self._chosen(path)
+        self._then(path)
 
     def _draw_browser(self, browser: Browser) -> None:
         title = TITLES[browser.kind]

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.batch import Failed
 from app.files.legible import legible
-from app.gui.actions import batch_actions
+from app.gui.actions import actions, batch_actions
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain, floating, row
@@ -21,21 +20,9 @@ TEXT = (
 )
 LISTED = 6
 """Lines of a list before it scrolls."""
-Act = Callable[[], None]
 
 
-@dataclass(frozen=True)
-class Asking:
-    """What the panel can ask for."""
-
-    folder: Act
-    file: Act
-    target: Act
-    start: Act
-    cancel: Act
-
-
-def draw_batches(state: AppState, asking: Asking) -> None:
+def draw_batches(state: AppState) -> None:
     """A window of its own."""
     batches = state.batches
     if not batches.shown:
@@ -47,21 +34,22 @@ def draw_batches(state: AppState, asking: Asking) -> None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(theme.now().muted, TEXT)
         imgui.spacing()
-        _draw_adding(state, asking)
+        _draw_adding(state)
         _draw_inputs(state)
         imgui.spacing()
-        _draw_choices(state, asking)
+        _draw_choices(state)
         imgui.separator()
-        _draw_progress(state, asking)
+        _draw_progress(state)
         if batches.progressed is not None and batches.progressed.failed:
             _draw_failed(batches.progressed.failed)
 
 
-def _draw_adding(state: AppState, asking: Asking) -> None:
-    button(f"{icons.ICON_FA_PLUS}  Folder…###add folder", asking.folder, width=8)
+def _draw_adding(state: AppState) -> None:
+    add = partial(actions.choose_path, state, take=batch_actions.add_input)
+    button(f"{icons.ICON_FA_PLUS}  Folder…###add folder", partial(add, "folder"), width=8)
     explain("A folder of images, videos or subfolders, or a clip.")
     imgui.same_line()
-    button(f"{icons.ICON_FA_PLUS}  File…###add file", asking.file, width=8)
+    button(f"{icons.ICON_FA_PLUS}  File…###add file", partial(add, "file"), width=8)
     explain("One image or one video.")
     imgui.same_line()
     clear, some = lambda: batch_actions.clear_inputs(state), bool(state.batches.inputs)
@@ -86,11 +74,12 @@ def _draw_inputs(state: AppState) -> None:
                 explain(str(path))
 
 
-def _draw_choices(state: AppState, asking: Asking) -> None:
+def _draw_choices(state: AppState) -> None:
     row("Settings", "Set in the Enhancement panel. Masks drawn on a clip apply to that clip only.")
     imgui.text_unformatted(batch_actions.summary(state))
     row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
-    button("Choose…###target", asking.target)
+    choose = partial(actions.choose_path, state, "folder", batch_actions.choose_folder)
+    button("Choose…###target", choose)
     explain("Choose another folder for the results.")
     imgui.same_line()
     folder = batch_actions.results_folder(state)
@@ -98,11 +87,12 @@ def _draw_choices(state: AppState, asking: Asking) -> None:
     explain(str(folder))
 
 
-def _draw_progress(state: AppState, asking: Asking) -> None:
+def _draw_progress(state: AppState) -> None:
     reason, batches = batch_actions.why_not_start(state), state.batches
     if batches.under_way is None:
+        start = partial(batch_actions.batch_request, state)
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-            button("Enhance all###start", asking.start, enabled=not reason, width=-1)
+            button("Enhance all###start", start, enabled=not reason, width=-1)
         explain(
             reason or "Runs in the background; the window stays usable. Each file records how it was made."
         )
@@ -115,7 +105,7 @@ def _draw_progress(state: AppState, asking: Asking) -> None:
         said = f"{step.place} of {step.count}   {legible(step.name)}   {step.done} / {step.total}"
     imgui.progress_bar(min(share, 1.0), ImVec2(-em(7), 0), said)
     imgui.same_line()
-    button("Cancel", asking.cancel, width=6)
+    button("Cancel", lambda: batch_actions.cancelled(state), width=6)
     explain("Finished files are kept; no file is left incomplete.")
 
 

@@ -9,6 +9,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
 from app.gui.actions import path_actions
+from app.gui.commands.camera_commands import import_views
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain
@@ -18,15 +19,14 @@ from renderer.camera_path import Keyframe
 Act = Callable[[], None]
 
 
-def draw_cameras(state: AppState, ask_file: Act) -> None:
-    """`ask_file` lets a person choose a file of views."""
+def draw_cameras(state: AppState) -> None:
     if state.scene.model is None:
         with imgui_ctx.push_text_wrap_pos(0):
             imgui.text_colored(
                 theme.now().muted, "Views and camera paths need a reconstruction: start or open one."
             )
         return
-    _draw_files(state, ask_file)
+    _draw_files(state)
     imgui.separator_text("Views")
     _draw_new_view(state)
     for index in range(len(state.scene.cameras.views.named)):
@@ -36,9 +36,9 @@ def draw_cameras(state: AppState, ask_file: Act) -> None:
     _draw_path(state, state.scene.model)
 
 
-def _draw_files(state: AppState, ask_file: Act) -> None:
+def _draw_files(state: AppState) -> None:
     views = state.scene.cameras.views
-    button("Import…###import", ask_file)
+    button("Import…###import", lambda: import_views(state))
     explain(
         "Saved views, cameras.json, transforms.json or COLMAP's images.txt; or drop the file on the window."
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
@@ -14,6 +13,7 @@ from app.gui.actions import actions, comparing, laid_out
 from app.gui.commands.commands import fit_pictures, one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
+from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
@@ -28,10 +28,10 @@ MODE_TEXT = (
 ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, blue where all are at 0."
 
 
-def draw_compare(state: AppState, textures: ShowsPictures, draw_welcome: Callable[[], None]) -> None:
+def draw_compare(state: AppState, textures: ShowsPictures) -> None:
     """Both pictures with their tags, or what to do when there is no clip yet."""
     if state.source.clip is None:
-        draw_welcome()
+        draw_welcome(state)
         return
     _draw_toolbar(state)
     gap = em(0.3)

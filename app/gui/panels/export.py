@@ -30,11 +30,10 @@ WINDOW_TEXT = "F12: the whole window as it is on screen. It cannot be replayed."
 FIRST_WIDTH = 1024
 GROUPS = (("Images", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
 REPLAY = "Each file records how it was made: vesselsplat replay FILE reproduces it."
-Start = Callable[[What], None]
 
 
-def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> None:
-    """A window of its own; `start` begins an export, `cancel` gives up the one under way."""
+def draw_export(state: AppState) -> None:
+    """A window of its own."""
     if not state.exports.shown:
         return
     beside = floating(42)
@@ -50,12 +49,12 @@ def draw_export(state: AppState, start: Start, cancel: Callable[[], None]) -> No
         _draw_picture_size(state)
         _draw_view_size(state)
         imgui.spacing()
-        _draw_progress(state, cancel)
+        _draw_progress(state)
         for title, forms in GROUPS:
             imgui.separator_text(title)
             for what, offer in OFFERS.items():
                 if offer.form in forms:
-                    _draw_offer(state, what, offer, start)
+                    _draw_offer(state, what, offer)
             if "picture" in forms:
                 _draw_window_offer(state)
 
@@ -64,12 +63,13 @@ def _draw_window_offer(state: AppState) -> None:
     _draw_row("Window###window", WINDOW_TEXT, lambda: window_actions.save_window(state))
 
 
-def _draw_offer(state: AppState, what: What, offer: Offer, start: Start) -> None:
+def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
     reason = export_actions.why_not_export(state, what)
-    _draw_row(f"{offer.label}###{what}", offer.text, partial(start, what), reason)
+    start = partial(export_actions.export_request, state, what)
+    _draw_row(f"{offer.label}###{what}", offer.text, start, reason)
 
 
-def _draw_row(label: str, text: str, act: Callable[[], None], reason: str = "") -> None:
+def _draw_row(label: str, text: str, act: Callable[[], object], reason: str = "") -> None:
     """A button and what it does; greyed for a `reason`."""
     button(label, act, enabled=not reason, width=10)
     explain(reason)
@@ -134,7 +134,7 @@ def _pixels(label: str, value: int, text: str) -> int:
     return min(max(typed, LEAST_WIDTH), MOST_WIDTH)
 
 
-def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
+def _draw_progress(state: AppState) -> None:
     under_way = state.exports.under_way
     if under_way is None:
         with imgui_ctx.push_text_wrap_pos(0):
@@ -144,7 +144,7 @@ def _draw_progress(state: AppState, cancel: Callable[[], None]) -> None:
     total = max(under_way.request.steps, 1)
     imgui.progress_bar(under_way.done / total, ImVec2(-em(7), 0), f"{under_way.done} of {total}")
     imgui.same_line()
-    button("Cancel", cancel, width=6)
+    button("Cancel", lambda: export_actions.cancelled(state), width=6)
     explain("No file is left incomplete.")
     # As high as the two lines in its place, so that no button moves away from the pointer.
     imgui.dummy(ImVec2(0, 2 * imgui.get_text_line_height() - imgui.get_frame_height()))

@@ -8,7 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.image_mask import NO_MASK
-from app.gui.actions import actions, clip_actions, laid_out
+from app.gui.actions import actions, clip_actions, export_actions, laid_out
 from app.gui.commands.commands import has_something
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -21,9 +21,7 @@ EMPTY = "The frames of the open clip appear here."
 TOOL_LABELS = {"text": "Text box", "view": "View circle"}
 
 
-def draw_timeline(
-    state: AppState, screenshot: Callable[[], None], texture: Callable[[ByteImage], imgui.ImTextureRef]
-) -> None:
+def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextureRef]) -> None:
     """Two rows; greyed out without a clip."""
     count = 1 if state.source.clip is None else len(state.source.clip)
     _draw_strip(state, count, texture)
@@ -47,7 +45,8 @@ def draw_timeline(
     _draw_mask(state)
     imgui.same_line()
     enabled = has_something(state)
-    button(f"{icons.ICON_FA_CAMERA}  Save image", screenshot, enabled=enabled, width=-1.0)
+    save = lambda: export_actions.save_picture(state)  # noqa: E731
+    button(f"{icons.ICON_FA_CAMERA}  Save image", save, enabled=enabled, width=-1.0)
     explain("S: original, enhanced and 3D view side by side, with everything needed to reproduce them")
 
 

@@ -10,7 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import grouped, legible, named
 from app.gui.actions import actions, camera_actions, laid_out, view_actions
-from app.gui.commands.command import Command
+from app.gui.commands.camera_commands import second_commands
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.color_bar import draw_color_bar
 from app.gui.panels.menus import draw_commands
@@ -37,7 +37,6 @@ FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
 MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
 PHOTO = f"{icons.ICON_FA_CLONE}  Frame###snap"
-Commands = tuple[Command, ...]
 Tag = tuple[str, ImVec4]
 
 
@@ -46,17 +45,16 @@ def draw_view3d(
     viewport: Viewport,
     second: Viewport,
     photo_texture: PhotoTexture,
-    choices: Callable[[], Commands],
 ) -> None:
     """The view with its controls, beside it the second reconstruction when there is one.
 
-    `choices` gives the ways to choose that. The first view is the last item drawn, for those who draw on it.
+    The first view is the last item drawn, for those who draw on it.
     """
     if state.scene.model is None:
         laid_out.size_view(state, 0, 0)
         _draw_empty(state)
         return
-    _draw_toolbar(state, choices)
+    _draw_toolbar(state)
     space, gap = imgui.get_content_region_avail(), em(0.3)
     corner, count = imgui.get_cursor_screen_pos(), 1 if state.scene.second.shown is None else 2
     size = ImVec2(max((space.x + gap) / count - gap, em(4)), max(space.y, em(4)))
@@ -94,7 +92,7 @@ def _draw_empty(state: AppState) -> None:
     centered("Waiting for the first preview of the reconstruction…")
 
 
-def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
+def _draw_toolbar(state: AppState) -> None:
     button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
     explain("Home: the clip camera's view.")
     beside(FLY)
@@ -108,7 +106,7 @@ def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
         button(MEASURE, lambda: camera_actions.toggle_measuring(state))
     explain("M: click two points on the surface. Measured on the model, at its expected depth.")
     beside(SECOND)
-    _draw_second(state, choices)
+    _draw_second(state)
     _draw_snap(state)
     _draw_kind(state)
     if state.source.clip is None:
@@ -123,7 +121,7 @@ def _draw_toolbar(state: AppState, choices: Callable[[], Commands]) -> None:
         _draw_time(state)
 
 
-def _draw_second(state: AppState, choices: Callable[[], Commands]) -> None:
+def _draw_second(state: AppState) -> None:
     shown = state.scene.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
         button(SECOND, _open_second_menu)
@@ -133,7 +131,7 @@ def _draw_second(state: AppState, choices: Callable[[], Commands]) -> None:
     beside(PHOTO)
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
-            draw_commands(state, choices())
+            draw_commands(state, second_commands(state))
 
 
 def _open_second_menu() -> None:

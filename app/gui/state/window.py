@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
 
+from app.exports.exporting import ExportRequest
 from app.gui.state.palette import Palette
 from app.gui.work.file_writing import WriteRequest
 from app.gui.work.presets import KeepPresets
+from app.gui.work.session_writing import SessionRequest
 
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
+Kind = Literal["folder", "file"]
+Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,14 @@ class Toast:
     """On the window's clock, seconds."""
 
 
+@dataclass(frozen=True, eq=False)
+class Choosing:
+    """A folder or a file that a person is to choose, and what is done with it."""
+
+    kind: Kind
+    then: Callable[[Path], object]
+
+
 @dataclass
 class WindowFrame:
     """Actions change it; drawing reads it."""
@@ -45,5 +59,7 @@ class WindowFrame:
     help_open: bool = False
     palette: Palette = field(default_factory=Palette)
     closing: Closing = "no"
-    wishes: tuple[WriteRequest | KeepPresets, ...] = ()
-    """What is to be kept on disk, until the next frame hands it to the background work."""
+    choosing: Choosing | None = None
+    """Until the next frame asks for it."""
+    wishes: tuple[Wish, ...] = ()
+    """What is to be written, until the next frame hands it to the background work."""

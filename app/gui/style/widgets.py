@@ -210,7 +210,7 @@ def within(width: float, height: float) -> ImVec2:
     return ImVec2(min(em(width), most.x - em(1)), min(em(height), most.y - em(1)))
 
 
-def button(label: str, action: Callable[[], None], *, enabled: bool = True, width: float = 0.0) -> None:
+def button(label: str, action: Callable[[], object], *, enabled: bool = True, width: float = 0.0) -> None:
     """A button that does `action`; `width` in em, 0 = as wide as its text."""
     imgui.begin_disabled(not enabled)
     if imgui.button(label, ImVec2(em(width) if width >= 0 else width, 0)):

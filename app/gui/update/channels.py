@@ -23,6 +23,7 @@ from app.gui.actions import (
     tuning_actions,
 )
 from app.gui.state.app_state import AppState
+from app.gui.state.window import Wish
 from app.gui.update import taking
 from app.gui.update.bake_work import BakeWork
 from app.gui.update.compare_work import CompareWork
@@ -128,8 +129,9 @@ class Channels:
             Row(self.saving, taking.take_saved),
             Row(self.windows, taking.take_saved),
             Row(self.sessions, session_actions.take_written),
-            Row(self.exports, export_actions.take_step),
-            Row(self.batches, batch_actions.take_progress),
+            Row(self.exports, export_actions.take_step,
+                lambda s: s.exports.under_way.request if s.exports.under_way is not None else None),
+            Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
             Row(self.files, taking.take_written),
             Row(self.presets, preset_actions.take_kept),
         )  # fmt: skip
@@ -169,11 +171,14 @@ class Channels:
     def ask_once(self, state: AppState) -> None:
         """Hand over what came up since the last frame."""
         wishes, state.window.wishes = state.window.wishes, ()
+        channels: dict[type[Wish], Channel[Any, Any]] = {
+            WriteRequest: self.files,
+            KeepPresets: self.presets,
+            SessionRequest: self.sessions,
+            ExportRequest: self.saving,
+        }
         for wish in wishes:
-            if isinstance(wish, KeepPresets):
-                self.presets.ask(wish)
-            else:
-                self.files.ask(wish)
+            channels[type(wish)].ask(wish)
         if (session := session_actions.autosave_request(state)) is not None:
             self.sessions.ask(session)
 

@@ -116,6 +116,12 @@ class SteppedChannel(Channel[Request, Answer]):
         self._under_way: tuple[Request, Iterator[Answer]] | None = None
         self._cancelled = threading.Event()
 
+    def want(self, request: Request | None) -> None:
+        """Ask, unless it is what was asked last; where there is nothing to ask for, that is given up."""
+        if request is None and self.asked is not None:
+            self.cancel()
+        super().want(request)
+
     def cancel(self) -> None:
         """Give up what is under way or waits; it is cleared away with the next step."""
         with self._lock:

@@ -16,7 +16,7 @@ from app.files.provenance import read_provenance
 from app.gui.actions import actions, batch_actions, queue_actions
 from app.gui.commands.keys import chord
 from app.gui.frame.dialogs import TITLES
-from app.gui.panels.batches import Asking, draw_batches
+from app.gui.panels.batches import draw_batches
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -150,9 +150,8 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     failed = person.state.batches.progressed.failed
     assert [one.item.name for one in failed] == ["case/broken.mp4", "case/stills"]
     assert person.state.batches.shown
-    nothing = Asking(*[lambda: None] * 5)
-    ui.frame(lambda: draw_batches(person.state, nothing))
-    ui.frame(lambda: draw_batches(person.state, nothing))
+    ui.frame(lambda: draw_batches(person.state))
+    ui.frame(lambda: draw_batches(person.state))
 
 
 def test_nothing_to_enhance_is_a_sentence(places: Places, tmp_path: Path) -> None:

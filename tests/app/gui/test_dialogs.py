@@ -34,8 +34,8 @@ def test_on_linux_a_missing_dialog_program_is_not_taken_for_a_cancel(
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr(shutil, "which", lambda name: None)
     assert not has_desktop_dialogs()
-    dialogs = Dialogs(lambda path: None, folder)
-    dialogs.ask("folder")
+    dialogs = Dialogs(folder)
+    dialogs.ask("folder", lambda path: None)
     assert dialogs.browser is not None
     assert dialogs.browser.folder == folder
     monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}" if name == "kdialog" else None)
@@ -47,8 +47,8 @@ def plain(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Dialogs:
     """The dialog inside the window, open in `folder`."""
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    dialogs = Dialogs(lambda path: None, folder)
-    dialogs.ask("file")
+    dialogs = Dialogs(folder)
+    dialogs.ask("file", lambda path: None)
     return dialogs
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.gui.commands.command import WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import NAMED, Keyboard, chord
 from app.gui.state.app_state import AppState
@@ -18,15 +17,14 @@ from tests.app.gui.ui import (
 )
 
 
-def keyboard(state: AppState, reach: WindowServices | None = None) -> Draw:
+def keyboard(state: AppState) -> Draw:
     """A frame of nothing but keys."""
     keys = Keyboard()
-    return lambda: keys.handle(state, sections(state, reach or outside()))
+    return lambda: keys.handle(state, sections(state, outside()))
 
 
 def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
-    saved: list[str] = []
-    draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
+    draw = keyboard(opened)
     key = imgui.Key
     ui.press(draw, key.e)
     assert not opened.enhancement.active
@@ -41,7 +39,7 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     ui.press(draw, key.p)
     assert opened.timeline.playing
     ui.press(draw, key.s)
-    assert saved == ["picture"]
+    assert len(opened.window.wishes) == 1
     ui.press(draw, key._1)
     assert opened.picture.view.zoom == 1.0
     ui.press(draw, key.mod_shift, key.slash)
@@ -52,19 +50,18 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
 
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
-    saved: list[str] = []
-    draw = keyboard(opened, outside(screenshot=lambda: saved.append("picture")))
+    draw = keyboard(opened)
     ui.press(draw, imgui.Key.g)
     assert opened.scene.viewer.flying
     ui.press(draw, imgui.Key.s, imgui.Key.a)
     free = opened.scene.viewer.free
     assert free is not None
     assert free.camera.position[0] == free.camera.position[2] < 0
-    assert not saved
+    assert not opened.window.wishes
     assert not opened.scene.viewer.moving
     ui.press(draw, imgui.Key.home)
     ui.press(draw, imgui.Key.s)
-    assert (opened.scene.viewer.free, saved) == (None, ["picture"])
+    assert (opened.scene.viewer.free, len(opened.window.wishes)) == (None, 1)
 
 
 def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:

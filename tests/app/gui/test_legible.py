@@ -28,7 +28,7 @@ from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import Settings
 from renderer.clip import Clip
 from tests.app.gui.conftest import outside
-from tests.app.gui.ui import NOTHING, Shown, Ui, compare
+from tests.app.gui.ui import Shown, Ui, compare
 
 NAME = os.fsdecode(b"caf\xe9.png")
 
@@ -42,14 +42,14 @@ def test_what_utf_8_can_say_stays() -> None:
 
 def test_the_welcome_and_the_menu_show_such_names(ui: Ui, state: AppState) -> None:
     state.source.clip, state.settings = None, Settings(recent=(f"/clips/{NAME}",))
-    ui.frame(lambda: draw_welcome(state, NOTHING))
+    ui.frame(lambda: draw_welcome(state))
     ui.frame(lambda: menus.draw_commands(state, recent_commands.opening(state)))
     state.window.palette.open()
     state.window.palette.type("caf")
     for _ in range(2):
         ui.frame(lambda: draw_palette(state, sections(state, outside())))
     state.source.opening = OpenRequest(Path(NAME))
-    ui.frame(lambda: draw_welcome(state, NOTHING))
+    ui.frame(lambda: draw_welcome(state))
 
 
 def test_the_panels_show_such_names(ui: Ui, state: AppState, clip: Clip) -> None:
@@ -76,8 +76,8 @@ def test_the_file_dialog_lists_such_names(ui: Ui, tmp_path: Path, monkeypatch: p
     folder = tmp_path / NAME
     folder.mkdir()
     (folder / NAME).write_text("")
-    dialogs = Dialogs(lambda path: None, folder)
-    dialogs.ask("file")
+    dialogs = Dialogs(folder)
+    dialogs.ask("file", lambda path: None)
     for _ in range(3):
         ui.frame(dialogs.draw)
     assert dialogs.browser is not None

@@ -12,10 +12,11 @@ from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
-from app.gui.panels.welcome import Openers, draw_welcome
+from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import seconds
 from app.runs.progress_log import TrainingLog
+from assets import phantom_path
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Preparing, Progress, Started
@@ -25,18 +26,17 @@ from tests.app.gui.ui import Draw, Shown, Ui, compare, view3d
 
 def test_without_a_clip_there_is_something_to_do(ui: Ui, state: AppState) -> None:
     state.source.clip = None
-    pressed: list[str] = []
-    openers = Openers(*(lambda name=name: pressed.append(name) for name in ("folder", "file", "phantom")))  # type: ignore[misc]
     spots: list[tuple[float, float]] = []
 
     def draw() -> None:
-        draw_welcome(state, openers)
+        draw_welcome(state)
         low = imgui.get_item_rect_min()
         spots[:] = [(low.x + 20, low.y + 5)]
 
     ui.frame(draw)
     ui.drag(draw, spots[0], spots[0])
-    assert pressed == ["phantom"]
+    assert state.source.opening is not None
+    assert state.source.opening.path == phantom_path()
 
 
 def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> None:
@@ -97,7 +97,7 @@ def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
     state.source.clip = None
     ui.frame(lambda: draw_enhancement(state))
     ui.frame(lambda: draw_reconstruction(state))
-    ui.frame(lambda: draw_timeline(state, lambda: None, lambda image: imgui.ImTextureRef(1)))
+    ui.frame(lambda: draw_timeline(state, lambda image: imgui.ImTextureRef(1)))
     ui.frame(lambda: view3d(state))
     ui.frame(compare(state, Shown()))
 
@@ -111,7 +111,7 @@ def test_durations_are_said_as_people_do(duration: float, text: str) -> None:
 
 
 def test_the_cameras_panel_draws_every_state(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
-    draw: Draw = lambda: draw_cameras(opened, lambda: None)  # noqa: E731
+    draw: Draw = lambda: draw_cameras(opened)  # noqa: E731
     ui.frame(draw)
     start_live(opened, model)
     ui.frame(draw)

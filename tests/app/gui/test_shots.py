@@ -237,13 +237,13 @@ def test_what_is_lacking_is_said(places: Places) -> None:
 def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:
     state.exports.shown = True
     for _ in range(2):
-        ui.frame(lambda: draw_export(state, lambda what: None, lambda: None))
+        ui.frame(lambda: draw_export(state))
     request = export_actions.export_request(state, "both panes")
     assert request is not None
     heights = []
     for state.exports.under_way in (None, Exporting(request, 1)):
         for _ in range(3):
-            ui.frame(lambda: draw_export(state, lambda what: None, lambda: None))
+            ui.frame(lambda: draw_export(state))
         heights.append(imgui.internal.find_window_by_name("Export").size.y)
     assert heights[0] == heights[1]  # No button moves away from the pointer that started it.
     assert state.exports.shown

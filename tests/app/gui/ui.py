@@ -11,13 +11,11 @@ from app.gui.drawing.textures import PLAIN, Marks, OnPane
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.view3d import PhotoTexture, draw_view3d
-from app.gui.panels.welcome import Openers, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import Placement
 from renderer.clip import ByteImage
 
 Draw = Callable[[], None]
-NOTHING = Openers(lambda: None, lambda: None, lambda: None)
 
 
 class Ui:
@@ -106,7 +104,7 @@ class StillSecond(StillViewport):
 
 
 def view3d(state: AppState, photo_texture: PhotoTexture = no_texture) -> None:
-    draw_view3d(state, StillViewport(), StillSecond(), photo_texture, tuple)
+    draw_view3d(state, StillViewport(), StillSecond(), photo_texture)
 
 
 def pictures(state: AppState) -> Pictures:
@@ -119,4 +117,4 @@ def texts(tags: list[tuple[str, object]]) -> str:
 
 
 def compare(state: AppState, shown: Shown) -> Draw:
-    return lambda: draw_compare(state, shown, lambda: draw_welcome(state, NOTHING))
+    return lambda: draw_compare(state, shown)
