@@ -12,6 +12,7 @@ from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Picture
 from app.exports.exporting import ExportRequest, Step, export
 from app.exports.window_shot import WindowRequest, save_window
 from app.gui.actions import (
+    actions,
     batch_actions,
     camera_actions,
     edit_actions,
@@ -23,20 +24,20 @@ from app.gui.actions import (
     tuning_actions,
 )
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import difference_request
 from app.gui.state.window import Wish
 from app.gui.update import taking
+from app.gui.update.at_rest import left_out_wish, strip_wish, to_measure, to_tidy
 from app.gui.update.bake_work import BakeWork
 from app.gui.update.compare_work import CompareWork
-from app.gui.update.measure_work import MeasureWork
-from app.gui.update.memory_work import MemoryWork
 from app.gui.update.opening_work import OpeningWork
 from app.gui.update.queue_work import QueueWork
-from app.gui.update.strip_work import StripWork
 from app.gui.update.taking import told
 from app.gui.update.view_wish import first_wish, second_wish
 from app.gui.work.background import Answer, Channel, Failure, Request, SteppedChannel
 from app.gui.work.batching import BatchRequest, Progressed, batch
 from app.gui.work.file_writing import WriteRequest, write_file
+from app.gui.work.measuring import Measured, Measurer
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.gui.work.picking import Picked, PickRequest, pick
 from app.gui.work.presets import KeepPresets, KeptPresets, keep_presets
@@ -45,11 +46,15 @@ from app.gui.work.run_models import Left, LeftRequest, ModelRequest, left_of, ru
 from app.gui.work.saving_edits import SavedEdits, SaveRequest, keep_edits
 from app.gui.work.selecting import Selected, Selector, SelectRequest
 from app.gui.work.session_writing import SessionRequest, write
+from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest, left_out, make_strip
+from app.gui.work.tidying import OnScreen, tidy
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.scenes.photos import Photo, PhotoRequest, read_photo
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import View, draw_view
+
+NO_STRIP = "the clip's thumbnails cannot be shown"
 
 
 @dataclass(frozen=True)
@@ -60,6 +65,8 @@ class Row(Generic[Request, Answer]):
     take: Callable[[AppState, Request, Answer | Failure], None]
     wish: Callable[[AppState], Request | None] | None = None
     """What the state wishes for now; None where each request is asked for once, when it comes up."""
+    forgets: bool = True
+    """Without a wish, what was asked for is forgotten: it may be asked for again."""
 
     def answer(self, state: AppState) -> None:
         """Take what has been made since the last frame."""
@@ -68,8 +75,9 @@ class Row(Generic[Request, Answer]):
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there."""
-        if self.wish is not None:
-            self.channel.want(self.wish(state))
+        wanted = self.wish(state) if self.wish is not None else None
+        if wanted is not None or (self.wish is not None and self.forgets):
+            self.channel.want(wanted)
 
 
 @dataclass
@@ -100,10 +108,11 @@ class Channels:
     opening: OpeningWork = field(default_factory=OpeningWork)
     bakes: BakeWork = field(default_factory=BakeWork)
     compare: CompareWork = field(default_factory=CompareWork)
-    measure: MeasureWork = field(default_factory=MeasureWork)
-    strip: StripWork = field(default_factory=StripWork)
+    measures: Channel[Pictures, Measured] = field(default_factory=lambda: Channel(Measurer().measure))
+    strip: Channel[StripRequest, Strip] = field(default_factory=lambda: Channel(make_strip))
+    left_out: Channel[LeftOutRequest, LeftOut] = field(default_factory=lambda: Channel(left_out))
+    tidying: Channel[OnScreen, None] = field(default_factory=lambda: Channel(tidy))
     queue: QueueWork = field(default_factory=QueueWork)
-    memory: MemoryWork = field(default_factory=MemoryWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
 
@@ -126,6 +135,14 @@ class Channels:
             Row(self.second, taking.take_second, second_wish),
             Row(self.cells, tuning_actions.take_cell, lambda s: s.tuning.request),
             Row(self.edits, edit_actions.take_saved, lambda s: s.editing.saving),
+            Row(self.compare.difference, told("the difference cannot be shown", taking.take_difference),
+                difference_request),
+            Row(self.measures, told("the frame cannot be measured", taking.take_measured, actions.say),
+                to_measure, forgets=False),
+            Row(self.strip, told(NO_STRIP, taking.take_strip, actions.say), strip_wish, forgets=False),
+            Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), left_out_wish,
+                forgets=False),
+            Row(self.tidying, lambda *answered: None, to_tidy, forgets=False),
             Row(self.saving, taking.take_saved),
             Row(self.windows, taking.take_saved),
             Row(self.sessions, session_actions.take_written),
@@ -149,8 +166,8 @@ class Channels:
     @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
-        first = (*self.measure.all, *self.strip.all, self.omissions, self.runs)
-        return (*first, *self.keeping, *self.queue.all, *self.memory.all)
+        first = (self.measures, self.left_out, self.strip, self.omissions, self.runs)
+        return (*first, *self.keeping, *self.queue.all, self.tidying)
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:

@@ -17,8 +17,7 @@ from app.exports.comparison_images import (
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES, Side
-from app.gui.state.panes import difference_request, other_request
-from app.gui.update.answered import answered
+from app.gui.state.panes import other_request
 from app.gui.work.background import Channel, Failure
 
 
@@ -29,7 +28,7 @@ def _channels() -> dict[Side, Channel[OtherRequest, Other]]:
 
 @dataclass
 class CompareWork:
-    """One channel a side, which share what they remember, and one for the difference."""
+    """One channel a side, which share what they remember; the difference is asked for like any other work."""
 
     sides: dict[Side, Channel[OtherRequest, Other]] = field(default_factory=_channels)
     difference: Channel[DifferenceRequest, Difference] = field(default_factory=lambda: Channel(heat_map))
@@ -49,8 +48,6 @@ class CompareWork:
             elif request == other_request(state, side):
                 state.timeline.playing = False
                 actions.fail(state, f"the {side} pane cannot be shown: {answer.message}")
-        if (made := answered(state, self.difference, "the difference cannot be shown")) is not None:
-            state.comparing.difference = made[1]
 
     def ask(self, state: AppState) -> None:
         """Ask for what is not there; say whether the panes wait for it."""
@@ -61,4 +58,3 @@ class CompareWork:
             # A failed request is not asked for again until something has changed.
             if one is not None and one not in have and self.sides[side].asked != one:
                 self.sides[side].ask(one)
-        self.difference.want(difference_request(state))

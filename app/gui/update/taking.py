@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from app.enhancement.frame_enhancer import Pictures
+from app.exports.comparison_images import Difference, DifferenceRequest
 from app.exports.exporting import Step
 from app.gui.actions import actions, edit_actions, export_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Answer, Failure, Request
 from app.gui.work.file_writing import WriteRequest
+from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.selecting import Selected, SelectRequest
+from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import View
@@ -19,12 +23,16 @@ from app.scenes.viewing import View
 Take = Callable[[AppState, Request, Answer | Failure], None]
 
 
-def told(trouble: str, take: Callable[[AppState, Request, Answer], None]) -> Take[Request, Answer]:
-    """`take` for an answer; a failure is shown as `trouble` with its reason."""
+def told(
+    trouble: str,
+    take: Callable[[AppState, Request, Answer], None],
+    tell: Callable[[AppState, str], None] = actions.fail,
+) -> Take[Request, Answer]:
+    """`take` for an answer; of a failure `tell` says `trouble` with its reason."""
 
     def either(state: AppState, request: Request, answer: Answer | Failure) -> None:
         if isinstance(answer, Failure):
-            actions.fail(state, f"{trouble}: {answer.message}")
+            tell(state, f"{trouble}: {answer.message}")
         else:
             take(state, request, answer)
 
@@ -37,6 +45,22 @@ def take_omissions(state: AppState, request: OmissionsRequest, omissions: Omissi
 
 def take_photo(state: AppState, request: PhotoRequest, photo: Photo) -> None:
     state.scene.viewer.photo = photo
+
+
+def take_difference(state: AppState, request: DifferenceRequest, difference: Difference) -> None:
+    state.comparing.difference = difference
+
+
+def take_measured(state: AppState, request: Pictures, measured: Measured) -> None:
+    state.picture.measured = measured
+
+
+def take_strip(state: AppState, request: StripRequest, strip: Strip) -> None:
+    state.timeline.strip = strip
+
+
+def take_left_out(state: AppState, request: LeftOutRequest, left_out: LeftOut) -> None:
+    state.picture.left_out = left_out
 
 
 def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:

@@ -25,7 +25,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
         state.window.toast = None
     channels.opening.take(state)
     take_pictures(state, channels)
-    for group in (channels.compare, channels.measure, channels.strip, channels.queue, channels.bakes):
+    for group in (channels.compare, channels.queue, channels.bakes):
         group.take(state)
     edit_actions.follow(state)
     for row in channels.rows:
@@ -101,10 +101,10 @@ def _waits(state: AppState) -> bool:
 def _ask(state: AppState, channels: Channels) -> None:
     channels.opening.ask(state)
     _ask_for_pictures(state, channels)
+    # Whether the panes wait for their pictures is known before others are asked for.
+    for group in (channels.compare, channels.queue, channels.bakes):
+        group.ask(state)
     for row in channels.rows:
         row.ask(state)
     state.runs.is_listed = False
     channels.ask_once(state)
-    for group in (channels.bakes, channels.compare, channels.measure, channels.strip, channels.queue):
-        group.ask(state)
-    channels.memory.ask(state)

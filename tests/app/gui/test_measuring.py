@@ -11,8 +11,8 @@ from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Picture
 from app.gui.actions import actions
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
+from app.gui.update.at_rest import REST
 from app.gui.update.channels import Channels
-from app.gui.update.measure_work import REST
 from app.gui.update.update import update
 from app.gui.work.measuring import BINS, Measurer, curves, spread
 from enhance import EnhanceParams, enhance
