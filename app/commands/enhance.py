@@ -11,7 +11,7 @@ from typing import Any, cast
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.enhancement.batch import Item, Step, enhance_batch, items_in
-from app.enhancement.enhance_files import VIDEO, Setting, Stream, Written, enhance_into
+from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.errors import UserError
 from app.files.image_files import is_image
@@ -84,7 +84,7 @@ def run(flags: argparse.Namespace) -> None:
     series = open_series(given, reading)
     _check_output(given, flags.output, series)
     started = time.perf_counter()
-    written = _whole(flags.output, series, setting)
+    written = run_to_end(enhance_into(flags.output, series, setting, _watched))
     _say(written.notices)
     seconds = time.perf_counter() - started
     if flags.json:
@@ -129,13 +129,8 @@ def _check_output(given: Path, output: Path, series: Series) -> None:
         raise UserError(f"expected an image, a folder or {VIDEO} to write, got {output}")
 
 
-def _whole(output: Path, series: Series, setting: Setting) -> Written:
-    """Written in one go, with progress; reading, enhancing and writing overlap."""
-    return run_to_end(enhance_into(output, series, setting, _watched))
-
-
 def _watched(stage: str, series: Series, items: Stream) -> Stream:
-    """The items, made in advance, with progress."""
+    """The items, made in advance, with progress: reading, enhancing and writing overlap."""
     items = ahead(items)
     try:
         with progress(stage, len(series)) as report:

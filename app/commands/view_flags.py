@@ -9,12 +9,13 @@ from app.errors import UserError
 from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_folder import RunFolder
 from app.scenes.photos import PhotoRequest
-from app.scenes.scene import Scene, is_splat_file
+from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
 from app.scenes.view_request import ViewRequest
 from app.scenes.view_selection import Moment
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
+from renderer.splat_files import is_named_as_splats
 
 
 def add_flag(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +44,7 @@ def _at(moment: Moment, flags: argparse.Namespace, scene: Scene, photos: Clip | 
 
 def _photos(flags: argparse.Namespace) -> Clip:
     """What each frame of a run should look like. Raises UserError where there is none."""
-    if is_splat_file(flags.scene) or flags.camera or flags.path or flags.time is not None:
+    if is_named_as_splats(flags.scene) or flags.camera or flags.path or flags.time is not None:
         raise UserError("--view difference: expected frames of a run from its own cameras")
     record = RunFolder(flags.scene).record()
     camera = record.camera(0)

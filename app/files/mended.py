@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
+
+from renderer.json_files import read_json
 
 T = TypeVar("T")
 MOST_ITEMS: Final = 200_000
@@ -28,6 +31,15 @@ def mended(kind: TypeAdapter[T], told: dict[str, Any]) -> tuple[T | None, tuple[
                 return None, tuple(left_out)
             left_out += wrong
             told = {name: value for name, value in told.items() if name not in wrong}
+
+
+def mended_file(kind: TypeAdapter[T], path: Path) -> T | None:
+    """The same of a file in which nothing is precious; None where nothing can be made of it."""
+    try:
+        told = read_json(path)
+    except (OSError, ValueError):
+        return None
+    return mended(kind, told)[0] if isinstance(told, dict) else None
 
 
 def _is_larger(value: Any, limit: int) -> bool:

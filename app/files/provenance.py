@@ -182,12 +182,13 @@ def read_provenance(path: Path) -> dict[str, Any]:
         (length,) = struct.unpack_from(">I", content, position)
         body = content[position + 8 : position + 8 + length]
         if content[position + 4 : position + 8] == b"iTXt" and body.startswith(prefix):
-            return _facts_of(body.removeprefix(prefix), path)
+            return facts_of(body.removeprefix(prefix), path)
         position += 12 + length
     raise UserError(f"expected a PNG written by VesselSplat, found no provenance in {path.name}")
 
 
-def _facts_of(text: bytes, path: Path) -> dict[str, Any]:
+def facts_of(text: str | bytes, path: Path) -> dict[str, Any]:
+    """Of the JSON that `path` holds. Raises UserError: it is none, or no object."""
     try:
         facts = parsed(text)
     except ValueError as error:

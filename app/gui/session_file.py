@@ -204,11 +204,6 @@ def write_session(path: Path, session: Session) -> None:
     write_bytes(path, strict_json(facts, indent=1).encode())
 
 
-def read_session(path: Path) -> Session:
-    """All of it that can be read. Raises UserError: see `mended_session`."""
-    return mended_session(path)[0]
-
-
 def mended_session(path: Path) -> tuple[Session, str]:
     """All of a session that can be read, and in a sentence what cannot; empty when all can.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -189,7 +190,7 @@ class Window:
         ground = theme.THEMES[self.state.settings.theme].shade(0.11)
         params.callbacks.add_edge_toolbar(
             hello_imgui.EdgeToolbarType.bottom,
-            lambda: draw_timeline(self.state, self._strip_texture),
+            lambda: draw_timeline(self.state, partial(self._texture, "strip")),
             hello_imgui.EdgeToolbarOptions(size_em=5.4, window_padding_em=(0.6, 0.5), window_bg=ground),
         )
 
@@ -211,7 +212,9 @@ class Window:
             _panel("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),
             _panel("Runs", "SideBelow", lambda: draw_runs(self.state)),
             _panel("Cameras", "SideBelow", lambda: draw_cameras(self.state)),
-            _panel("Log", "Below", self._draw_log, "by the menu"),
+            _panel(
+                "Log", "Below", lambda: overlays.draw_log(self.state, imgui.set_clipboard_text), "by the menu"
+            ),
             _panel("Notes", "Below", lambda: draw_notes(self.state), "by the menu"),
             _panel(REPORT, "MainDockSpace", lambda: draw_report(self.state), "by the menu"),
             _panel(TUNING, "MainDockSpace", self._draw_tuning, "by the state"),
@@ -278,20 +281,14 @@ class Window:
     def _draw_view(self) -> None:
         assert self._viewport is not None
         assert self._second_viewport is not None
-        draw_view3d(self.state, self._viewport, self._second_viewport, self._photo_texture)
+        over = partial(self._texture, "frame over view")
+        draw_view3d(self.state, self._viewport, self._second_viewport, over)
         if self.state.scene.model is not None:
             draw_edit_tools(self.state)
 
-    def _strip_texture(self, image: ByteImage) -> imgui.ImTextureRef:
+    def _texture(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         assert self._textures is not None
-        return self._textures.whole("strip", image)
-
-    def _photo_texture(self, image: ByteImage) -> imgui.ImTextureRef:
-        assert self._textures is not None
-        return self._textures.whole("frame over view", image)
-
-    def _draw_log(self) -> None:
-        overlays.draw_log(self.state, imgui.set_clipboard_text)
+        return self._textures.whole(slot, image)
 
     def _draw_over(self) -> None:
         overlays.draw_banner(self.state)

@@ -25,15 +25,10 @@ class SavedReport:
     sections: dict[str, Section]
 
 
-def is_report(path: Path) -> bool:
-    """Whether the name is one of a report's figures."""
-    return path.suffix == ".json"
-
-
 def holds_report(path: Path) -> bool:
-    """Whether the file looks like a report, damaged or not, and not like cameras."""
+    """Whether the file is JSON that looks like a report, damaged or not, and not like cameras."""
     try:
-        facts = read_json(path)
+        facts = read_json(path) if path.suffix == ".json" else None
     except (OSError, ValueError):
         return False
     return isinstance(facts, dict) and "parts" in facts

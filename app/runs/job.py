@@ -89,10 +89,6 @@ class TrainingJob:
         """Ask to end, also while paused; `Cancelled` comes when it has. The last checkpoint is kept."""
         self._say("cancel")
 
-    @property
-    def process_id(self) -> int | None:
-        return self._process.pid
-
     def close(self) -> None:
         """End the process, waiting at most a few seconds, and give back the shared memory."""
         if self._process.pid is not None:

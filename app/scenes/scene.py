@@ -138,18 +138,13 @@ class Training:
     """Not finished."""
 
 
-def is_splat_file(path: Path) -> bool:
-    """Meant as one, of a kind that can be read or not."""
-    return is_named_as_splats(path)
-
-
 def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
     """A file of splats, or a run with what was edited by hand, unless it is wanted as trained.
 
     Raises:
         UserError: no finished run and no file of splats, or the edits are of another model.
     """
-    if is_splat_file(path) or path.is_file():
+    if is_named_as_splats(path) or path.is_file():
         return splat_scene(path)
     folder = RunFolder(path)
     scene = finished_scene(folder, folder.record())

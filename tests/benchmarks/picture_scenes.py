@@ -168,7 +168,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     yield "reconstruction kept"
     person.press(chord("Ctrl+Z"))
     person.click("//Reconstruction/What will be left out")
-    person.choose("//Reconstruction", "##input", "Both in turn")
+    person.choose("//Reconstruction", "##Frames", "Both in turn")
     person.click("//Reconstruction/###start")
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
@@ -199,7 +199,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.ctx.window_focus("//3D view")
     person.wait(lambda: state.scene.view is not None, "the model as it was last seen")
     yield "reconstruction unfinished"
-    person.choose("//Reconstruction", "##input", "Original")
+    person.choose("//Reconstruction", "##Frames", "Original")
     person.click("//Reconstruction/###start")
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)

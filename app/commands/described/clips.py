@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.commands.described.fact import Fact, count, next_steps
+from app.commands.described.fact import Fact, count, next_steps, notices
 from app.files.image_files import photos_in
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
@@ -96,9 +96,7 @@ def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
     yield Fact("held out", count(len(clip.test_indices), "frame"), len(clip.test_indices))
     missing = list(_missing(clip))
     yield Fact("missing", tuple(missing) or "nothing", missing)
-    notices = tuple(said for said in clip.notices if said != clip.why_no_depth)
-    if notices:
-        yield Fact("notices", notices, list(notices))
+    yield from notices([said for said in clip.notices if said != clip.why_no_depth])
     pictures = str(eyes[0]) if eyes and clip.format == "images" else "PATH"
     output = "OUT.png" if clip.format == "image" else "OUT"
     train = _train(clip)

@@ -48,5 +48,17 @@ def next_steps(path: Path, *steps: tuple[str, ...]) -> Fact:
     return Fact("next", lines, list(lines))
 
 
+def notices(said: Sequence[str]) -> tuple[Fact, ...]:
+    """Each once, a line each; nothing where nothing was said."""
+    lines = tuple(dict.fromkeys(said))
+    return (Fact("notices", lines, list(lines)),) if lines else ()
+
+
+def made(utc: Any, version: Any) -> Fact:
+    """When, and by which version of the program."""
+    when = "at an unrecorded time" if utc is None else utc
+    return Fact("made", f"{when} by version {version}", {"utc": utc, "version": version})
+
+
 def count(number: int, one: str) -> str:
     return f"{number} {one}" if number == 1 else f"{number} {one}s"

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from app.commands.described.fact import Fact, count, next_steps
+from app.commands.described.fact import Fact, count, made, next_steps, notices
 from app.console.flags import problem
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
@@ -60,19 +60,13 @@ def of_run(path: Path) -> Facts:
         Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
         *_time(steps_of, run.wall_seconds()),
         Fact("unit", clip.unit),
-        Fact(
-            "made",
-            f"{record.created} by version {record.version}",
-            {"utc": record.created, "version": record.version},
-        ),
+        made(record.created, record.version),
     ]
     if quality is not None:
         facts.append(Fact("quality", f"{quality:.2f} dB on held-out frames", {"psnr": quality}))
     if run.edits_path.exists():
         facts.append(Fact("edits", "edited in the app", True))
-    warnings = [event["message"] for event in events if event["event"] == "Warned"]
-    if warnings:
-        facts.append(Fact("notices", tuple(dict.fromkeys(warnings)), list(dict.fromkeys(warnings))))
+    facts += notices([event["message"] for event in events if event["event"] == "Warned"])
     if run.is_finished:
         steps = [
             ("render", "PATH", "--out", "OUT"),
@@ -101,13 +95,13 @@ def _time(steps: object, wall: float | None) -> Facts:
 def of_splats(path: Path) -> Facts:
     """Raises UserError: it cannot be read."""
     size = path.stat().st_size
-    notices: tuple[str, ...] = ()
+    said: tuple[str, ...] = ()
     if size <= READ_WHOLE:
         try:
             file = read_splats(path)
         except SplatFileError as error:
             raise UserError(str(error)) from error
-        number, notices = len(file.raw), file.notices
+        number, said = len(file.raw), file.notices
         told = f"{count(number, 'Gaussian')}, harmonics of {file.raw.harmonics.shape[1]} functions"
     else:
         found = _announced(path)
@@ -117,7 +111,7 @@ def of_splats(path: Path) -> Facts:
         Fact("model", told, {"gaussians": number}),
         Fact("size", f"{size / 1e6:.1f} MB", size),
         Fact("unit", "scene units"),
-        *((Fact("notices", notices, list(notices)),) if notices else ()),
+        *notices(said),
         *_origin(path),
         next_steps(path, ("render", "PATH", "--out", "OUT", "--time", "0"), ("gui", "PATH")),
     )
@@ -144,13 +138,7 @@ def of_session(path: Path) -> Facts:
         if source is not None:
             facts.append(_place(name, source, path))
     facts.append(Fact("frame", str(session.frame), session.frame))
-    facts.append(
-        Fact(
-            "made",
-            f"{session.saved} by version {session.version}",
-            {"utc": session.saved, "version": session.version},
-        )
-    )
+    facts.append(made(session.saved, session.version))
     if session.notes:
         facts.append(Fact("notes", tuple(session.notes.splitlines()), session.notes))
     return (*facts, next_steps(path, ("gui", "PATH")))
@@ -227,12 +215,4 @@ def _told(facts: dict[str, Any]) -> Facts:
     if isinstance(params, dict):
         text = ", ".join(f"{name} {value}" for name, value in params.items() if value is not None)
         found.append(Fact("parameters", text, params))
-    when = facts.get("utc", "at an unrecorded time")
-    found.append(
-        Fact(
-            "made",
-            f"{when} by version {facts.get('version')}",
-            {"utc": facts.get("utc"), "version": facts.get("version")},
-        )
-    )
-    return tuple(found)
+    return (*found, made(facts.get("utc"), facts.get("version")))

@@ -10,12 +10,12 @@ from app.commands.described.files import is_export, of_export, of_json, of_run, 
 from app.errors import UserError
 from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
-from app.scenes.scene import is_splat_file
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import photo_folder
 from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
 from renderer.regular_files import require_regular
+from renderer.splat_files import is_named_as_splats
 
 
 def described(path: Path) -> tuple[Fact, ...]:
@@ -41,7 +41,7 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return of_session(path)
     if path.suffix == ".safetensors":
         return of_run(path.parent)
-    if is_splat_file(path):
+    if is_named_as_splats(path):
         return of_splats(path)
     if path.suffix == ".json":
         return of_json(path)

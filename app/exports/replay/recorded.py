@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
-from app.files.provenance import KEYWORD, read_provenance
-from renderer.json_files import parsed
+from app.files.provenance import KEYWORD, facts_of, read_provenance
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
 from renderer.regular_files import read_whole
@@ -32,7 +31,7 @@ def _in_comment(path: Path) -> Facts:
     text = joined(KEYWORD, comments)
     if text is None:
         raise UserError(f"expected a PLY file written by VesselSplat, found no provenance in {path}")
-    return _parsed(text, path)
+    return facts_of(text, path)
 
 
 def _beside(path: Path) -> Facts:
@@ -43,14 +42,4 @@ def _beside(path: Path) -> Facts:
     sidecar = path.with_name(f"{path.name}.json")
     if not sidecar.is_file():
         raise UserError(f"expected {sidecar.name} beside {path.name}, which holds its provenance: {path}")
-    return _parsed(read_whole(sidecar).decode(errors="replace"), sidecar)
-
-
-def _parsed(text: str, path: Path) -> Facts:
-    try:
-        facts = parsed(text)
-    except ValueError as error:
-        raise UserError(f"expected the JSON of a provenance, got other text: {path}") from error
-    if not isinstance(facts, dict):
-        raise UserError(f"expected a JSON object, got {type(facts).__name__}: {path}")
-    return facts
+    return facts_of(read_whole(sidecar).decode(errors="replace"), sidecar)

@@ -10,7 +10,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.viewer import MAX_SPEED, MIN_SPEED
 from app.gui.state.window import Toast
 from app.gui.views.measurement import Measurement
-from app.gui.work.picking import Picked, PickRequest, Purpose
+from app.gui.work.picking import PickRequest, Purpose
 from app.scenes.free_camera import FreeView, Vector, vector
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
@@ -98,19 +98,19 @@ def ask_point(state: AppState, request: ViewRequest, pixel: tuple[int, int], pur
     state.scene.viewer.pick = PickRequest(request, pixel, purpose)
 
 
-def take_point(state: AppState, request: PickRequest, picked: Picked) -> None:
+def take_point(state: AppState, request: PickRequest, point: Vector | None) -> None:
     """The answer to a wish; of a view that is no longer shown, it is dropped."""
     models = [model for model in (state.scene.model, state.scene.second.shown) if model is not None]
     if all(request.view.scene.cameras != model.cameras for model in models):
         return
-    if picked.point is None:
+    if point is None:
         state.window.toast = Toast("No surface under the pointer", state.window.now + TOAST_SECONDS)
     elif request.purpose == "measure":
         viewer = state.scene.viewer
         view = request.view
-        viewer.measurement = viewer.measurement.with_point(picked.point, view.time, view.scene.name)
+        viewer.measurement = viewer.measurement.with_point(point, view.time, view.scene.name)
     else:
-        state.scene.viewer.pivot, state.scene.viewer.flying = picked.point, False
+        state.scene.viewer.pivot, state.scene.viewer.flying = point, False
 
 
 def centre(state: AppState, model: Scene) -> Vector:

@@ -11,7 +11,6 @@ from app.gui.work.presets import (
     BUILT_IN,
     MOST_PRESETS,
     KeepPresets,
-    KeptPresets,
     is_preset_name,
     load_presets,
     presets_file,
@@ -63,10 +62,12 @@ def _save(state: AppState, presets: dict[str, EnhancementSettings], done: str) -
     )
 
 
-def take_kept(state: AppState, request: KeepPresets, answer: KeptPresets | Failure) -> None:
+def take_kept(
+    state: AppState, request: KeepPresets, answer: dict[str, EnhancementSettings] | Failure
+) -> None:
     """They are on disk, or cannot be kept and are as before."""
     if isinstance(answer, Failure):
         actions.fail(state, f"the presets cannot be saved: {answer.message}")
         return
-    state.enhancement.presets = answer.presets
+    state.enhancement.presets = answer
     actions.announce(state, request.done)

@@ -34,8 +34,6 @@ MODE_TEXTS: dict[Mode, str] = {
     "flip": "flip: one pane, left or right",
     "difference": "difference: where left and right differ, and by how much",
 }
-
-
 open_folder = partial(actions.choose_path, kind="folder", take=actions.open_path)
 open_file = partial(actions.choose_path, kind="file", take=actions.open_path)
 
@@ -140,7 +138,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
         ),
     )
     zooms = (
-        Command("Fit", fit_pictures, ("0",), text="fit the whole frame", applies=has_clip),
+        Command("Fit", picture_actions.fit, ("0",), text="fit the whole frame", applies=has_clip),
         Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)",
                 applies=has_clip),
     )  # fmt: skip
@@ -196,14 +194,10 @@ def _compare() -> tuple[Section, ...]:
 
 
 def _mode(mode: Mode) -> Command:
-    act: Act = comparing.flip if mode == "flip" else partial(_choose_mode, mode=mode)
+    act: Act = comparing.flip if mode == "flip" else partial(comparing.choose_mode, mode=mode)
     ticked: Asks = lambda state: state.comparing.chosen.mode == mode  # noqa: E731
     keys = (MODE_KEYS[mode],)
     return Command(mode.capitalize(), act, keys, text=MODE_TEXTS[mode], applies=has_clip, ticked=ticked)
-
-
-def _choose_mode(state: AppState, mode: Mode) -> None:
-    comparing.choose_mode(state, mode)
 
 
 def _wipe(steps: int) -> Act:
@@ -255,20 +249,15 @@ def _help() -> tuple[Section, ...]:
             "Help",
             (
                 Command(
-                    "Find a command…", _open_palette, ("Ctrl+Shift+P",), text="find a command by its name"
+                    "Find a command…",
+                    lambda s: s.window.palette.open(),
+                    ("Ctrl+Shift+P",),
+                    text="find a command by its name",
                 ),
                 Command("Keys and mouse", toggle_help, ("?", "F1"), text="this help"),
             ),
         ),
     )
-
-
-def _open_palette(state: AppState) -> None:
-    state.window.palette.open()
-
-
-def fit_pictures(state: AppState) -> None:
-    picture_actions.fit(state)
 
 
 def one_to_one(state: AppState) -> None:

@@ -12,7 +12,7 @@ from app.files.legible import legible
 from app.gui.actions import actions, batch_actions
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, floating, row
+from app.gui.style.widgets import button, em, explain, floating, note, row
 
 TEXT = (
     "Enhances every image and video in the list, subfolders included, with the current settings into "
@@ -31,8 +31,7 @@ def draw_batches(state: AppState) -> None:
         batch_actions.show_batches(state, bool(window.opened))
         if not window:
             return
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, TEXT)
+        note(TEXT)
         imgui.spacing()
         _draw_adding(state)
         _draw_inputs(state)

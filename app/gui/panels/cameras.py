@@ -11,8 +11,7 @@ from app.files.legible import legible
 from app.gui.actions import path_actions
 from app.gui.commands.camera_commands import import_views
 from app.gui.state.app_state import AppState
-from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain
+from app.gui.style.widgets import button, em, explain, note
 from app.scenes.scene import Scene
 from renderer.camera_path import Keyframe
 
@@ -21,10 +20,7 @@ Act = Callable[[], None]
 
 def draw_cameras(state: AppState) -> None:
     if state.scene.model is None:
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(
-                theme.now().muted, "Views and camera paths need a reconstruction: start or open one."
-            )
+        note("Views and camera paths need a reconstruction: start or open one.")
         return
     _draw_files(state)
     imgui.separator_text("Views")
@@ -47,7 +43,7 @@ def _draw_files(state: AppState) -> None:
     button("Save###save", lambda: path_actions.save_views(state), enabled=has_some)
     explain("Save all views and the path, for this app and for vesselsplat export --path.")
     imgui.same_line()
-    button("Export…###export", _open_export)
+    button("Export…###export", lambda: imgui.open_popup("export"))
     explain("Export the poses as cameras.json for other programs.")
     with imgui_ctx.begin_popup("export") as popup:
         if popup:
@@ -55,10 +51,6 @@ def _draw_files(state: AppState) -> None:
                 path_actions.export_clip_cameras(state)
             if imgui.menu_item_simple("The path's cameras", enabled=bool(views.path.keyframes)):
                 path_actions.export_path_cameras(state)
-
-
-def _open_export() -> None:
-    imgui.open_popup("export")
 
 
 def _draw_new_view(state: AppState) -> None:
@@ -120,8 +112,7 @@ def _draw_path(state: AppState, model: Scene) -> None:
     if changed:
         path_actions.toggle_path_shown(state)
     if not path.keyframes:
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, "Move the view, add a keyframe, move again, add the next.")
+        note("Move the view, add a keyframe, move again, add the next.")
         return
     if enabled:
         imgui.set_next_item_width(-em(0.1))

@@ -9,8 +9,8 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
-from app.gui.actions import actions, comparing, laid_out
-from app.gui.commands.commands import fit_pictures, one_to_one
+from app.gui.actions import actions, comparing, laid_out, picture_actions
+from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
 from app.gui.panels.welcome import draw_welcome
@@ -63,7 +63,7 @@ def _draw_toolbar(state: AppState) -> None:
     _draw_modes(state)
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit, 1)
-    button(fit, lambda: fit_pictures(state))
+    button(fit, lambda: picture_actions.fit(state))
     explain("0 or double click: fit the whole frame.")
     beside("1:1")
     button("1:1", lambda: one_to_one(state))

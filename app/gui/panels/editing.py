@@ -129,7 +129,12 @@ def _draw_changes(state: AppState, editing: Editing) -> None:
                 bool(history.future),
                 "Ctrl+Y in edit mode: redo an edit or selection.",
             ),
-            ("Save", save, editing.is_unsaved, f"Ctrl+Shift+S: save the edits {_kept(editing)}."),
+            (
+                "Save",
+                edit_actions.save,
+                editing.is_unsaved,
+                f"Ctrl+Shift+S: save the edits {_kept(editing)}.",
+            ),
             ("Done", edit_actions.toggle, True, "Ctrl+E: leave edit mode. Edits stay, saved or not."),
         ),
     )
@@ -167,10 +172,6 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
 
 def _kept(editing: Editing) -> str:
     return "beside the run; the trained model is not changed" if editing.is_of_run else "as a new PLY file"
-
-
-def save(state: AppState) -> None:
-    edit_actions.save(state)
 
 
 def _share(parts: int, gap: float) -> float:

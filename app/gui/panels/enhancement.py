@@ -17,7 +17,7 @@ from app.gui.panels.enhancement_scales import draw_scales
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, row, slide, slide_auto
+from app.gui.style.widgets import button, choose_row, em, explain, row, slide, slide_auto
 from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
@@ -87,7 +87,7 @@ def _draw_method(state: AppState) -> None:
         "structures as blood would."
     )
     now = METHODS.index(type(state.enhancement.params))
-    chosen = _choose("Method", now, METHOD_LABELS, text)
+    chosen = choose_row("Method", now, METHOD_LABELS, text)
     if chosen != now:
         actions.choose_method(state, METHODS[chosen])
 
@@ -185,19 +185,11 @@ def _draw_scope(state: AppState) -> None:
         "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
     )
     chosen = state.enhancement
-    scope = _choose("Statistics", SCOPES.index(chosen.scope), SCOPE_LABELS, text)
+    scope = choose_row("Statistics", SCOPES.index(chosen.scope), SCOPE_LABELS, text)
     picture_actions.choose_scope(state, SCOPES[scope])
     text = "Measured on all pixels as in the paper, or without tools and the black surround."
-    pixels = _choose("Pixels", int(chosen.tissue_only), PIXEL_LABELS, text)
+    pixels = choose_row("Pixels", int(chosen.tissue_only), PIXEL_LABELS, text)
     picture_actions.choose_tissue_only(state, bool(pixels))
-
-
-def _choose(label: str, index: int, values: list[str], text: str) -> int:
-    row(label, text)
-    imgui.set_next_item_width(-em(0.1))
-    _, index = imgui.combo(f"##{label}", index, values)
-    explain(text)
-    return index
 
 
 def _draw_edits(state: AppState) -> None:

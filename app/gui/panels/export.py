@@ -13,7 +13,7 @@ from app.gui.actions import export_actions, export_choices, window_actions
 from app.gui.actions.export_actions import OFFERS, Offer, What
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, floating, row
+from app.gui.style.widgets import button, em, explain, floating, note, row
 from app.scenes.supersampling import FACTORS
 
 SCALES = (1, 2, 3, 4)
@@ -56,11 +56,7 @@ def draw_export(state: AppState) -> None:
                 if offer.form in forms:
                     _draw_offer(state, what, offer)
             if "picture" in forms:
-                _draw_window_offer(state)
-
-
-def _draw_window_offer(state: AppState) -> None:
-    _draw_row("Window###window", WINDOW_TEXT, lambda: window_actions.save_window(state))
+                _draw_row("Window###window", WINDOW_TEXT, lambda: window_actions.save_window(state))
 
 
 def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
@@ -75,8 +71,7 @@ def _draw_row(label: str, text: str, act: Callable[[], object], reason: str = ""
     explain(reason)
     imgui.same_line()
     imgui.align_text_to_frame_padding()
-    with imgui_ctx.push_text_wrap_pos(0):
-        imgui.text_colored(theme.now().muted, text)
+    note(text)
 
 
 def _draw_picture_size(state: AppState) -> None:
@@ -137,9 +132,8 @@ def _pixels(label: str, value: int, text: str) -> int:
 def _draw_progress(state: AppState) -> None:
     under_way = state.exports.under_way
     if under_way is None:
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, f"Saved to {legible(str(state.places.pictures))}")
-            imgui.text_colored(theme.now().muted, REPLAY)
+        note(f"Saved to {legible(str(state.places.pictures))}")
+        note(REPLAY)
         return
     total = max(under_way.request.steps, 1)
     imgui.progress_bar(under_way.done / total, ImVec2(-em(7), 0), f"{under_way.done} of {total}")

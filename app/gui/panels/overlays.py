@@ -14,7 +14,7 @@ from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, question, within
+from app.gui.style.widgets import button, em, explain, note, question, within
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
@@ -113,8 +113,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
                 _draw_keys(menu, [(" or ".join(one.keys), one.about) for one in commands])
         _draw_keys("Hold", [("Space", PEEK_TEXT), ("W S A D Q E", FLIGHT_TEXT), *MOUSE])
         imgui.spacing()
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, LONG_NOTICE)
+        note(LONG_NOTICE)
 
 
 def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:

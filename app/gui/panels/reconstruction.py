@@ -15,7 +15,18 @@ from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.style import theme
-from app.gui.style.widgets import button, declared, em, explain, row, seconds, slider, wants_default
+from app.gui.style.widgets import (
+    button,
+    choose_row,
+    declared,
+    em,
+    explain,
+    note,
+    row,
+    seconds,
+    slider,
+    wants_default,
+)
 from app.runs.wall_clock import in_all
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
@@ -71,12 +82,12 @@ def _draw_next(state: AppState, run: Reconstruction) -> None:
 def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
     text = declared(TrainConfig, "method").text
-    method = _choose("Method", "method", METHODS.index(config.method), [*map(named, METHODS)], text)
+    method = choose_row("Method", METHODS.index(config.method), [*map(named, METHODS)], text)
     frames = (
         "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
         "runs two reconstructions to compare."
     )
-    chosen = _choose("Frames", "input", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
+    chosen = choose_row("Frames", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
     draft_actions.choose_input(state, INPUTS[chosen])
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
@@ -97,17 +108,8 @@ def _draw_part(state: AppState) -> None:
     """What of the clip it will be of, where that is not all of it."""
     told = "" if state.source.clip is None else state.source.training_part.told(len(state.source.clip))
     if told:
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().warning, f"Trains on {told}")
+        note(f"Trains on {told}", theme.now().warning)
         explain(PART)
-
-
-def _choose(label: str, name: str, index: int, values: list[str], text: str) -> int:
-    row(label, text)
-    imgui.set_next_item_width(-em(0.1))
-    _, index = imgui.combo(f"##{name}", index, values)
-    explain(text)
-    return index
 
 
 def _quality(run: Reconstruction) -> int:
@@ -120,7 +122,7 @@ def _quality(run: Reconstruction) -> int:
     if took is not None:
         text += f" About {seconds(took)} at the speed of the run shown."
     shown = [f"{name}, about {seconds(took)}" if took and name == now else name for name in choices]
-    index = _choose("Quality", "quality", choices.index(now), shown, text)
+    index = choose_row("Quality", choices.index(now), shown, text)
     return QUALITIES.get(choices[index], run.config.iterations)
 
 
@@ -146,16 +148,14 @@ def _draw_start(state: AppState) -> None:
     soon = "Starts with the current settings when the runs before it have ended." if run.is_alive else ""
     explain(reason or soon or "Runs in the background; the window stays usable.")
     if reason and state.source.clip is not None:
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().muted, reason)
+        note(reason)
 
 
 def _draw_end(state: AppState, run: Reconstruction) -> None:
     """Of a run that was cut short: why, and what can be done with it."""
     if run.failure:
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().danger, f"{capital(legible(run.failure))}.")
-            imgui.text_colored(theme.now().muted, run.way_out)
+        note(f"{capital(legible(run.failure))}.", theme.now().danger)
+        note(run.way_out)
     half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
     onward = lambda: job_actions.continue_reconstruction(state)  # noqa: E731
     again = job_actions.can_continue(state)
@@ -209,8 +209,7 @@ def _draw_status(run: Reconstruction) -> None:
 def _draw_preparing(stage: Preparing) -> None:
     """What is done before the first step, and how far it is where that is known."""
     left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
-    with imgui_ctx.push_text_wrap_pos(0):
-        imgui.text_colored(theme.now().muted, f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
+    note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
     if stage.total:
         done = f"{grouped(stage.done)} / {grouped(stage.total)}"
         imgui.progress_bar(stage.done / stage.total, ImVec2(-1, em(1.25)), done)
@@ -243,8 +242,7 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
     imgui.align_text_to_frame_padding()
     imgui.text_unformatted(capital(omission.what))
     explain(f"Saves {omission.saves}.")
-    with imgui_ctx.push_text_wrap_pos(0):
-        imgui.text_colored(theme.now().muted, capital(omission.why))
+    note(capital(omission.why))
     explain(f"Saves {omission.saves}.")
     imgui.table_next_column()
     if (part := omission.part) is None:

@@ -12,7 +12,7 @@ from app.gui.actions import laid_out, queue_actions, run_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain
+from app.gui.style.widgets import button, em, explain, note
 from app.gui.work.run_list import ListedRun
 
 
@@ -43,8 +43,7 @@ def _draw_queue(state: AppState) -> None:
     imgui.text_unformatted("Queue")
     explain("Reconstructions run one at a time; these start automatically.")
     if not state.runs.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().warning, reason)
+        note(reason, theme.now().warning)
     if queue_actions.sleeps(state):
         button("Start the queue", lambda: queue_actions.wake(state), width=-1.0)
         explain("These were queued when the window was closed. Press Start the queue to run them.")

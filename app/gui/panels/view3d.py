@@ -124,7 +124,7 @@ def _draw_toolbar(state: AppState) -> None:
 def _draw_second(state: AppState) -> None:
     shown = state.scene.second.shown is not None
     with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
-        button(SECOND, _open_second_menu)
+        button(SECOND, lambda: imgui.open_popup("second"))
     explain(
         "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
     )
@@ -132,10 +132,6 @@ def _draw_second(state: AppState) -> None:
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
             draw_commands(state, second_commands(state))
-
-
-def _open_second_menu() -> None:
-    imgui.open_popup("second")
 
 
 def _draw_snap(state: AppState) -> None:

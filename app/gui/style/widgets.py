@@ -82,6 +82,15 @@ def row(label: str, tooltip: str) -> None:
     imgui.same_line(start + em(NAMES))
 
 
+def choose_row(label: str, index: int, values: list[str], text: str) -> int:
+    """A list of `values` behind its name; the place of the chosen one."""
+    row(label, text)
+    imgui.set_next_item_width(-em(0.1))
+    _, index = imgui.combo(f"##{label}", index, values)
+    explain(text)
+    return index
+
+
 def explain(text: str) -> None:
     """A tooltip on the item before, also when that is disabled."""
     if text and imgui.is_item_hovered(EXPLAINED):
@@ -181,6 +190,12 @@ def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2, width: float = RO
     y = corner.y + em(0.4)
     for text, color in tags:
         y += tag(text, ImVec2(corner.x + em(0.4), y), color, width - em(0.8)) + em(0.14)
+
+
+def note(text: str, color: ImVec4 | None = None) -> None:
+    """A line of text, or more where it is too long for one; quiet unless in a colour."""
+    with imgui_ctx.push_text_wrap_pos(0):
+        imgui.text_colored(color or theme.now().muted, text)
 
 
 def centered(text: str, color: ImVec4 | None = None) -> None:

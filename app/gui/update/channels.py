@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Generic
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
+from app.enhancement.methods import EnhancementSettings
 from app.exports.exporting import ExportRequest, Step, export
 from app.exports.window_shot import WindowRequest, save_window
 from app.gui.actions import (
@@ -39,8 +40,8 @@ from app.gui.work.batching import BatchRequest, Progressed, batch
 from app.gui.work.file_writing import WriteRequest, write_file
 from app.gui.work.measuring import Measured, Measurer
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
-from app.gui.work.picking import Picked, PickRequest, pick
-from app.gui.work.presets import KeepPresets, KeptPresets, keep_presets
+from app.gui.work.picking import PickRequest, pick
+from app.gui.work.presets import KeepPresets, keep_presets
 from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
 from app.gui.work.run_models import Left, LeftRequest, ModelRequest, left_of, run_model
 from app.gui.work.saving_edits import SavedEdits, SaveRequest, keep_edits
@@ -49,6 +50,7 @@ from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest, left_out, make_strip
 from app.gui.work.tidying import OnScreen, tidy
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
+from app.scenes.free_camera import Vector
 from app.scenes.photos import Photo, PhotoRequest, read_photo
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
@@ -85,7 +87,7 @@ class Channels:
     """The kinds of background work; those with rules of their own, when to ask for what, are groups."""
 
     pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
-    picks: Channel[PickRequest, Picked] = field(default_factory=lambda: Channel(pick))
+    picks: Channel[PickRequest, Vector | None] = field(default_factory=lambda: Channel(pick))
     selecting: Channel[SelectRequest, Selected] = field(default_factory=lambda: Channel(Selector().select))
     photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
     models: Channel[ModelRequest, Scene] = field(default_factory=lambda: Channel(run_model))
@@ -101,7 +103,7 @@ class Channels:
     omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
     runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
     files: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write_file, depth=256))
-    presets: Channel[KeepPresets, KeptPresets] = field(
+    presets: Channel[KeepPresets, dict[str, EnhancementSettings]] = field(
         default_factory=lambda: Channel(keep_presets, depth=64)
     )
     edits: Channel[SaveRequest, SavedEdits] = field(default_factory=lambda: Channel(keep_edits))

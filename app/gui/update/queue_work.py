@@ -11,8 +11,7 @@ from app.gui.actions import actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.opening_work import Patience
 from app.gui.work.background import Channel, Failure, NewestChannel
-from app.gui.work.keeping_queue import KeepRequest, keep
-from app.gui.work.restore_queue import TakenUp, TakeUpRequest, take_up
+from app.gui.work.queue_keeping import KeepRequest, TakenUp, TakeUpRequest, keep, take_up
 from app.runs.queue_file import queue_file
 
 

@@ -84,7 +84,8 @@ def _may_show(state: AppState, pictures: Pictures) -> bool:
 
 def _play(state: AppState, elapsed: float) -> None:
     """Time goes on only when what it needs is on screen: a slow machine plays slower, never out of step."""
-    if not state.timeline.playing or state.source.clip is None or _waits(state):
+    waits = state.timeline.frozen_index is None and state.pictures_wait
+    if not state.timeline.playing or state.source.clip is None or waits:
         return
     rate = state.source.clip.frames_per_second or FRAMES_PER_SECOND
     first, last = state.source.span
@@ -92,10 +93,6 @@ def _play(state: AppState, elapsed: float) -> None:
     within = first <= state.timeline.playhead < last + 1
     state.timeline.playhead = first + (onward - first) % (last + 1 - first) if within else float(first)
     state.timeline.frame_index = int(state.timeline.playhead)
-
-
-def _waits(state: AppState) -> bool:
-    return state.timeline.frozen_index is None and state.pictures_wait
 
 
 def _ask(state: AppState, channels: Channels) -> None:

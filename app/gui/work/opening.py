@@ -11,18 +11,19 @@ from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.session_file import SUFFIX, Session, mended_session
 from app.gui.work.reported import Reported, read
-from app.report.saved import holds_report, is_report
+from app.report.saved import holds_report
 from app.runs.progress_log import TrainingLog, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
-from app.scenes.scene import Scene, Training, finished_scene, is_splat_file, run_scene, splat_scene
+from app.scenes.scene import Scene, Training, finished_scene, run_scene, splat_scene
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.regular_files import require_regular
 from renderer.sources import open_clip
+from renderer.splat_files import is_named_as_splats
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.view_files import Views, import_views
 
@@ -84,7 +85,7 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     if request.path.suffix == SUFFIX:
         yield _open_session(request.path)
         return
-    if is_splat_file(request.path):
+    if is_named_as_splats(request.path):
         yield _open_splats(request.path)
         return
     if request.path.suffix.lower() in VIEW_SUFFIXES:
@@ -113,7 +114,7 @@ def _require_file_or_folder(path: Path) -> None:
 
 def _open_beside(path: Path) -> Opened:
     """A report, or views and cameras: what joins the present session."""
-    if is_report(path) and holds_report(path):
+    if holds_report(path):
         return Opened(None, report=read(path))
     try:
         return Opened(None, views=import_views(path))

@@ -22,16 +22,9 @@ class PickRequest:
     purpose: Purpose
 
 
-@dataclass(frozen=True)
-class Picked:
-    """None: nothing solid is there."""
-
-    point: Vector | None
-
-
-def pick(request: PickRequest) -> Iterator[Picked]:
-    """Answers a PickRequest."""
-    yield Picked(surface(request.view, request.pixel))
+def pick(request: PickRequest) -> Iterator[Vector | None]:
+    """Answers a PickRequest; with None where nothing solid is there."""
+    yield surface(request.view, request.pixel)
 
 
 def surface(view: ViewRequest, pixel: tuple[int, int]) -> Vector | None:

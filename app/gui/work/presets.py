@@ -107,18 +107,11 @@ class KeepPresets:
     """What is said when they are kept."""
 
 
-@dataclass(frozen=True, eq=False)
-class KeptPresets:
-    """What the file holds now."""
-
-    presets: dict[str, EnhancementSettings]
-
-
-def keep_presets(request: KeepPresets) -> Iterator[KeptPresets]:
-    """Answers a KeepPresets. Raises OSError or UserError."""
+def keep_presets(request: KeepPresets) -> Iterator[dict[str, EnhancementSettings]]:
+    """What the file holds now. Raises OSError or UserError."""
     presets = merged_presets(request.path, request.presets, request.before)
     save_presets(request.path, presets)
-    yield KeptPresets(presets)
+    yield presets
 
 
 def preset_name(look: EnhancementSettings, own: Mapping[str, EnhancementSettings]) -> str:

@@ -13,8 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, Ty
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
 from app.enhancement.settable import PathText, at_most
-from app.files.mended import mended
-from renderer.json_files import read_json
+from app.files.mended import mended_file
 
 RECENT_LIMIT = 8
 Theme = Literal["dark", "light"]
@@ -92,12 +91,7 @@ SETTINGS = TypeAdapter(Settings)
 
 def load_settings(path: Path) -> Settings:
     """What `settings_content` was; defaults for what is missing or damaged: nothing in it is precious."""
-    try:
-        told = read_json(path)
-    except (OSError, ValueError):
-        return Settings()
-    found = mended(SETTINGS, told)[0] if isinstance(told, dict) else None
-    return found or Settings()
+    return mended_file(SETTINGS, path) or Settings()
 
 
 def settings_content(settings: Settings) -> bytes:

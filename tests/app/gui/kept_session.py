@@ -8,7 +8,7 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from app.gui.actions import actions
-from app.gui.session_file import autosave_path, read_session
+from app.gui.session_file import autosave_path, mended_session
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams
@@ -30,8 +30,10 @@ def main(root: Path) -> None:
         actions.seek(state, 7)
         state.session.notes, state.enhancement.scope = "left ureter?", "clip"
         kept = autosave_path(state.places.config)
-        wait(ctx, lambda: kept.exists() and read_session(kept).notes != "", "the session saved in passing")
-        wait(ctx, lambda: read_session(kept).params == EnhanceParams(d_factor=2.5), "all of it")
+        wait(
+            ctx, lambda: kept.exists() and mended_session(kept)[0].notes != "", "the session saved in passing"
+        )
+        wait(ctx, lambda: mended_session(kept)[0].params == EnhanceParams(d_factor=2.5), "all of it")
         sys.stdout.write("kept\n")
         sys.stdout.flush()
         while True:

@@ -9,7 +9,7 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.job_starting import start_due
-from app.gui.work.picking import Picked, PickRequest, pick
+from app.gui.work.picking import PickRequest, pick
 from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, make_model
@@ -56,13 +56,13 @@ def test_a_picked_point_becomes_the_centre_and_stays_on_its_pixel(seen: AppState
     wish = seen.scene.viewer.pick
     assert wish is not None
     (answer,) = pick(wish)
-    assert answer.point is not None
+    assert answer is not None
     camera_actions.take_point(seen, wish, answer)
-    assert seen.scene.viewer.pivot == answer.point
-    assert answer.point[2] == pytest.approx(50.0, abs=1e-3)  # The sheet of the model.
+    assert seen.scene.viewer.pivot == answer
+    assert answer[2] == pytest.approx(50.0, abs=1e-3)  # The sheet of the model.
     for move in (MOVES["turn"], MOVES["zoom"]):
         move(seen)
-        (at,), _ = request(seen).camera.project(np.array([answer.point]))
+        (at,), _ = request(seen).camera.project(np.array([answer]))
         assert at == pytest.approx((24.5, 20.5), abs=1e-6)
 
 
@@ -71,17 +71,17 @@ def test_nothing_is_picked_beside_the_tissue_or_of_a_view_that_is_gone(seen: App
     wish = seen.scene.viewer.pick
     assert wish is not None
     (answer,) = pick(wish)
-    assert answer == Picked(None)
+    assert answer is None
     camera_actions.take_point(seen, wish, answer)
     assert seen.scene.viewer.pivot is None
     assert seen.window.toast is not None
     assert seen.scene.model is not None
     seen.scene.model = replace(seen.scene.model, model=make_model())
-    camera_actions.take_point(seen, wish, Picked((1.0, 2.0, 3.0)))
+    camera_actions.take_point(seen, wish, (1.0, 2.0, 3.0))
     assert seen.scene.viewer.pivot == (1.0, 2.0, 3.0)  # A newer preview of the same tissue.
     camera_actions.reset_view(seen)
     seen.scene.model = replace(seen.scene.model, cameras=seen.scene.model.cameras[:1])
-    camera_actions.take_point(seen, wish, Picked((1.0, 2.0, 3.0)))
+    camera_actions.take_point(seen, wish, (1.0, 2.0, 3.0))
     assert seen.scene.viewer.pivot is None
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
-from app.gui.session_file import autosave_path, read_session
+from app.gui.session_file import autosave_path, mended_session
 from app.gui.update.job_starting import start_due
 from app.gui.work.presets import load_presets, presets_file
 from app.gui.work.settings import Places, load_settings
@@ -112,7 +112,7 @@ def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None
     app.turn()
     app.turn()
     before = contents(config)
-    assert read_session(autosave_path(config)).notes == "before"
+    assert mended_session(autosave_path(config))[0].notes == "before"
 
     disk.fill()
     actions.choose_theme(state, "dark")
@@ -138,7 +138,7 @@ def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None
     disk.free()
     app.turn()
     app.turn()
-    assert read_session(autosave_path(config)).notes == "while it is full"
+    assert mended_session(autosave_path(config))[0].notes == "while it is full"
 
 
 @pytest.mark.slow

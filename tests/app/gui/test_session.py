@@ -25,7 +25,7 @@ from app.gui.session_file import (
     Session,
     UnsavedEdits,
     autosave_path,
-    read_session,
+    mended_session,
     recoverable,
     write_session,
 )
@@ -177,13 +177,13 @@ def test_saved_in_passing_after_each_change_and_only_then(worked: tuple[AppState
     state, channels = worked
     path = autosave_path(state.places.config)
     turn(state, channels)
-    assert read_session(path).notes == state.session.notes
+    assert mended_session(path)[0].notes == state.session.notes
     path.unlink()
     turn(state, channels)
     assert not path.exists()  # Nothing has changed.
     actions.set_params(state, VesselParams(lift=0.3))
     turn(state, channels)
-    assert read_session(path).params == VesselParams(lift=0.3)
+    assert mended_session(path)[0].params == VesselParams(lift=0.3)
     session_actions.end(state)
     assert not path.exists()
 
@@ -212,7 +212,7 @@ def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
     session_actions.offer_recovery(later)
     session_actions.decline(later)
     assert later.session.recoverable is recoverable(places.config) is None
-    assert read_session(places.config / "declined.vesselsplat").notes == state.session.notes
+    assert mended_session(places.config / "declined.vesselsplat")[0].notes == state.session.notes
 
 
 def test_a_full_disk_is_told_once_and_costs_nothing_saved(
@@ -240,7 +240,7 @@ def test_a_full_disk_is_told_once_and_costs_nothing_saved(
         assert path.read_bytes() == before
     turn(state, channels)
     turn(state, channels)
-    assert read_session(path).notes == "more"
+    assert mended_session(path)[0].notes == "more"
 
 
 def test_numbers_that_are_none_are_refused(tmp_path: Path) -> None:
@@ -248,7 +248,7 @@ def test_numbers_that_are_none_are_refused(tmp_path: Path) -> None:
     text = (tmp_path / "d.vesselsplat").read_text().replace('"frame": 3', '"frame": "x"')
     (tmp_path / "d.vesselsplat").write_text(text)
     with pytest.raises(UserError, match="frame"):
-        read_session(tmp_path / "d.vesselsplat")  # And nothing to open in it.
+        mended_session(tmp_path / "d.vesselsplat")[0]  # And nothing to open in it.
 
 
 def test_trim_and_mask_come_back_also_where_paths_are_not_remembered(
@@ -360,7 +360,7 @@ def test_a_killed_window_is_restored_by_the_next(tmp_path: Path) -> None:
     state = driver.state
     session_actions.offer_recovery(state)
     assert state.session.recoverable is not None
-    expected = read_session(state.session.recoverable)
+    expected = mended_session(state.session.recoverable)[0]
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.item_click("//The last session ended unexpectedly/Restore")

@@ -14,7 +14,7 @@ import pytest
 from app.files.provenance import read_provenance
 from app.gui import window
 from app.gui.actions import actions, export_actions, job_actions, session_actions
-from app.gui.session_file import autosave_path, read_session
+from app.gui.session_file import autosave_path, mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.job_starting import start_due
@@ -120,7 +120,7 @@ def test_a_clip_deleted_under_the_app(places: Places, clip_path: Path) -> None:
     assert "frame" in app.trouble()
     app.state.session.notes = "gone at frame 8"
     app.turn()
-    assert read_session(autosave_path(places.config)).notes == "gone at frame 8"
+    assert mended_session(autosave_path(places.config))[0].notes == "gone at frame 8"
     app.save()
     app.turn()
     (saved,) = places.pictures.glob("*.png")
@@ -149,8 +149,8 @@ def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path
     assert path is not None
     run = RunFolder(path)
     app.wait(lambda: run.has_checkpoint)
-    assert made[0].process_id is not None
-    os.kill(made[0].process_id, 9)
+    assert made[0]._process.pid is not None
+    os.kill(made[0]._process.pid, 9)
     app.wait(lambda: not app.state.runs.reconstruction.is_alive)
     assert app.state.runs.reconstruction.status == "failed"
     assert "the reconstruction failed" in app.trouble()

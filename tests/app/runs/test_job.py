@@ -157,7 +157,7 @@ def test_close_ends_a_running_process_and_frees_its_memory(tmp_path: Path) -> No
         events_until(job, is_a(Progress))
         assert job.latest_model() is not None
         assert blocks_of(job)
-        pid = job.process_id
+        pid = job._process.pid
         assert pid is not None
         if hasattr(os, "nice"):
             assert psutil.Process(pid).nice() > psutil.Process().nice()
@@ -189,7 +189,7 @@ if __name__ == "__main__":
     while not any(isinstance(event, Progress) for event in job.poll()):
         time.sleep(0.01)
     assert job.latest_model() is not None
-    print(job.process_id, flush=True)
+    print(job._process.pid, flush=True)
     if sys.argv[3] == "dies":
         job.pause()
         time.sleep(0.3)

@@ -1,15 +1,31 @@
-"""Opens the clip of a reconstruction that waits since an earlier session, off the window's thread."""
+"""Reconstructions that wait, from one session to the next: kept, and their clips opened again."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from app.runs.progress_log import TrainingLog, told
+from app.runs.queue_file import keep_queue
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
 from renderer.sources import open_clip
+
+
+@dataclass(frozen=True)
+class KeepRequest:
+    """What the file is to hold."""
+
+    path: Path
+    waiting: tuple[TrainRequest, ...]
+
+
+def keep(request: KeepRequest) -> Iterator[Path]:
+    """Answers a KeepRequest. Raises OSError or UserError."""
+    keep_queue(request.path, request.waiting)
+    yield request.path
 
 
 @dataclass(frozen=True)
