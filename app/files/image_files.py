@@ -19,7 +19,7 @@ from app.files.provenance import encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
-from renderer.readers.picture_files import read_npy, require_size
+from renderer.readers.picture_files import opened, read_npy, require_size
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of, photo_folder
 from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, natural_key
 
@@ -133,7 +133,7 @@ def _checked(path: Path) -> int:
     OpenCV turns JPEG and TIFF itself, and passes over what PNG and WebP say.
     """
     try:
-        with Image.open(path) as picture:
+        with opened(path) as picture:
             picture.load()
             told = picture.getexif().get(ExifTags.Base.Orientation, UPRIGHT)
             return UPRIGHT if picture.format == "JPEG" else int(told)

@@ -43,8 +43,54 @@ def one_line(call: Call) -> str:
     return call.error
 
 
-def chunk(kind: bytes, content: bytes) -> bytes:
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+def chunk(kind: bytes, content: bytes, claimed: int | None = None) -> bytes:
+    """That claims to be as long as it is, unless told otherwise."""
+    length = len(content) if claimed is None else claimed
+    return struct.pack(">I", length) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+
+def write_png(path: Path, *chunks: bytes) -> Path:
+    """8x8 pixels in RGB: what stands between the header and the end."""
+    header = struct.pack(">IIBBBBB", 8, 8, 8, 2, 0, 0, 0)
+    parts = (b"\x89PNG\r\n\x1a\n", chunk(b"IHDR", header), *chunks, chunk(b"IEND", b""))
+    path.write_bytes(b"".join(parts))
+    return path
+
+
+ROWS = zlib.compress(bytes(8 * 25))
+LITTLE_MEMORY = """
+    import resource, sys
+    from app.__main__ import main
+
+    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + (3 << 30),) * 2)
+    sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits memory as Linux does")
+@pytest.mark.parametrize("command", [["info"], ["metrics"], ["enhance"]], ids=str)
+def test_a_chunk_that_claims_four_gigabytes_is_a_damaged_file(tmp_path: Path, command: list[str]) -> None:
+    """Pillow reads what is left of the last chunk of pixels at once, and raises MemoryError."""
+    picture = write_png(tmp_path / "a.png", chunk(b"IDAT", ROWS, claimed=0xFFFFFFFF))
+    out = [tmp_path / "out.png"] if command == ["enhance"] else []
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(LITTLE_MEMORY), *command, picture, *out],
+        env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    said = one_line(Call(done.returncode, done.stdout, done.stderr))
+    assert "header makes no sense" in said
+    assert str(picture) in said
+
+
+@pytest.mark.parametrize("command", [["info"], ["metrics"], ["enhance"]], ids=str)
+def test_a_colour_profile_of_no_bytes_after_the_pixels(
+    tmp_path: Path, vesselsplat: Cli, command: list[str]
+) -> None:
+    """Pillow raises IndexError."""
+    picture = write_png(tmp_path / "a.png", chunk(b"IDAT", ROWS), chunk(b"iCCP", b""))
+    out = [tmp_path / "out.png"] if command == ["enhance"] else []
+    assert str(picture) in one_line(vesselsplat(*command, picture, *out))
 
 
 def huge_png(path: Path, side: int = 13_000) -> Path:
