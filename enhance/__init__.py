@@ -4,7 +4,8 @@ Images are (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA; uint8, uint16 or float 
 True where tissue is kept. Visibility only: nothing here detects or diagnoses.
 
 - The paper's method: `enhance`, `EnhanceParams`, `EnhanceResult`, `Omission`; `Enhancer` for many images
-  or many settings of one; `measure`, `Statistics` for a clip, `LiveStatistics` for a stream.
+  or many settings of one; `measure`, `Statistics` for a clip, `LiveStatistics` for a stream. What the
+  endoscope sees inside a dark surround: `find_field`, `FieldOfView`.
 - VesselSplat's preset `vessel`: `enhance_vessels`, `VesselParams`, `VesselEnhancer`.
 - Others to compare with: `clahe`, `unsharp`, `msrcr`, `aindane`, `aindane_green`, `wang2020`, `jiang2019`,
   and all of them by name in `BASELINES`.
@@ -33,6 +34,7 @@ if _typing.TYPE_CHECKING:
         wang2020,
     )
     from enhance.enhancer import Enhancer
+    from enhance.field import FieldOfView, find_field
     from enhance.image import ImageError
     from enhance.metrics import (
         DvBv,
@@ -58,6 +60,7 @@ __all__ = [
     "EnhanceParams",
     "EnhanceResult",
     "Enhancer",
+    "FieldOfView",
     "ImageError",
     "LiveStatistics",
     "Omission",
@@ -73,6 +76,7 @@ __all__ = [
     "enhance",
     "enhance_vessels",
     "field_of_view",
+    "find_field",
     "flicker",
     "jiang2019",
     "measure",
@@ -90,6 +94,7 @@ __all__ = [
 _MODULES = {
     "baselines": "BASELINES aindane aindane_green clahe jiang2019 msrcr unsharp wang2020",
     "enhancer": "Enhancer",
+    "field": "FieldOfView find_field",
     "image": "ImageError",
     "metrics": "DvBv blackened_share dvbv_local dvbv_otsu flicker noise_gain saturated_share vessel_cnr "
     "vessel_contrast",

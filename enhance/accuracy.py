@@ -224,6 +224,7 @@ def _rounded(radius: int, eps: float, subsample: int) -> Window:
 def _means_alone(image: NDArray[np.uint8], subsample: int) -> AnyImage:
     enhancer = Enhancer()
     enhancer.show(image)
+    enhancer._look_within(None)
     for plane in enhancer._surveyed(subsample).low:
         plane[1] = 0
     return enhancer.enhance(replace(EXACT, subsample=subsample)).image
@@ -233,6 +234,7 @@ def _nearest(image: NDArray[np.uint8], subsample: int) -> AnyImage:
     """With the middle pixel of each block in place of its mean and variance."""
     enhancer = Enhancer()
     enhancer.show(image)
+    enhancer._look_within(None)
     low = enhancer._surveyed(subsample).low
     for plane, size in zip(low, (subsample, 2 * subsample), strict=True):
         plane[0], plane[1] = _decimated(image, size), 0

@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final, NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, needs, saturation
+from enhance.field import FieldOfView
+from enhance.field_tracker import FieldTracker
 from enhance.first_pass import first_pass
 from enhance.guided_filter import Grids, Window, WindowModels, Windows, window
-from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
+from enhance.image import AnyImage, Float32Image, ImageError, read_picture
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.pixel_block import BINS, BLOCK
 from enhance.powers import LOG2_ZERO
@@ -28,6 +29,7 @@ from enhance.second_pass import (
     NOTHING,
     render,
 )
+from enhance.shown import Pixels, Shown
 from enhance.statistics import LiveStatistics, Statistics, Tally, from_sums
 
 LIKELY_SIGMA: Final = 64.0
@@ -36,21 +38,6 @@ LIKELY_SIGMA: Final = 64.0
 
 NO_VALUES: Final = np.empty((0, 0), np.float32)
 NO_CURVE: Final = np.empty(0, np.float32)
-
-
-@dataclass(frozen=True, eq=False)
-class _Shown:
-    """The image at hand, as the kernels read it."""
-
-    picture: Picture
-    pixels: NDArray[Any]
-    """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
-    keep: NDArray[np.uint8]
-    """(H, W), 1 = counts in the statistics; empty: all count."""
-
-    @property
-    def full(self) -> int:
-        return full_scale(self.pixels.dtype)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,9 +120,10 @@ class Enhancer:
     def __init__(self, live: LiveStatistics | None = None) -> None:
         """live: smooth the statistics from image to image; None: each image has its own."""
         self._live = live
+        self._tracker = FieldTracker() if live is not None else None
         self._before: Statistics | None = None
         self._last: Statistics | None = None
-        self._shown: _Shown | None = None
+        self._shown: Shown | None = None
         self._survey: _Survey | None = None
         self._models = WindowModels()
         self._moments: dict[Window, _Moments] = {}
@@ -147,21 +135,30 @@ class Enhancer:
         self._kept_of: list[_Scale | None] = []
         self._kept = np.empty((0, 0, 0), np.float32)
 
-    def show(self, image: AnyImage, tissue_mask: AnyImage | None = None) -> None:
-        """Take the next image; see `enhance.enhance` for both. It must not change while it is in use.
+    def show(
+        self, image: AnyImage, tissue_mask: AnyImage | None = None, *, pixels: Pixels = "automatic"
+    ) -> None:
+        """Take the next image; see `enhance.enhance` for all three. It must not change while it is in use.
 
         Raises:
-            ImageError: an image or mask that cannot be used; the previous image is kept.
+            ImageError: an image, mask or field that cannot be used; the previous image is kept.
         """
-        picture = read_picture(image)
-        keep = np.empty((0, 0), np.uint8)
-        if tissue_mask is not None or picture.alpha is not None:
-            keep = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
-        self._shown = _Shown(picture, _interleaved(picture), keep)
+        if self._tracker is not None and pixels == "automatic":
+            pixels = self._tracker.follow(read_picture(image))
+        self._take(Shown.of(image, tissue_mask, pixels))
+        self._before = self._last
+
+    def _take(self, shown: Shown) -> None:
+        self._shown = shown
         self._survey = self._made = self._values_of = None
         self._moments, self._reaches, self._kept_of = {}, {}, []
         self._models.forget()
-        self._before = self._last
+
+    def _look_within(self, statistics: Statistics | None) -> None:
+        """See the shown image within its field of view, or that of the statistics."""
+        shown = self._now.within(statistics)
+        if shown is not self._shown:
+            self._take(shown)
 
     def enhance(
         self, params: EnhanceParams = DEFAULTS, *, statistics: Statistics | None = None
@@ -171,6 +168,7 @@ class Enhancer:
         Raises:
             ImageError: statistics that cannot be used, or no pixel to measure.
         """
+        self._look_within(statistics)
         windows = self._windows(params)
         if statistics is not None:
             return self._draw(params, windows, statistics.resolved(params), tight=True)
@@ -186,6 +184,7 @@ class Enhancer:
 
     def tally(self, params: EnhanceParams) -> Tally:
         """Sums over the kept pixels of the image that is shown, to be pooled with those of others."""
+        self._look_within(None)
         windows = self._windows(params)
         unknown = [one not in self._moments for one in windows]
         if any(unknown):
@@ -195,7 +194,12 @@ class Enhancer:
         return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1])
 
     @property
-    def _now(self) -> _Shown:
+    def field(self) -> FieldOfView | None:
+        """Of the image that is shown, as last enhanced or measured; None: all pixels count."""
+        return self._now.field
+
+    @property
+    def _now(self) -> Shown:
         if self._shown is None:
             raise ImageError("expected an image to be shown before it is enhanced")
         return self._shown
@@ -212,7 +216,9 @@ class Enhancer:
             low = Grids(np.empty((2, rows, columns), np.float32), np.empty((2, *half), np.float32))
             blocks = -(-rows // BLOCK)
             histograms, chroma = np.empty((blocks, BINS), np.int64), np.empty(blocks)
-            first_pass(now.pixels, now.keep, np.float32(now.full), subsample, *low, histograms, chroma)
+            first_pass(
+                now.pixels, now.keep, now.spans, np.float32(now.full), subsample, *low, histograms, chroma
+            )
             self._survey = _Survey(subsample, low, histograms.sum(axis=0), float(chroma.sum()))
         return self._survey
 
@@ -221,6 +227,7 @@ class Enhancer:
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
         measured = from_sums(params, "image", seen.count, seen.level, seen.chroma, sigmas)
+        measured = replace(measured, field=self._now.field)
         if self._live is None:
             return measured
         return self._live.follow(self._before, measured).resolved(params)
@@ -236,13 +243,13 @@ class Enhancer:
     ) -> EnhanceResult:
         """measured: the scales of which Q is; tight: look closer at what may be left out, as it pays where Q
         need not be measured."""
-        picture = self._now.picture
+        now = self._now
         reach = self._reach(params, windows, used, tight)
-        left_out, omitted = needs.decide(params, used, picture.pixels.ndim == 2, reach)
+        left_out, omitted = needs.decide(params, used, now.is_grey, reach)
         scales = zip(windows, used.p, left_out, strict=True)
         made = _Made(used.z, tuple(None if out else _Scale(one, p) for one, p, out in scales))
         out = self._render(params, windows, made, used.saturation_mean, measured or (False,) * len(windows))
-        return EnhanceResult(_finished(picture, out), used, omitted)
+        return EnhanceResult(now.finished(out), used, omitted)
 
     def _render(
         self,
@@ -267,6 +274,7 @@ class Enhancer:
         render(
             now.pixels,
             now.keep,
+            now.spans,
             np.float32(now.full),
             params.subsample,
             *self._models.of(seen.low, windows, filtered),
@@ -349,7 +357,7 @@ class Enhancer:
         """Bounds on each scale's effect, no tighter than helps to leave it out."""
         seen, now = self._surveyed(params.subsample), self._now
         rounding = 0.0 if now.full > 1 else 0.5
-        loose = needs.range_reach(*(seen.range(rounding) if now.keep.size == 0 else (0.0, 1.0)))
+        loose = needs.range_reach(*(seen.range(rounding) if now.counts_all else (0.0, 1.0)))
         reaches = [loose] * len(windows)
 
         def matters(index: int, reach: float) -> bool:
@@ -372,18 +380,3 @@ def _moments(sums: NDArray[np.float64], seen: _Survey) -> _Moments:
     count = max(seen.count, 1)
     drift = sums[0] / count
     return _Moments(float(np.float32(seen.mean) + drift), max(float(sums[1] - count * drift**2), 0.0))
-
-
-def _interleaved(picture: Picture) -> NDArray[Any]:
-    """(H, W, 3) uint8 or float32 in [0, 1]."""
-    pixels = picture.pixels if picture.dtype == np.uint8 else picture.colors
-    pixels = np.ascontiguousarray(pixels)
-    return pixels if pixels.ndim == 3 else np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
-
-
-def _finished(picture: Picture, out: NDArray[Any]) -> AnyImage:
-    """The input's shape and type again, alpha untouched."""
-    colors = out if picture.pixels.ndim == 3 else np.ascontiguousarray(out[..., 0])
-    if picture.dtype not in (np.uint8, np.float32):
-        return picture.with_colors(colors)
-    return colors if picture.alpha is None else np.dstack((colors, picture.alpha))

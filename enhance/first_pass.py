@@ -22,6 +22,7 @@ from enhance.pixel_block import (
     TOTAL,
     VALUE,
     ZERO,
+    keep_within,
     load,
     load_keep,
 )
@@ -34,6 +35,7 @@ QUARTER = np.float32(0.25)
 def first_pass(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
+    spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all
     full: np.float32,  # the image's value of 1.0
     subsample: int,
     fine: NDArray[np.float32],  # (2, h, w), out: of V in each block, the mean and the variance about it
@@ -56,16 +58,18 @@ def first_pass(
         for low_row in range(block * BLOCK, last):
             chunk[TOTAL] = ZERO
             for y in range(low_row * subsample, (low_row + 1) * subsample):
-                inside = y < rows
+                first, end = (spans[y, 0], spans[y, 1]) if y < len(spans) else (0, columns if y < rows else 0)
                 for step in range((columns + CHUNK - 1) // CHUNK):
                     x0 = step * CHUNK
                     count = min(CHUNK, columns - x0)
                     load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
                     _gather(chunk, y == low_row * subsample, x0, lines)
-                    if inside:
+                    if first < x0 + count and x0 < end:
                         for i in range(CHUNK):
                             chunk[VALUE, i] = chunk[MOST, i] * unit
                         load_keep(keep, y, x0, count, chunk)
+                        if first > x0 or end < x0 + count:
+                            keep_within(first, end, x0, chunk)
                         _tally(chunk, levels, counts, count)
             for x in range(columns, width):
                 for plane in range(3):

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import zip_longest
 
 from enhance.enhancer import Enhancer
+from enhance.field import FieldOfView, typical
 from enhance.image import AnyImage, ImageError
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.result import EnhanceResult
+from enhance.shown import Pixels
 from enhance.statistics import Statistics, Tally
 
 
@@ -18,6 +21,7 @@ def enhance(
     *,
     tissue_mask: AnyImage | None = None,
     statistics: Statistics | None = None,
+    pixels: Pixels = "automatic",
 ) -> EnhanceResult:
     """Make vessels visible: brightness, local detail and saturation (section 3.1 of the paper, Eqs 1-12).
 
@@ -31,6 +35,9 @@ def enhance(
         tissue_mask: (H, W), non-zero = keep: the statistics are those of the kept pixels. All pixels are
             enhanced.
         statistics: of a clip (`measure`), so that colours agree between its frames; None: of this image.
+        pixels: what is enhanced and counts in the statistics. "automatic": the field of view, where it is
+            that of `statistics` if these are given, else found in the image (`find_field`); a surround
+            stays bit for bit as it is. "all": every pixel, as the paper has it. Or a known field of view.
 
     Returns:
         image of the same shape and type, the statistics that were used and the stages left out.
@@ -47,7 +54,7 @@ def enhance(
         ((48, 64, 3), dtype('uint8'), True)
     """
     enhancer = Enhancer()
-    enhancer.show(image, tissue_mask)
+    enhancer.show(image, tissue_mask, pixels=pixels)
     return enhancer.enhance(params, statistics=statistics)
 
 
@@ -55,6 +62,8 @@ def measure(
     images: Iterable[AnyImage],
     params: EnhanceParams = DEFAULTS,
     tissue_masks: Iterable[AnyImage | None] | None = None,
+    *,
+    pixels: Pixels = "automatic",
 ) -> Statistics:
     """Statistics of a whole clip for Eqs 2, 9 and 12: histograms, saturations and variances pooled over all
     kept pixels, so that the colours of its frames agree.
@@ -62,6 +71,8 @@ def measure(
     Args:
         images: as `enhance` takes them; sizes may differ. Read one at a time.
         tissue_masks: one an image.
+        pixels: as of `enhance`. "automatic": each image counts within its own field of view; that of the
+            clip is the one that agrees best with the others.
 
     Raises:
         ImageError: as `enhance`, with the position in the clip; no image; fewer or more masks than images.
@@ -74,17 +85,19 @@ def measure(
         >>> {enhance(frame, statistics=statistics).statistics.scope for frame in frames}
         {'clip'}
     """
-    enhancer, total = Enhancer(), None
+    enhancer, total, fields = Enhancer(), None, list[FieldOfView]()
     for index, (image, mask) in enumerate(_pairs(images, tissue_masks)):
         try:
-            enhancer.show(image, mask)
+            enhancer.show(image, mask, pixels=pixels)
         except ImageError as error:
             raise ImageError(f"image {index} of the clip: {error}") from error
         one: Tally = enhancer.tally(params)
         total = one if total is None else total + one
+        if enhancer.field is not None:
+            fields.append(enhancer.field)
     if total is None:
         raise ImageError("expected at least one image to measure, got none")
-    return total.statistics(params, "clip")
+    return replace(total.statistics(params, "clip"), field=typical(fields) if fields else None)
 
 
 def _pairs(

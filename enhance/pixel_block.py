@@ -56,3 +56,10 @@ def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArr
             chunk[KEEP, i] = ZERO
         for i in range(count):
             chunk[KEEP, i] = np.float32(keep[y, x0 + i])
+
+
+@njit(inline="always")
+def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> None:
+    """Only columns from `first` on and before `end` count."""
+    for i in range(CHUNK):
+        chunk[KEEP, i] = chunk[KEEP, i] if first <= x0 + i < end else ZERO

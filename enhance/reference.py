@@ -1,16 +1,20 @@
 """The literal reading of Eqs 1-12: float64, every printed equation on a line of its own, slow. The oracle.
 
-It shares the parameters and the statistics' form with the pipeline, and no arithmetic. The decisions that the
-paper leaves open are the same: the floor e in Eq 7, windows clipped at the border, k = d_factor.
+It shares the parameters, the statistics' form and the field of view with the pipeline, and no arithmetic. The
+decisions that the paper leaves open are the same: the floor e in Eq 7, windows clipped at the border,
+k = d_factor.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage
 from enhance.params import DEFAULTS, EnhanceParams
+from enhance.shown import Pixels, Shown
 from enhance.statistics import Statistics
 
 Float64Image = NDArray[np.float64]
@@ -22,6 +26,7 @@ def enhance_reference(
     *,
     tissue_mask: BoolImage | None = None,
     statistics: Statistics | None = None,
+    pixels: Pixels = "automatic",
 ) -> tuple[Float64Image, Statistics]:
     """What `enhance` computes, in float64 and not rounded: the image in [0, 1] and the statistics used.
 
@@ -35,15 +40,18 @@ def enhance_reference(
     else:
         hue, chroma, value = hsv_from_rgb(scaled[..., :3])
         visible = scaled[..., 3] > 0 if image.shape[2] == 4 else np.ones(value.shape, dtype=bool)
-    keep = visible if tissue_mask is None else visible & tissue_mask
+    field = Shown.of(image, None, pixels).within(statistics).field
+    inside = np.ones(value.shape, dtype=bool) if field is None else field.mask()
+    keep = inside & visible if tissue_mask is None else inside & visible & tissue_mask
     filtered = [guided(value, radius, params) for radius in params.radii]
-    used = statistics or _measured(value, chroma, filtered, keep, params)
+    used = statistics or replace(_measured(value, chroma, filtered, keep, params), field=field)
     enhanced = _new_value(value, filtered, used)
     if image.ndim == 3:
         new_chroma = stretched(chroma, used.saturation_mean, params.d_factor)
         enhanced = rgb_from_hsv(hue, new_chroma, enhanced)
     if params.keep_black:
         enhanced = _faded(scaled[..., :3] if image.ndim == 3 else scaled, enhanced, value)
+    enhanced[~inside] = (scaled[..., :3] if image.ndim == 3 else scaled)[~inside]
     return enhanced if image.ndim == 2 else np.concatenate((enhanced, scaled[..., 3:]), axis=2), used
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_picture
-from enhance.surround import surround
+from enhance.shown import found_in
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -57,7 +57,8 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
 
 
 def field_of_view(image: AnyImage) -> BoolImage:
-    """What the endoscope sees, (H, W): True but for the black surround, as `enhance.surround` has it.
+    """What the endoscope sees, (H, W): True but for a dark surround; all where there is none, or where the
+    image is too dark to tell. See `enhance.find_field`.
 
     Raises:
         ImageError: an image that cannot be used.
@@ -66,11 +67,11 @@ def field_of_view(image: AnyImage) -> BoolImage:
         >>> import numpy as np
         >>> from enhance import field_of_view
         >>> image = np.zeros((64, 64, 3), np.uint8)
-        >>> image[16:48, 16:48] = 150
+        >>> image[8:56, 8:56] = 150
         >>> bool(field_of_view(image)[32, 32]), bool(field_of_view(image)[2, 2])
         (True, False)
     """
-    return ~surround([image])
+    return found_in(read_picture(image)).mask()
 
 
 def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: float = SHARE) -> BoolImage:

@@ -34,6 +34,7 @@ from enhance.pixel_block import (
     TOTAL,
     VALUE,
     ZERO,
+    keep_within,
     load,
     load_keep,
 )
@@ -51,6 +52,7 @@ NOTHING, KEEP_LOGARITHM, FROM_LOGARITHM, KEEP_POWER, FROM_POWER = range(5)
 def render(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
+    spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all
     full: np.float32,  # the image's value of 1.0
     subsample: int,
     fine: NDArray[np.float32],  # (n, 2, h, w): window means of a and b of each scale on the fine grid
@@ -87,13 +89,14 @@ def render(
         lines = np.zeros((scales, 2, 2, steps * CHUNK + 2 * subsample), np.float32)
         held = np.full((scales, 2), -1)
         for y in range(block * task, min((block + 1) * task, rows)):
+            first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
             moments[:] = ZERO
             for scale in range(scales):
                 if filtered[scale]:
                     models = coarse[scale] if is_coarse[scale] else fine[scale]
                     grid = 2 * subsample if is_coarse[scale] else subsample
                     weights[scale] = _bring_up(models, y, grid, lines[scale], held[scale])
-            for step in range(steps):
+            for step in range(first // CHUNK, (end + CHUNK - 1) // CHUNK if end > first else 0):
                 x0 = step * CHUNK
                 count = min(CHUNK, columns - x0)
                 load(image[y, x0 : x0 + count], apart, chunk)
@@ -103,6 +106,8 @@ def render(
                     chunk[TOTAL, :count] = values[y, x0 : x0 + count]
                 else:
                     load_keep(keep, y, x0, count, chunk)
+                    if first > x0 or end < x0 + count:
+                        keep_within(first, end, x0, chunk)
                     _brighten(chunk, apart, curve, z)
                     for i in range(CHUNK):
                         chunk[TOTAL, i] = ZERO
@@ -127,6 +132,8 @@ def render(
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)
                 _store(chunk, full, apart, out[y, x0 : x0 + count])
+            out[y, :first] = image[y, :first]
+            out[y, end:] = image[y, end:]
             totals += moments
         for scale in range(scales):
             sums[block, scale, 0] = totals[scale, 0].sum()

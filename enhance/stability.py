@@ -7,16 +7,20 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final, get_args, get_type_hints
 
+import cv2
 import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
 from enhance import detail
+from enhance.field_tracker import FieldTracker
 from enhance.guided_filter import Grids, Window, WindowModels
-from enhance.image import AnyImage, ImageError, full_scale
+from enhance.image import AnyImage, ImageError, full_scale, read_picture
 from enhance.params import EnhanceParams, PForm
 from enhance.pipeline import enhance
 from enhance.reference import enhance_reference, window_mean
+from enhance.shown import found_in
+from enhance.vessel import enhance_vessels
 
 Image = NDArray[np.float64]
 WHOLE: Final = EnhanceParams(omit_below=0.0)
@@ -256,6 +260,70 @@ def _types(image: NDArray[np.uint8]) -> Iterator[Row]:
         yield Row("types", f"{name} is not refused", float(not _refused(spoilt, line)), 0, "cases", done)
 
 
+def _fields(image: NDArray[np.uint8]) -> Iterator[Row]:
+    """The field of view, found in well lit tissue with a surround and in pictures without one."""
+    hazard = "field of view"
+    for case, (pixels, field) in _surrounded(np.maximum(image, 90)).items():
+        found = found_in(read_picture(pixels)).mask()
+        beyond = np.pad(field, 1, mode="edge").astype(np.uint8)
+        depth = cv2.distanceTransform(beyond, cv2.DIST_L2, 5)[1:-1, 1:-1]
+        missed = float(np.max(depth, where=field & ~found, initial=0))
+        yield Row(hazard, f"{case}, deepest pixel that is left out", missed, 8, "pixels")
+        if field.all():
+            continue
+        taken = float(np.mean(found & ~field))
+        yield Row(hazard, f"{case}, surround that is taken in", taken, 0, "share")
+        for name, run in (("paper", enhance), ("vessel", enhance_vessels)):
+            changed = float(np.mean(run(pixels).image[~found] != pixels[~found])) if not found.all() else 1.0
+            yield Row(hazard, f"{case}, changed by {name} beyond the field", changed, 0, "share")
+    tracker, disc = FieldTracker(), _disc(image.shape[:2], 0.5, 0.4)
+    noise, fields = np.random.default_rng(9), set()
+    for step in range(24):
+        moved = np.roll(disc, step % 3 - 1, axis=1)
+        fields.add(tracker.follow(read_picture(_within(image, moved, noise))))
+    yield Row(hazard, "circle that trembles, changes of the mask", float(len(fields) - 1), 0, "changes")
+
+
+def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], NDArray[np.bool_]]]:
+    """Pictures, and what is field in them."""
+    shape, noise = image.shape[:2], np.random.default_rng(8)
+    whole, half = np.ones(shape, bool), np.ones(shape, bool)
+    half[:, : shape[1] // 3] = False
+    round_view, beyond, aside = (_disc(shape, *at) for at in ((0.5, 0.42), (0.5, 0.62), (0.62, 0.48)))
+    point = np.zeros_like(image)
+    point[shape[0] // 2, shape[1] // 2] = 200
+    texts = _within(image, round_view, noise)
+    texts[2:6, 3 : shape[1] // 8] = 230
+    black, white = np.zeros_like(image), np.full_like(image, 255)
+    grey = np.repeat(_within(image, round_view, noise)[..., 1:2], 3, axis=2)
+    return {
+        "all black": (black, whole),
+        "all white": (white, whole),
+        "one pixel of tissue": (point, whole),
+        "noise alone": (noise.integers(0, 6, image.shape, dtype=np.uint8), whole),
+        "no surround": (image, whole),
+        "a third dark": (_within(image, half, noise), half),
+        "circle": (_within(image, round_view, noise), round_view),
+        "circle larger than the image": (_within(image, beyond, noise), beyond),
+        "circle beside the middle": (_within(image, aside, noise), aside),
+        "text in the surround": (texts, round_view),
+        "grey": (grey, round_view),
+    }
+
+
+def _disc(shape: tuple[int, int], across: float, radius: float) -> NDArray[np.bool_]:
+    """Middle and radius as shares of width and height."""
+    y, x = np.mgrid[: shape[0], : shape[1]] + 0.5
+    return np.asarray(np.hypot(x - across * shape[1], y - shape[0] / 2) < radius * shape[0])
+
+
+def _within(
+    image: NDArray[np.uint8], field: NDArray[np.bool_], noise: np.random.Generator
+) -> NDArray[np.uint8]:
+    """The picture in a surround of a few grey levels."""
+    return np.where(field[..., None], image, noise.integers(0, 5, image.shape, dtype=np.uint8))
+
+
 def _refused(image: AnyImage, line: str) -> bool:
     """For that reason."""
     try:
@@ -289,5 +357,6 @@ PARTS: Final[dict[str, Callable[[NDArray[np.uint8]], Iterator[Row]]]] = {
     "saturation": _saturation,
     "black": _black,
     "types": _types,
+    "fields": _fields,
 }
 """Rows by what they are of; `image` is ordinary tissue, (H, W, 3)."""

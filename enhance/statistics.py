@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, detail
+from enhance.field import FieldOfView
 from enhance.image import ImageError
 from enhance.params import EnhanceParams
 
@@ -42,6 +43,8 @@ class Statistics:
     """Used in Eq 7, one for each scale."""
     scope: Scope
     """Measured on this image, pooled over a clip, or smoothed over the images so far of a live stream."""
+    field: FieldOfView | None = None
+    """Where it was measured, and is to be used; None: all pixels."""
 
     def resolved(self, params: EnhanceParams) -> Statistics:
         """The same measurements with z and P as `params` ask: set by the user, or Eqs 2 and 9.

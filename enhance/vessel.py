@@ -19,11 +19,12 @@ from pydantic.dataclasses import dataclass
 from enhance import vessel_kernels
 from enhance.brightness import level, z_from_level
 from enhance.enhancer import Enhancer
-from enhance.image import AnyImage, Float32Image, ImageError, Picture, full_scale, read_mask, read_picture
+from enhance.image import AnyImage, Float32Image, ImageError, full_scale
 from enhance.morphology import opening
 from enhance.params import DFactor, EnhanceParams
 from enhance.result import EnhanceResult
 from enhance.saturation import pull
+from enhance.shown import Pixels, Shown
 from enhance.statistics import Statistics
 
 ABSORPTION: Final = np.array([0.15, 1.0, 0.8], dtype=np.float32)
@@ -76,6 +77,7 @@ def enhance_vessels(
     *,
     tissue_mask: AnyImage | None = None,
     statistics: Statistics | None = None,
+    pixels: Pixels = "automatic",
 ) -> EnhanceResult:
     """Make vessels visible as if they held more blood (Beer-Lambert law), with colours close to the original.
 
@@ -94,6 +96,7 @@ def enhance_vessels(
             images all darkness counts as blood.
         tissue_mask: as of `enhance`.
         statistics: of a clip, measured with any parameters of three scales; None: of this image.
+        pixels: as of `enhance`.
 
     Raises:
         ImageError: as `enhance`.
@@ -110,7 +113,7 @@ def enhance_vessels(
         True
     """
     enhancer = VesselEnhancer()
-    enhancer.show(image, tissue_mask)
+    enhancer.show(image, tissue_mask, pixels=pixels)
     return enhancer.enhance(params, statistics=statistics)
 
 
@@ -137,17 +140,6 @@ class _Planes:
             fade=np.empty(single, np.float32),
             absorbed=np.empty(single, np.float32),
         )
-
-
-@plain_dataclass(frozen=True, eq=False)
-class _Shown:
-    """The image at hand."""
-
-    picture: Picture
-    pixels: NDArray[Any]
-    """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
-    level: int
-    """L of Eq 2."""
 
 
 @plain_dataclass(frozen=True, eq=False)
@@ -180,39 +172,44 @@ class VesselEnhancer:
     def __init__(self) -> None:
         self._paper = Enhancer()
         self._planes = _Planes.of((0, 0))
-        self._shown: _Shown | None = None
+        self._shown: Shown | None = None
+        self._calmed: Shown | None = None
+        self._level = 0
         self._found: _Found | None = None
         self._toned: tuple[EnhanceParams, Statistics | None, EnhanceResult] | None = None
 
-    def show(self, image: AnyImage, tissue_mask: AnyImage | None = None) -> None:
-        """Take the next image; see `enhance_vessels` for both. It must not change while it is in use.
+    def show(
+        self, image: AnyImage, tissue_mask: AnyImage | None = None, *, pixels: Pixels = "automatic"
+    ) -> None:
+        """Take the next image; see `enhance_vessels` for all three. It must not change while it is in use.
 
         Raises:
-            ImageError: an image or mask that cannot be used; the previous image is kept.
+            ImageError: an image, mask or field that cannot be used; the previous image is kept.
         """
-        picture = read_picture(image)
-        keep = None
-        if tissue_mask is not None or picture.alpha is not None:
-            keep = np.ascontiguousarray(read_mask(tissue_mask, picture))
-        pixels = np.ascontiguousarray(picture.pixels if picture.dtype == np.uint8 else picture.colors)
-        if pixels.ndim == 2:
-            pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
-        if self._planes.calm.shape != pixels.shape:
-            self._planes = _Planes.of(pixels.shape)
-        histogram = self._calm(pixels, keep)
-        self._paper.show(self._planes.calm, keep)
-        self._found = self._toned = None
-        self._shown = _Shown(picture, pixels, level(histogram))
+        self._shown = Shown.of(image, tissue_mask, pixels)
 
-    def _calm(self, pixels: NDArray[Any], keep: NDArray[np.bool_] | None) -> NDArray[np.int64]:
+    def _look_within(self, statistics: Statistics | None) -> Shown:
+        """The shown image within its field of view, or that of the statistics, calmed."""
+        if self._shown is None:
+            raise ImageError("expected an image to be shown before it is enhanced")
+        self._shown = now = self._shown.within(statistics)
+        if now is not self._calmed:
+            if self._planes.calm.shape != now.pixels.shape:
+                self._planes = _Planes.of(now.pixels.shape)
+            keep = now.kept()
+            self._level = level(self._calm(now.pixels, keep))
+            self._paper.show(self._planes.calm, keep if len(keep) else None, pixels=now.field or "all")
+            self._found, self._toned, self._calmed = None, None, now
+        return now
+
+    def _calm(self, pixels: NDArray[Any], keep: NDArray[np.uint8]) -> NDArray[np.int64]:
         """Fill all planes but `absorbed`; the histogram of V."""
         planes = self._planes
         vessel_kernels.split(pixels, np.float32(full_scale(pixels.dtype)), planes.sharp)
         for sharp, smooth in zip(planes.sharp, planes.smooth, strict=True):
             cv2.GaussianBlur(sharp, (0, 0), 0.8, dst=smooth)
         histograms = np.empty((-(-len(pixels) // vessel_kernels.BLOCK), vessel_kernels.BINS), np.int64)
-        kept = np.empty((0, 0), np.uint8) if keep is None else keep.view(np.uint8)
-        vessel_kernels.calm(planes.sharp, planes.smooth, kept, planes.calm, planes.fade, histograms)
+        vessel_kernels.calm(planes.sharp, planes.smooth, keep, planes.calm, planes.fade, histograms)
         for sharp, smooth in zip(planes.sharp[:2], planes.smooth[:2], strict=True):
             cv2.GaussianBlur(sharp, (0, 0), 1.0, dst=smooth)
         return np.asarray(histograms.sum(axis=0))
@@ -225,14 +222,9 @@ class VesselEnhancer:
         Raises:
             ImageError: statistics that cannot be used, no pixel to measure, or no image shown.
         """
-        now = self._shown
-        if now is None:
-            raise ImageError("expected an image to be shown before it is enhanced")
-        toned, found = (
-            self._tone(now, params, statistics),
-            self._find(params, grey=now.picture.pixels.ndim == 2),
-        )
-        out, full = np.empty_like(now.pixels), np.float32(full_scale(now.pixels.dtype))
+        now = self._look_within(statistics)
+        toned, found = self._tone(params, statistics), self._find(now, params)
+        out = np.empty_like(now.pixels)
         vessel_kernels.finish(
             np.asarray(toned.image),
             self._planes.fade,
@@ -243,36 +235,31 @@ class VesselEnhancer:
             np.float32(params.most_color),
             np.float32(params.strength),
             np.float32(params.coring * found.middle),
-            GREY if now.picture.pixels.ndim == 2 else ABSORPTION,
-            full,
+            GREY if now.is_grey else ABSORPTION,
+            np.float32(now.full),
+            now.pixels,
+            now.spans,
             out,
         )
-        return EnhanceResult(_finished(now.picture, out), toned.statistics, ())
+        return EnhanceResult(now.finished(out), toned.statistics, ())
 
-    def _tone(self, now: _Shown, params: VesselParams, statistics: Statistics | None) -> EnhanceResult:
+    def _tone(self, params: VesselParams, statistics: Statistics | None) -> EnhanceResult:
         """V of the paper with part of its brightening, hue and S as they are."""
-        dark = now.level if statistics is None else statistics.level
+        dark = self._level if statistics is None else statistics.level
         paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
         if self._toned is None or self._toned[:2] != (paper, statistics):
             self._toned = paper, statistics, self._paper.enhance(paper, statistics=statistics)
         return self._toned[2]
 
-    def _find(self, params: VesselParams, *, grey: bool) -> _Found:
+    def _find(self, now: Shown, params: VesselParams) -> _Found:
         """What is narrow and absorbs green more than red; of grey pictures, what is narrow and dark."""
-        asked = params.radius, 0.0 if grey else params.shading
+        asked = params.radius, 0.0 if now.is_grey else params.shading
         if self._found is None or self._found.asked != asked:
             red, green = self._planes.smooth[:2]
             absorbed = self._planes.absorbed
             vessel_kernels.absorb(red, green, np.float32(asked[1]), absorbed)
             background = opening(absorbed, params.radius)
             sparse = np.maximum(absorbed[::3, ::3] - background[::3, ::3], 0)
-            self._found = _Found(asked, background, float(np.median(sparse)))
+            seen = sparse if now.field is None or now.field.is_whole else sparse[now.field.mask()[::3, ::3]]
+            self._found = _Found(asked, background, float(np.median(seen)) if seen.size else 0.0)
         return self._found
-
-
-def _finished(picture: Picture, out: NDArray[Any]) -> AnyImage:
-    """The input's shape and type again, alpha untouched."""
-    colors = out if picture.pixels.ndim == 3 else np.ascontiguousarray(out[..., 0])
-    if picture.dtype == np.uint8 and picture.alpha is None:
-        return colors
-    return picture.with_colors(colors.astype(np.float32) / np.float32(full_scale(out.dtype)))

@@ -146,6 +146,8 @@ def finish(
     noise: np.float32,  # density below which structures are hardly strengthened
     shares: NDArray[np.float32],  # (3,) of the density that R, G and B lose
     full: np.float32,  # 1.0 in the result
+    image: NDArray[Any],  # (H, W, 3), of the type of `out`
+    spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all; outside, `image` stays
     out: NDArray[Any],  # (H, W, 3), out, in [0, full]
 ) -> None:
     """`gamma` on V, Eqs 11 and 12 on S within bounds, then attenuation by the density of blood."""
@@ -155,7 +157,8 @@ def finish(
         line = np.zeros((3, CHUNK), np.float32)
         apart = np.zeros((PLANES, CHUNK), out.dtype)
         for y in range(block * BLOCK, min((block + 1) * BLOCK, rows)):
-            for x0 in range(0, columns, CHUNK):
+            first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
+            for x0 in range(first // CHUNK * CHUNK, end if end > first else 0, CHUNK):
                 count = min(CHUNK, columns - x0)
                 deinterleave(toned[y, x0 : x0 + count], chunk)
                 for i in range(count):
@@ -171,6 +174,8 @@ def finish(
                         tinted = min(max(tinted, ZERO), full)
                         apart[color, i] = rounded(tinted) if full > ONE else tinted  # type: ignore[call-arg]
                 interleave(apart, out[y, x0 : x0 + count])
+            out[y, :first] = image[y, :first]
+            out[y, end:] = image[y, end:]
 
 
 @njit(inline="always")

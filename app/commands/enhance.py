@@ -13,6 +13,7 @@ from app.console.progress import progress
 from app.enhancement.batch import Item, Step, enhance_batch, items_in
 from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
+from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
@@ -65,10 +66,10 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--pixels",
-        choices=("all", "tissue"),
-        default="all",
-        help="take statistics of every pixel as the paper does, or leave out the black "
-        "surround (default all)",
+        choices=PIXELS,
+        default=PIXELS[0],
+        help="enhance the field of view alone, found inside a dark surround; or every pixel as the paper "
+        "does; or every pixel, by statistics without what is black at the border (default automatic)",
     )
     add_fields(parser, ClipOptions, ("deinterlacing",))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
@@ -109,9 +110,10 @@ def _params(flags: argparse.Namespace) -> Params:
         return parameters(EnhanceParams, flags)
     if flags.method == VESSEL:
         return parameters(VesselParams, flags)
-    for name, value in (("statistics", "clip"), ("pixels", "tissue")):
-        if getattr(flags, name) == value:
-            raise UserError(f"--{name} {value} has no effect with --method {flags.method}")
+    for name, value in (("statistics", "image"), ("pixels", PIXELS[0])):
+        if getattr(flags, name) != value:
+            given = getattr(flags, name)
+            raise UserError(f"--{name} {given} has no effect with --method {flags.method}")
     return None
 
 

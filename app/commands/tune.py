@@ -32,7 +32,8 @@ from app.enhancement.parameter_grid import (
     settings,
     tried,
 )
-from app.enhancement.records import EnhancedPicture, Pixels, SheetCell, TuningSheet
+from app.enhancement.records import EnhancedPicture, SheetCell, TuningSheet
+from app.enhancement.settable import PIXELS, Pixels, drawn
 from app.errors import UserError
 from app.files.atomic import filled
 from app.files.image_files import ArrayImage, write_image
@@ -65,9 +66,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=LOOKS, default=PAPER, help=f"default {PAPER}")
     parser.add_argument(
         "--pixels",
-        choices=("all", "tissue"),
-        default="all",
-        help="pixels that automatic values are measured on (default all)",
+        choices=PIXELS,
+        default=PIXELS[0],
+        help="pixels that are enhanced and measured; see enhance --help (default automatic)",
     )
     group = parser.add_argument_group("fixed settings", "settings of either method; see enhance --help")
     names = [name for name in VESSEL_FIELDS if name not in FIELDS]
@@ -166,7 +167,7 @@ def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]
     suffix = ".tiff" if origin.image.dtype.kind == "f" else ".png"
     with progress("tune", len(wanted)) as report:
         try:
-            for cell in tried(origin.image, wanted, origin.tissue):
+            for cell in tried(origin.image, wanted, origin.tissue, drawn(origin.pixels)):
                 name = f"setting-{places[cell.setting]:03d}{suffix}"
                 write_image(folder / name, cell.image, origin.cell(cell).signed)
                 rows[cell.setting] = Row(name, cell.setting, tile(cell), cell.measures)

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.enhancement.methods import MethodEnhancer, Params, apply, measure_for
-from app.enhancement.records import EnhancedPicture, EnhancedVideo, Pixels
+from app.enhancement.records import EnhancedPicture, EnhancedVideo
+from app.enhancement.settable import Pixels, drawn
 from app.errors import UserError
 from app.files.atomic import filled, together
 from app.files.image_files import ArrayImage, is_image, write_image
@@ -48,7 +49,7 @@ class Setting:
     params: Params
     statistics: Literal["image", "clip"] = "image"
     """Of each picture, or pooled over the series."""
-    pixels: Pixels = "all"
+    pixels: Pixels = "automatic"
     pooled: int | None = None
     """Evenly spread pictures whose statistics stand for a series; None: all of them."""
     clip_options: ClipOptions = DEFAULTS
@@ -65,7 +66,7 @@ class Setting:
             deinterlacing=self.clip_options.deinterlacing,
             method=self.method,
             params=self.params,
-            pixels=self.pixels,
+            pixels="all" if self.params is None else self.pixels,
             statistics=pooled,
         )
 
@@ -91,7 +92,8 @@ def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhance
         ImageError, UserError: as `methods.apply`.
     """
     mask = inside([image]) if record.pooled is None and record.pixels == "tissue" else None
-    result = apply(record.method, record.params, image, mask, record.pooled, enhancer)
+    pixels = drawn(record.pixels)
+    result = apply(record.method, record.params, image, mask, pixels, record.pooled, enhancer)
     return result.image, replace(record, statistics=result.statistics, omitted=result.omitted)
 
 
@@ -131,7 +133,7 @@ def _pictures(series: Series, notices: list[str], indices: Iterable[int] | None 
 
 def _tissue(series: Series, setting: Setting) -> Tissue:
     """One mask for all pictures."""
-    if setting.pixels == "all":
+    if setting.pixels != "tissue":
         return lambda image: None
     size = series.read(0).shape[:2]
     spread = _pictures(series, [], series.spread(STEADY_FRAMES))
@@ -150,7 +152,7 @@ def _pooled(series: Series, setting: Setting, notices: list[str], watch: Watch) 
     # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
     images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
     try:
-        return measure_for(look, images, map(tissue, again))
+        return measure_for(look, images, map(tissue, again), drawn(setting.pixels))
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error
 

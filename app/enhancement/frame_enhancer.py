@@ -12,7 +12,7 @@ import numpy as np
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_kernels
-from app.enhancement.settable import Scope
+from app.enhancement.settable import Pixels, Scope, drawn
 from enhance import EnhanceParams, Statistics, measure
 from enhance.result import Omission
 from enhance.surround import inside
@@ -34,8 +34,8 @@ class PictureRequest:
     """None: white light only."""
     scope: Scope = "image"
     """Statistics of this frame, or pooled over the clip so that playing does not flicker."""
-    tissue_only: bool = False
-    """Tools and the black surround do not count in the statistics; the paper counts every pixel."""
+    pixels: Pixels = "automatic"
+    """What counts in the statistics."""
     mask: PictureMask = NO_MASK
     """What does not count either."""
     span: tuple[int, int] | None = None
@@ -99,7 +99,7 @@ class PictureMaker:
         if self._shown is None or self._shown[0] != key:
             self._shown = None
             photo, mask = _read(request, request.frame_index)
-            self._enhancer.show(photo, mask)
+            self._enhancer.show(photo, mask, drawn(request.pixels))
             self._shown = key, photo
         return self._shown[1]
 
@@ -121,12 +121,13 @@ def _measured(request: PictureRequest, windows: EnhanceParams) -> Statistics:
     indices = np.linspace(first, last, min(last + 1 - first, POOLED_FRAMES)).round().astype(int)
     # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
     frames, again = tee(_read(request, int(index)) for index in indices)
-    return measure((photo for photo, _ in frames), windows, (mask for _, mask in again))
+    photos, masks = (photo for photo, _ in frames), (mask for _, mask in again)
+    return measure(photos, windows, masks, pixels=drawn(request.pixels))
 
 
 def _read(request: PictureRequest, index: int) -> tuple[ByteImage, BoolImage | None]:
     """The photo and the pixels that count, None = all: so too where nothing but black would be left."""
-    if request.tissue_only:
+    if request.pixels == "tissue":
         frame = request.clip.read_frame(index)
         image, mask = frame.image, frame.tissue_mask & inside([frame.image])
     elif request.mask == NO_MASK:

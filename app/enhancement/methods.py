@@ -15,6 +15,7 @@ from enhance import EnhanceParams, Enhancer, EnhanceResult, Statistics, measure
 from enhance.baselines import BASELINES
 from enhance.image import BoolImage
 from enhance.result import Omission
+from enhance.shown import Pixels
 from enhance.vessel import VesselEnhancer, VesselParams
 
 PAPER: Final = "paper"
@@ -69,12 +70,14 @@ class MethodEnhancer:
 
     def __init__(self) -> None:
         self._paper, self._vessel = Enhancer(), VesselEnhancer()
-        self._shown: tuple[ArrayImage, BoolImage | None] | None = None
+        self._shown: tuple[ArrayImage, BoolImage | None, Pixels] | None = None
         self._seen: frozenset[Preset] = frozenset()
 
-    def show(self, image: ArrayImage, tissue_mask: BoolImage | None = None) -> None:
+    def show(
+        self, image: ArrayImage, tissue_mask: BoolImage | None = None, pixels: Pixels = "automatic"
+    ) -> None:
         """Take the next picture; it must not change while it is in use."""
-        self._shown, self._seen = (image, tissue_mask), frozenset()
+        self._shown, self._seen = (image, tissue_mask, pixels), frozenset()
 
     def enhance(self, look: EnhancementSettings, *, statistics: Statistics | None = None) -> EnhanceResult:
         """The picture that is shown, enhanced; see `enhance.enhance` and `enhance.vessel.enhance_vessels`.
@@ -84,7 +87,8 @@ class MethodEnhancer:
         """
         preset = preset_of(look)
         if self._shown is not None and preset not in self._seen:
-            (self._paper if preset == PAPER else self._vessel).show(*self._shown)
+            image, tissue_mask, pixels = self._shown
+            (self._paper if preset == PAPER else self._vessel).show(image, tissue_mask, pixels=pixels)
             self._seen |= {preset}
         if isinstance(look, EnhanceParams):
             return self._paper.enhance(look, statistics=statistics)
@@ -102,9 +106,11 @@ def measure_for(
     look: EnhancementSettings,
     images: Iterable[ArrayImage],
     tissue_masks: Iterable[BoolImage | None] | None = None,
+    pixels: Pixels = "automatic",
 ) -> Statistics:
     """The statistics of a clip as this method uses them; see `enhance.measure`."""
-    return measure(images, look if isinstance(look, EnhanceParams) else EnhanceParams(), tissue_masks)
+    paper = look if isinstance(look, EnhanceParams) else EnhanceParams()
+    return measure(images, paper, tissue_masks, pixels=pixels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +127,7 @@ def apply(
     params: Params,
     image: ArrayImage,
     tissue_mask: BoolImage | None,
+    pixels: Pixels,
     statistics: Statistics | None,
     enhancer: MethodEnhancer,
 ) -> Enhanced:
@@ -131,7 +138,7 @@ def apply(
         UserError: anything but 8-bit RGB for one of the other methods.
     """
     if params is not None:
-        enhancer.show(image, tissue_mask)
+        enhancer.show(image, tissue_mask, pixels)
         result = enhancer.enhance(params, statistics=statistics)
         return Enhanced(result.image, result.statistics, result.omitted)
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:

@@ -21,6 +21,7 @@ from enhance import Statistics
 from enhance.image import BoolImage
 from enhance.metrics import dvbv_otsu, noise_gain, saturated_share, vessel_contrast
 from enhance.ridges import field_of_view, vessel_mask
+from enhance.shown import Pixels
 
 MOST_CELLS = 400
 SLOWEST: Final = ("radii", "subsample", "eps", "radius", "shading")
@@ -159,12 +160,16 @@ def _setting(base: EnhancementSettings, axes: Sequence[Axis], places: tuple[int,
 
 
 def tried(
-    image: ArrayImage, wanted: Sequence[Setting], tissue_mask: BoolImage | None = None
+    image: ArrayImage,
+    wanted: Sequence[Setting],
+    tissue_mask: BoolImage | None = None,
+    pixels: Pixels = "automatic",
 ) -> Iterator[Cell]:
     """Enhance and measure, one after another, in the order in which least is computed twice.
 
     Args:
         tissue_mask: (H, W), True = counts in the statistics; None: all. Measures are of the field of view.
+        pixels: what is enhanced, as of `enhance.enhance`.
 
     Raises:
         ImageError: a picture that cannot be enhanced.
@@ -175,7 +180,7 @@ def tried(
     for one in order[:1]:
         load_kernels(one.params, image)
     enhancer = MethodEnhancer()
-    enhancer.show(image, tissue_mask)
+    enhancer.show(image, tissue_mask, pixels)
     for setting in order:
         start = perf_counter()
         result = enhancer.enhance(setting.params)

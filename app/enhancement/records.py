@@ -10,12 +10,11 @@ from pydantic.dataclasses import dataclass
 
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.parameter_grid import Measures
+from app.enhancement.settable import Pixels
 from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
 from enhance.result import Omission
 from renderer.readers.clip_options import Deinterlacing
-
-Pixels = Literal["all", "tissue"]
 
 
 def _numbers(given: Any) -> Any:
@@ -44,7 +43,6 @@ class EnhancedPicture(Record):
     method: str
     params: RecordedSettings | None
     pixels: Pixels
-    """Which of them count in the statistics; "tissue" leaves out the black surround."""
     statistics: Statistics | None
     """Those used; of a whole series they are given, of the picture alone they are measured."""
     omitted: Annotated[tuple[Omission, ...] | None, Told] = None

@@ -14,9 +14,13 @@ Mode = Literal["side by side", "wipe", "flip", "difference"]
 Slot = Literal["A", "B"]
 Scope = Literal["image", "clip"]
 """Statistics of one picture, or of the whole clip."""
+Pixels = Literal["automatic", "all", "tissue"]
+"""What counts in the statistics: the field of view, outside of which nothing is enhanced; every pixel; or
+neither tools nor what is black at the border, while every pixel is enhanced."""
 InputKind = Literal["original", "enhanced", "both in turn"]
 
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)
+PIXELS: Final[tuple[Pixels, ...]] = get_args(Pixels)
 SLOTS: Final[tuple[Slot, ...]] = get_args(Slot)
 ORIGINAL: Final = "original"
 ENHANCED: Final = "enhanced"
@@ -36,6 +40,18 @@ LONGEST_NAME: Final = 100
 LONGEST_NOTES: Final = 100_000
 LONGEST_PATH: Final = 32_767
 """Characters that Windows allows; other systems allow fewer."""
+
+
+def drawn(pixels: Pixels) -> Literal["automatic", "all"]:
+    """What is enhanced."""
+    return "automatic" if pixels == "automatic" else "all"
+
+
+def renamed(given: Any) -> Any:
+    """Of a file that keeps `pixels`: as an earlier version says it, tissue only or all."""
+    if not isinstance(given, dict) or "tissue_only" not in given or "pixels" in given:
+        return given
+    return given | {"pixels": "tissue" if given["tissue_only"] else "all"}
 
 
 def at_most(length: int) -> BeforeValidator:

@@ -12,6 +12,7 @@ from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
 from app.enhancement.methods import METHODS, MethodEnhancer
 from app.enhancement.parameter_grid import Setting, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
+from app.enhancement.settable import drawn
 from app.errors import UserError
 from app.exports.measure_table import Row, rows_at, write_measures
 from app.exports.page import Panel, sheet
@@ -128,7 +129,8 @@ def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
     image = series.read(frame)
     mask = inside([image]) if record.pixels == "tissue" else None
     wanted = [Setting((place,), one.label, one.params) for place, one in enumerate(record.settings)]
-    tiles = {cell.setting: tile(cell) for cell in tried(image, wanted, mask)}
+    cells = tried(image, wanted, mask, drawn(record.pixels))
+    tiles = {cell.setting: tile(cell) for cell in cells}
     picture = contact_sheet(record.title, [tiles[setting] for setting in wanted], record.columns)
     write_png(target, picture, record.signed)
 

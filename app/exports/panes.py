@@ -43,7 +43,7 @@ def pane_record(title: str, photo: PictureRequest, by: Shown = None) -> PaneReco
         title=title,
         shows="render" if view else "method" if method else "setting" if params else "original",
         scope=photo.scope,
-        tissue_only=photo.tissue_only,
+        pixels=photo.pixels,
         mask=photo.mask,
         span=photo.span,
         params=params,
@@ -97,7 +97,7 @@ class PaneMaker:
         if by is None:
             caption = f"{pane.title}   {self.clip.labels[frame]}"
             return Made(Panel(caption, sizing.of(self.clip.read_image(frame))))
-        photo = PictureRequest(self.clip, frame, None, pane.scope, pane.tissue_only, pane.mask, pane.span)
+        photo = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
         (other,) = self._maker.make(OtherRequest(photo, by))
         said = describe(other.made) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 from annotated_types import Interval
-from pydantic import Discriminator, TypeAdapter
+from pydantic import Discriminator, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
-from app.enhancement.settable import Scope
+from app.enhancement.settable import Pixels, Scope, renamed
 from app.exports.sizing import LEAST_WIDTH, MOST_SCALE, MOST_WIDTH
 from app.files.records import LENIENT, Record, Source, Told
 from app.files.video import Written
@@ -76,10 +76,15 @@ class Arrangement:
 class PaneRecord(Record):
     """What one pane shows."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _of_before(cls, given: Any) -> Any:
+        return renamed(given)
+
     title: str
     shows: Literal["original", "setting", "method", "render"]
     scope: Scope
-    tissue_only: bool
+    pixels: Pixels
     mask: PictureMask = NO_MASK
     span: tuple[int, int] | None = None
     params: RecordedSettings | None = None

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 from annotated_types import Interval
-from pydantic import AfterValidator, ConfigDict, TypeAdapter
+from pydantic import AfterValidator, ConfigDict, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import shortened
@@ -31,6 +31,7 @@ from app.enhancement.settable import (
     Name,
     Notes,
     PathText,
+    Pixels,
     Scope,
     Share,
     Slot,
@@ -38,6 +39,7 @@ from app.enhancement.settable import (
     Zoom,
     at_most,
     one_of,
+    renamed,
 )
 from app.errors import UserError
 from app.files.atomic import write_bytes
@@ -150,6 +152,11 @@ class UnsavedEdits:
 class Session:
     """Everything of a session that another start can take up."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _of_before(cls, given: Any) -> Any:
+        return renamed(given)
+
     schema: Literal[1] = 1
     version: Name = ""
     saved: Name = ""
@@ -168,7 +175,7 @@ class Session:
     past: Annotated[tuple[RecordedSettings, ...], at_most(MOST_STEPS)] = ()
     """Settled parameters, oldest first."""
     scope: Scope = "image"
-    tissue_only: bool = False
+    pixels: Pixels = "automatic"
     enhancing: bool = True
     stored: Annotated[dict[Slot, RecordedSettings], at_most(len(SLOTS))] = field(default_factory=dict)
     """Settings kept under a letter, to compare with."""

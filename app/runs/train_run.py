@@ -178,7 +178,7 @@ def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue
     """`params` with statistics pooled over the training frames, so that colours agree."""
     if measured == "whole image":
         whole = (clip.read_image(index) for index in clip.train_indices)
-        return Enhancement(params=params, statistics=measure_for(params, whole))
+        return Enhancement(params=params, statistics=measure_for(params, whole, pixels="all"))
     # Both iterables of `measure_for` walk the same frames in step: each is decoded once and let go.
     frames, again = tee(clip.read_frame(index) for index in clip.train_indices)
     images, masks = (frame.image for frame in frames), (frame.tissue_mask for frame in again)

@@ -117,15 +117,15 @@ def test_the_surround_does_not_count_when_tissue_alone_shall(
     call = vesselsplat("enhance", scope, tmp_path / "out", *flags)
     images = [read_image(scope / f"{index}.png") for index in range(3)]
     steady = inside(images)
-    pooled = measure(images, EnhanceParams(), [steady] * 3) if statistics == "clip" else None
+    pooled = measure(images, EnhanceParams(), [steady] * 3, pixels="all") if statistics == "clip" else None
     run = enhance_vessels if method == "vessel" else enhance
     summary = json.loads(call.out)
     assert summary["pixels"] == "tissue"
     for image, picture in zip(images, summary["pictures"], strict=True):
         path = tmp_path / "out" / picture["output"]
-        expected = run(image, tissue_mask=inside([image]), statistics=pooled)
+        expected = run(image, tissue_mask=inside([image]), statistics=pooled, pixels="all")
         assert np.array_equal(read_image(path), expected.image)
-        assert not np.array_equal(expected.image, run(image).image)
+        assert not np.array_equal(expected.image, run(image, pixels="all").image)
         assert read_provenance(path)["pixels"] == picture["pixels"] == "tissue"
 
 
@@ -138,7 +138,7 @@ def test_one_mask_serves_all_pictures_of_a_size(scope: Path, tmp_path: Path, ves
     images = [read_image(scope / f"{index}.png") for index in range(4)]
     steady = inside(images[:3])
     assert not steady.all()
-    pooled = measure(images, EnhanceParams(), [steady, steady, steady, inside(images[3:])])
+    pooled = measure(images, EnhanceParams(), [steady, steady, steady, inside(images[3:])], pixels="all")
     assert json.loads(call.out)["pictures"][0]["statistics"]["level"] == pooled.level
     assert json.loads(call.out)["pictures"][0]["statistics"]["saturation_mean"] == pooled.saturation_mean
 

@@ -91,7 +91,7 @@ def test_moved_radius_measures_one_scale_and_takes_the_others_as_they_were(
     measured: list[list[bool]] = []
     render = enhancer_module.render
     monkeypatch.setattr(
-        enhancer_module, "render", lambda *args: measured.append(args[8].tolist()) or render(*args)
+        enhancer_module, "render", lambda *args: measured.append(args[9].tolist()) or render(*args)
     )
     for radius in (17, 18):
         moved = enhancer.enhance(EnhanceParams(radii=(4, radius, 64)))

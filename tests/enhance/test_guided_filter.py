@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from enhance.field import EVERYWHERE
 from enhance.first_pass import first_pass
 from enhance.guided_filter import SPAN, Grids, WindowModels, window, window_on
 from enhance.pixel_block import BLOCK
@@ -66,7 +67,8 @@ def shrunk(value: NDArray[Any], subsample: int) -> Grids:
     blocks = -(-rows // BLOCK)
     pixels, all_kept = np.repeat(value[..., None], 3, axis=2), np.empty((0, 0), np.uint8)
     full = np.float32(1 if value.dtype == np.float32 else 255)
-    first_pass(pixels, all_kept, full, subsample, *low, np.empty((blocks, 256), np.int64), np.empty(blocks))
+    tallies = np.empty((blocks, 256), np.int64), np.empty(blocks)
+    first_pass(pixels, all_kept, EVERYWHERE, full, subsample, *low, *tallies)
     return low
 
 

@@ -182,8 +182,8 @@ def test_constant_colours() -> None:
 def test_black_surround_stays_black_only_with_keep_black() -> None:
     image = vessels()
     black = ~image.any(axis=2)
-    assert not enhance(image).image[black].any()
-    assert (enhance(image, no_fade(z=0.0)).image[black] > 0).all()
+    assert not enhance(image, pixels="all").image[black].any()
+    assert (enhance(image, no_fade(z=0.0), pixels="all").image[black] > 0).all()
 
 
 def test_exponent_is_chosen_by_grey_levels() -> None:

@@ -32,7 +32,7 @@ def test_repeating_a_clip_and_its_order_change_nothing() -> None:
 
 def test_pooling_counts_pixels_not_images() -> None:
     params = EnhanceParams(radii=(3,), subsample=1, p=1.0)
-    pooled = measure(CLIP, params)
+    pooled = measure(CLIP, params, pixels="all")
     values = np.concatenate([image.max(axis=2).ravel() for image in CLIP])
     chroma = np.concatenate(
         [((i.max(axis=2) - i.min(axis=2, initial=255)) / np.maximum(i.max(axis=2), 1)).ravel() for i in CLIP]

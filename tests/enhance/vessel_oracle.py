@@ -8,12 +8,13 @@ import cv2
 import numpy as np
 
 from enhance.brightness import level, value_histogram, z_from_level
-from enhance.image import AnyImage, Float32Image, read_mask, read_picture
+from enhance.image import AnyImage, BoolImage, Float32Image, read_mask, read_picture
 from enhance.morphology import opening
 from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
 from enhance.result import EnhanceResult
 from enhance.saturation import Saturation, stretch
+from enhance.shown import Pixels, Shown
 from enhance.statistics import Statistics
 from enhance.vessel import VESSEL, VesselParams
 
@@ -30,24 +31,28 @@ def vessels_of(
     *,
     tissue_mask: AnyImage | None = None,
     statistics: Statistics | None = None,
+    pixels: Pixels = "automatic",
 ) -> EnhanceResult:
     """As `enhance.vessel.enhance_vessels`."""
     picture = read_picture(image)
-    keep = read_mask(tissue_mask, picture)
+    field = Shown.of(image, None, pixels).within(statistics).field
+    inside = np.ones(image.shape[:2], bool) if field is None else field.mask()
+    keep = read_mask(tissue_mask, picture) & inside
     planes = _split(picture.colors)
     calm = _calm(planes)
     bright = _largest(calm)
     dark = level(value_histogram(bright, keep)) if statistics is None else statistics.level
     paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
-    toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics)
+    toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics, pixels=field or "all")
     colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
-    density = np.float32(params.strength) * _fade(bright) * blood_density(planes, params)
+    density = np.float32(params.strength) * _fade(bright) * blood_density(planes, params, inside)
     shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
     result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
+    result[~inside] = picture.colors[~inside]
     return EnhanceResult(picture.with_colors(result), toned.statistics, ())
 
 
-def blood_density(planes: Planes, params: VesselParams) -> Float32Image:
+def blood_density(planes: Planes, params: VesselParams, inside: BoolImage) -> Float32Image:
     """Optical density of narrow dark structures in green, (H, W) in [0, 0.5].
 
     The top-hat (image less its morphological opening, of radius `radius`) of `shading` log R - log G: narrow
@@ -55,11 +60,12 @@ def blood_density(planes: Planes, params: VesselParams) -> Float32Image:
 
     Args:
         planes: R, G and B, or a single grey, (H, W) in [0, 1].
+        inside: (H, W), True = field of view, whose median density is noise.
     """
     logs = [np.log(cv2.GaussianBlur(plane, (0, 0), 1.0) + FLOOR) for plane in planes[:2]]
     absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
     found = np.maximum(absorbed - opening(absorbed, params.radius), 0)
-    noise = np.float32(params.coring) * np.median(found[::3, ::3])
+    noise = np.float32(params.coring) * np.median(found[::3, ::3][inside[::3, ::3]])
     square = found * found
     cored = found * square / (square + noise * noise + np.float32(1e-12))
     return np.asarray(MOST * np.tanh(cored / MOST), dtype=np.float32)

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
+from typing import Final
 
 from app.enhancement.enhance_files import Setting
 from app.enhancement.frame_enhancer import POOLED_FRAMES
 from app.enhancement.methods import preset_of, worded
+from app.enhancement.settable import Pixels
 from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
+
+PIXELS_SAID: Final[Mapping[Pixels, str]] = MappingProxyType(
+    {"automatic": "field of view alone", "all": "all pixels", "tissue": "statistics of tissue only"}
+)
 
 
 def toggle_batches(state: AppState) -> None:
@@ -51,7 +59,7 @@ def summary(state: AppState) -> str:
     """The present setting in a line."""
     chosen = state.enhancement
     measured = "each clip as a whole" if chosen.scope == "clip" else "each image on its own"
-    return f"{worded(chosen.params)} · {measured}{' · surround left out' if chosen.tissue_only else ''}"
+    return f"{worded(chosen.params)} · {measured} · {PIXELS_SAID[chosen.pixels]}"
 
 
 def why_not_start(state: AppState) -> str:
@@ -69,7 +77,7 @@ def batch_request(state: AppState) -> BatchRequest | None:
         preset_of(state.enhancement.params),
         state.enhancement.params,
         state.enhancement.scope,
-        "tissue" if state.enhancement.tissue_only else "all",
+        state.enhancement.pixels,
         POOLED_FRAMES if state.enhancement.scope == "clip" else None,
     )
     request = BatchRequest(state.batches.inputs, results_folder(state) / f"enhanced-{stamp()}", setting)

@@ -10,7 +10,7 @@ from app.gui.state.app_state import AppState
 from app.gui.work.clip_settings import FILE, clips_content
 from app.gui.work.file_writing import WriteRequest
 from app.runs.clip_selection import ClipPart
-from enhance.surround import inside
+from enhance.field import find_field
 
 
 def trim_here(state: AppState, *, start: bool) -> None:
@@ -46,12 +46,13 @@ def finish_mask(state: AppState) -> None:
 
 
 def round_view(state: AppState) -> None:
-    """The circle of the black surround of the present picture."""
+    """The circle of the field of view of the present picture."""
     if state.picture.pictures is None:
         return
-    circle = enclosing(inside([state.picture.pictures.photo]))
+    field = find_field(state.picture.pictures.photo)
+    circle = (field.circle or enclosing(field.mask())) if field is not None else None
     if circle is None:
-        actions.announce(state, "this frame has no black surround")
+        actions.announce(state, "this frame has no dark surround")
         return
     set_mask(state, replace(state.source.part.mask, view=circle))
     state.picture.overlay = True

@@ -37,10 +37,10 @@ def redo_name(state: AppState) -> str:
 
 def _take(state: AppState, chosen: SettingsSnapshot) -> None:
     now, draft = state.comparing.chosen, state.runs.reconstruction
-    state.enhancement.params, state.enhancement.scope, state.enhancement.tissue_only = (
+    state.enhancement.params, state.enhancement.scope, state.enhancement.pixels = (
         chosen.params,
         chosen.scope,
-        chosen.tissue_only,
+        chosen.pixels,
     )
     state.comparing.chosen = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
     draft.config, draft.input, draft.d_factor = chosen.config, chosen.input, chosen.d_factor

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.enhancement.settable import Scope
+from app.enhancement.settable import Pixels, Scope
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import Room
 
@@ -50,6 +50,6 @@ def choose_scope(state: AppState, scope: Scope) -> None:
     state.enhancement.scope = scope
 
 
-def choose_tissue_only(state: AppState, tissue_only: bool) -> None:
-    """Statistics without tools and the black surround."""
-    state.enhancement.tissue_only = tissue_only
+def choose_pixels(state: AppState, pixels: Pixels) -> None:
+    """What counts in the statistics."""
+    state.enhancement.pixels = pixels

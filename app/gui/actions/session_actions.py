@@ -53,7 +53,7 @@ def snapshot(state: AppState, folder: Path) -> Session:
         params=state.enhancement.params,
         past=tuple(look for look, _ in groupby(step.params for step in state.enhancement.past))[-MOST_STEPS:],
         scope=state.enhancement.scope,
-        tissue_only=state.enhancement.tissue_only,
+        pixels=state.enhancement.pixels,
         enhancing=state.enhancement.active,
         stored=dict(state.enhancement.stored),
         comparison=ComparedAs(**vars(state.comparing.chosen)),
@@ -95,9 +95,9 @@ def restore(state: AppState, session: Session) -> None:
     last = len(state.source.clip) - 1 if state.source.clip is not None else 0
     state.timeline.frozen_index = min(session.frozen, last) if session.frozen is not None else None
     state.enhancement.params = session.params
-    state.enhancement.scope, state.enhancement.tissue_only, state.enhancement.active = (
+    state.enhancement.scope, state.enhancement.pixels, state.enhancement.active = (
         session.scope,
-        session.tissue_only,
+        session.pixels,
         session.enhancing,
     )
     state.enhancement.stored = dict(session.stored)

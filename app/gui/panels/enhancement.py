@@ -9,7 +9,7 @@ from typing import get_args
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
-from app.enhancement.settable import Scope
+from app.enhancement.settable import PIXELS, Scope
 from app.files.legible import legible, named
 from app.gui.actions import actions, history_actions, picture_actions, preset_actions
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
@@ -39,7 +39,7 @@ VESSEL_SLIDERS = {
 MAIN_VESSEL = ("strength", "radius", "lift", "d_factor")
 SCOPES: tuple[Scope, ...] = get_args(Scope)
 SCOPE_LABELS = ["Of each frame", "Of the whole clip"]
-PIXEL_LABELS = ["All", "Tissue only"]
+PIXEL_LABELS = ["Automatic", "All", "Tissue only"]
 
 
 def draw_enhancement(state: AppState) -> None:
@@ -187,9 +187,12 @@ def _draw_scope(state: AppState) -> None:
     chosen = state.enhancement
     scope = choose_row("Statistics", SCOPES.index(chosen.scope), SCOPE_LABELS, text)
     picture_actions.choose_scope(state, SCOPES[scope])
-    text = "Measured on all pixels as in the paper, or without tools and the black surround."
-    pixels = choose_row("Pixels", int(chosen.tissue_only), PIXEL_LABELS, text)
-    picture_actions.choose_tissue_only(state, bool(pixels))
+    text = (
+        "Automatic: what the endoscope sees; a dark surround is found and stays as it is. All: every pixel, "
+        "as in the paper. Tissue only: every pixel, by statistics without tools and black borders."
+    )
+    pixels = choose_row("Pixels", PIXELS.index(chosen.pixels), PIXEL_LABELS, text)
+    picture_actions.choose_pixels(state, PIXELS[pixels])
 
 
 def _draw_edits(state: AppState) -> None:

@@ -63,7 +63,7 @@ class AppState:
         return SettingsSnapshot(
             self.enhancement.params,
             self.enhancement.scope,
-            self.enhancement.tissue_only,
+            self.enhancement.pixels,
             self.source.part,
             comparison,
             draft.config,
@@ -99,7 +99,7 @@ class AppState:
             self.timeline.shown_index,
             params,
             self.enhancement.scope,
-            self.enhancement.tissue_only,
+            self.enhancement.pixels,
             mask,
             span,
         )

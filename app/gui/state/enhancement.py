@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.settable import Scope, Slot
+from app.enhancement.settable import Pixels, Scope, Slot
 from app.gui.state.settings_snapshot import SettingsSnapshot
 from enhance import EnhanceParams
 
@@ -17,8 +17,7 @@ class Enhancement:
     params: EnhancementSettings = field(default_factory=EnhanceParams)
     """Of the method that is chosen."""
     scope: Scope = "image"
-    tissue_only: bool = False
-    """Statistics without tools and black surround."""
+    pixels: Pixels = "automatic"
     active: bool = True
     """False: plain white light on both sides."""
     peeking: bool = False

@@ -86,10 +86,10 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
     photo = replace(pictures, params=None)
     if source == RENDER:
         assert state.scene.model is not None
-        return OtherRequest(replace(photo, scope="image", tissue_only=False), state.scene.model)
+        return OtherRequest(replace(photo, scope="image", pixels="automatic"), state.scene.model)
     look = _look(state, source)
     if look is None:
-        return OtherRequest(replace(photo, scope="image", tissue_only=False), source)
+        return OtherRequest(replace(photo, scope="image", pixels="automatic"), source)
     return OtherRequest(photo, look)
 
 

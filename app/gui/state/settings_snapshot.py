@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Final
 
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.settable import InputKind, Scope
+from app.enhancement.settable import InputKind, Pixels, Scope
 from app.gui.state.comparison import Comparison
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.train_run import RECONSTRUCTION_PARAMS
@@ -19,7 +19,7 @@ DEFAULT_COMPARISON: Final = Comparison()
 NAMES: Final = {
     "params": "enhancement",
     "scope": "statistics",
-    "tissue_only": "statistics",
+    "pixels": "statistics",
     "comparison": "comparison",
     "config": "reconstruction settings",
     "input": "reconstruction settings",
@@ -34,7 +34,7 @@ class SettingsSnapshot:
 
     params: EnhancementSettings = DEFAULT_PARAMS
     scope: Scope = "image"
-    tissue_only: bool = False
+    pixels: Pixels = "automatic"
     part: ClipPart = WHOLE
     comparison: Comparison = DEFAULT_COMPARISON
     """The line of the wipe in the middle, nothing flipped: these are looked at, not set."""

@@ -67,11 +67,11 @@ def test_tools_and_surround_do_not_count_when_tissue_alone_shall(clip: Clip) -> 
         return Frame(index, 0.0, image, clip.cameras[0], every, every)
 
     scope = replace(clip, read_frame=frame, read_image=lambda index: image)
-    request = PictureRequest(scope, 0, EnhanceParams())
-    everything, tissue = last(request), last(replace(request, tissue_only=True))
+    request = PictureRequest(scope, 0, EnhanceParams(), pixels="all")
+    everything, tissue = last(request), last(replace(request, pixels="tissue"))
     assert statistics(everything).z == 0.0
     assert statistics(tissue).z > statistics(everything).z
-    pooled = last(replace(request, tissue_only=True, scope="clip"))
+    pooled = last(replace(request, pixels="tissue", scope="clip"))
     assert statistics(pooled).saturation_mean == pytest.approx(statistics(tissue).saturation_mean)
 
 
@@ -82,5 +82,5 @@ def test_a_black_frame_is_still_a_picture(clip: Clip) -> None:
         return replace(clip.read_frame(index), image=black)
 
     dark = replace(clip, read_frame=frame)
-    whole = last(PictureRequest(dark, 0, EnhanceParams(), tissue_only=True))
+    whole = last(PictureRequest(dark, 0, EnhanceParams(), pixels="tissue"))
     np.testing.assert_array_equal(whole.enhanced, black)

@@ -35,7 +35,9 @@ def assert_kept(before: Any, now: Any, place: str = "") -> None:
     """Everything that was said is said, but for None, which nothing says as well."""
     if isinstance(before, dict):
         for key, value in before.items():
-            if value is not None or key in now:
+            if key == "tissue_only":
+                assert now["pixels"] == ("tissue" if value else "all"), place
+            elif value is not None or key in now:
                 assert key in now, f"{place}.{key}"
                 assert_kept(value, now[key], f"{place}.{key}")
     elif isinstance(before, list):

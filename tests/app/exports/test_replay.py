@@ -147,7 +147,7 @@ def test_a_screenshot_comes_again(
 ) -> None:
     clip = open_clip(phantom_path())
     box = PictureMask(text=(10, 10, 90, 60))
-    wanted = PictureRequest(clip, 3, params, scope, tissue_only=True, mask=box, span=(2, 6))
+    wanted = PictureRequest(clip, 3, params, scope, pixels="tissue", mask=box, span=(2, 6))
     (opened,) = open_path(OpenRequest(runs["original"]))
     assert opened.run is not None
     assert opened.run.model is not None

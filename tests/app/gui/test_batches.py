@@ -96,7 +96,7 @@ def test_the_present_setting_is_used_and_every_file_comes_again(
 def test_scope_and_tissue_are_those_of_the_panel(places: Places, case: Path) -> None:
     person = Person(places)
     actions.set_params(person.state, VesselParams())
-    person.state.enhancement.scope, person.state.enhancement.tissue_only = "clip", True
+    person.state.enhancement.scope, person.state.enhancement.pixels = "clip", "tissue"
     output = person.begin(case / "stills", case / "scope.avi")
     person.finish()
     facts = read_provenance(output / "stills/0.png")

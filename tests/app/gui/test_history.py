@@ -39,7 +39,7 @@ def trim(state: AppState) -> None:
 
 
 def pooled(state: AppState) -> None:
-    state.enhancement.scope, state.enhancement.tissue_only = "clip", True
+    state.enhancement.scope, state.enhancement.pixels = "clip", "tissue"
 
 
 SETTINGS: dict[str, Set] = {

@@ -85,7 +85,7 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
     actions.seek(state, 5)
     actions.toggle_freeze(state)
     actions.seek(state, 9)
-    state.enhancement.scope, state.enhancement.tissue_only, state.enhancement.active = "clip", True, False
+    state.enhancement.scope, state.enhancement.pixels, state.enhancement.active = "clip", "tissue", False
     state.picture.view = PictureView(2.5, (0.25, 0.75))
     actions.toggle_link(state)
     state.scene.viewer.free = FreeView.of(state.source.clip.cameras[0]).looked(0.2, 0.1)
@@ -123,6 +123,17 @@ def test_all_of_it_comes_back(worked: tuple[AppState, Channels], places: Places)
     written = request.path.read_text(encoding="utf-8")
     assert str(state.source.path) not in written
     assert json.loads(written)["source"]["sha256"] is not None
+
+
+@pytest.mark.parametrize(("before", "now"), [(True, "tissue"), (False, "all")])
+def test_a_session_of_before_has_the_pixels_it_had(tmp_path: Path, before: bool, now: str) -> None:
+    path = tmp_path / "before.vesselsplat"
+    write_session(path, Session(notes="kept"))
+    facts = json.loads(path.read_text())
+    del facts["pixels"]
+    path.write_text(json.dumps(facts | {"tissue_only": before}))
+    session, wrong = mended_session(path)
+    assert (session.pixels, session.notes, wrong) == (now, "kept", "")
 
 
 def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_path: Path) -> None:

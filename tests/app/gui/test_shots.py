@@ -50,7 +50,7 @@ def test_a_pane_is_what_it_shows_at_the_size_asked_for(run: Exporter, clip_path:
     state = run.state
     comparing.store(state, "A")
     actions.set_params(state, EnhanceParams(d_factor=0.2))
-    state.enhancement.scope, state.enhancement.tissue_only, state.exports.sizing = "clip", True, Sizing(3)
+    state.enhancement.scope, state.enhancement.pixels, state.exports.sizing = "clip", "tissue", Sizing(3)
     for source in ("original", "enhanced", "A", "clahe", "render"):
         comparing.choose_source(state, "left", source)
         run.turn(6)

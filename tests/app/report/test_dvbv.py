@@ -86,7 +86,7 @@ def test_pixels_are_those_of_each_mask(two_masks: Path) -> None:
 
 def test_statistics_are_of_tissue_or_of_whole_pictures(two_masks: Path) -> None:
     clip, params = open_clip(two_masks), EnhanceParams()
-    whole = measure([clip.read_image(index) for index in clip.train_indices], params)
+    whole = measure([clip.read_image(index) for index in clip.train_indices], params, pixels="all")
     assert pooled(clip, params, "whole image").statistics == whole
     assert pooled(clip, params).statistics != whole
 

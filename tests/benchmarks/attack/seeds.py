@@ -85,7 +85,7 @@ def session_of(run: RunFolder, folder: Path) -> Session:
         params=EnhanceParams(z=0.3, p=(0.2, 0.5, 1.0)),
         past=(EnhanceParams(), VesselParams(), EnhanceParams(z=0.3, p=(0.2, 0.5, 1.0))),
         scope="clip",
-        tissue_only=True,
+        pixels="tissue",
         stored={"A": EnhanceParams(z=0.7), "B": VesselParams(strength=3.0)},
         comparison=ComparedAs("wipe", "A", "clahe", 0.3, zebra=True),
         zoom=2.5,

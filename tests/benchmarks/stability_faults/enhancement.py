@@ -54,7 +54,7 @@ def _statistics() -> list[Fault]:
             "mean = float(np.float16(saturation / count))",
         ),
         edit("sign", "of P", "enhance.detail", "(27 - 2 * sigma)", "(27 + 2 * sigma)"),
-        edit("dropped", "the mask", ENHANCER, "if tissue_mask is not None or picture", "if picture"),
+        edit("dropped", "the mask", "enhance.shown", "if tissue_mask is not None or picture", "if picture"),
         edit("dropped", "the divisor of S", FIRST_PASS, "/ (most if most > LEAST else LEAST)", ""),
         Fault(
             "statistics",
@@ -104,7 +104,7 @@ def _first_pass() -> list[Fault]:
     def low_in_half(whole: Any) -> Any:
         def first_pass(*args: Any) -> None:
             whole(*args)
-            for grid in args[4:6]:
+            for grid in args[5:7]:
                 grid[...] = grid.astype(np.float16)
 
         return first_pass

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+from enhance.field import FieldOfView
 from tests.benchmarks.stability_faults.enhancement import (
     ENHANCER,
     KERNELS,
@@ -18,7 +20,7 @@ from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replac
 def _offset(whole: Any) -> Any:
     def render(*args: Any) -> None:
         whole(*args)
-        args[20][...] = args[20] + (0.01 if args[20].dtype.kind == "f" else 2)
+        args[21][...] = args[21] + (0.01 if args[21].dtype.kind == "f" else 2)
 
     return render
 
@@ -181,6 +183,47 @@ def _equations() -> list[Fault]:
     ]
 
 
+def _everywhere(field: Callable[[int, int], FieldOfView]) -> Callable[[Any], Any]:
+    """Always the same field of view, whatever the picture shows."""
+
+    def make(_: Any) -> Any:
+        def find_field(image: Any) -> FieldOfView:
+            height, width = image.pixels.shape[:2]
+            return field(width, height)
+
+        return find_field
+
+    return make
+
+
+def _fields() -> list[Fault]:
+    field, parts = "enhance.field", parts_of("fields")
+    find, outside = f"{field}:find_field", "out[y, end:] = image[y, end:]"
+
+    def edit(kind: Kind, what: str, old: str, new: str, module: str = field) -> Fault:
+        return Fault("edges", kind, what, parts, edited(module, old, new))
+
+    return [
+        edit("sign", "the rim of the field is taken in", "found, found - RIM", "found, found + 2 * RIM"),
+        edit("swapped", "middle of the field", "x, y, radius = self.circle", "y, x, radius = self.circle"),
+        edit(
+            "dropped",
+            "two looks before the field moves",
+            "self._until_next -= 1",
+            "self._field = self._other = find_field(picture)",
+            "enhance.field_tracker",
+        ),
+        edit("other", "the surround is enhanced", outside, "out[y, end:] = 255", KERNELS),
+        edit("other", "vessel in the surround", outside, "out[y, end:] = 255", "enhance.vessel_kernels"),
+        Fault("edges", "other", "a small field everywhere", parts, replaced(find, _everywhere(_small_field))),
+        Fault("edges", "other", "no surround anywhere", parts, replaced(find, _everywhere(FieldOfView))),
+    ]
+
+
+def _small_field(width: int, height: int) -> FieldOfView:
+    return FieldOfView(width, height, circle=(width / 2, height / 2, 9.0))
+
+
 def _edges() -> list[Fault]:
     def edit(
         kind: Kind, what: str, module: str, old: str, new: str, *parts: str, quick: bool = False
@@ -221,7 +264,7 @@ def _edges() -> list[Fault]:
             "float16",
             "what comes out",
             parts_of("ends", "saturation", "sizes"),
-            rounded(f"{KERNELS}:render", 20),
+            rounded(f"{KERNELS}:render", 21),
         ),
         edit(
             "other",
@@ -281,4 +324,4 @@ def _edges() -> list[Fault]:
     ]
 
 
-FAULTS: tuple[Fault, ...] = (*_equations(), *_edges())
+FAULTS: tuple[Fault, ...] = (*_equations(), *_edges(), *_fields())

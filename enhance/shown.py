@@ -1,0 +1,121 @@
+"""The image that an enhancer works on: as the kernels read it, and as it is given back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance.field import EVERYWHERE, FieldOfView, Spans, find_field
+from enhance.image import AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
+from enhance.statistics import Statistics
+
+Pixels = Literal["automatic", "all"] | FieldOfView
+"""What is enhanced and counts in the statistics: the field of view as found in the image, every pixel as the
+paper has it, or a known field of view. What lies outside stays as it is."""
+ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """One image, read."""
+
+    picture: Picture
+    pixels: NDArray[Any]
+    """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
+    keep: NDArray[np.uint8]
+    """(H, W), 1 = counts in the statistics if it lies in the field; empty: all that do."""
+    wanted: Pixels
+    field: FieldOfView | None = None
+    """None: all pixels."""
+
+    @classmethod
+    def of(cls, image: AnyImage, tissue_mask: AnyImage | None, wanted: Pixels) -> Shown:
+        """Seen whole, so far.
+
+        Raises:
+            ImageError: an image or mask that cannot be used, or a field of another size.
+        """
+        picture = read_picture(image)
+        height, width = picture.pixels.shape[:2]
+        if isinstance(wanted, FieldOfView) and not wanted.fits(picture.pixels):
+            raise ImageError(
+                f"expected a field of view of {width} x {height} pixels, got {wanted.width} x {wanted.height}"
+            )
+        keep = ALL_KEPT
+        if tissue_mask is not None or picture.alpha is not None:
+            keep = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
+        pixels = picture.pixels if picture.dtype == np.uint8 else picture.colors
+        pixels = np.ascontiguousarray(pixels)
+        if pixels.ndim == 2:
+            pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
+        return cls(picture, pixels, keep, wanted)
+
+    def within(self, statistics: Statistics | None) -> Shown:
+        """Itself, or the same image within the field of view that is wanted, or that of given statistics."""
+        field = self._field(statistics)
+        return self if field == self.field else replace(self, field=field)
+
+    def _field(self, statistics: Statistics | None) -> FieldOfView | None:
+        if not isinstance(self.wanted, str):
+            return self.wanted
+        if self.wanted == "all":
+            return None
+        if statistics is not None and (statistics.field is None or statistics.field.fits(self.pixels)):
+            return statistics.field
+        return found_in(self.picture)
+
+    @property
+    def full(self) -> int:
+        """What 1.0 is in `pixels`."""
+        return full_scale(self.pixels.dtype)
+
+    @property
+    def is_grey(self) -> bool:
+        """The image has no colours."""
+        return self.picture.pixels.ndim == 2
+
+    @cached_property
+    def spans(self) -> Spans:
+        """Of the field; see `FieldOfView.spans`."""
+        return EVERYWHERE if self.field is None else self.field.spans()
+
+    @property
+    def counts_all(self) -> bool:
+        """Every pixel counts in the statistics."""
+        return len(self.keep) == 0 and len(self.spans) == 0
+
+    def kept(self) -> NDArray[np.uint8]:
+        """(H, W), 1 = counts in the statistics; empty: all do."""
+        if self.field is None or self.field.is_whole:
+            return self.keep
+        inside = self._inside().view(np.uint8)
+        return inside & self.keep if len(self.keep) else inside
+
+    def finished(self, out: NDArray[Any]) -> AnyImage:
+        """`out`, shaped as `pixels`, in the input's shape and type; alpha and what lies outside the field as
+        they came."""
+        picture = self.picture
+        colors = out if picture.pixels.ndim == 3 else np.ascontiguousarray(out[..., 0])
+        if picture.dtype == out.dtype:
+            return colors if picture.alpha is None else np.dstack((colors, picture.alpha))
+        scaled = colors if self.full == 1 else colors.astype(np.float32) / np.float32(self.full)
+        whole = picture.with_colors(scaled)
+        if len(self.spans) > 0:
+            target = whole if picture.alpha is None else whole[..., :3]
+            outside = ~self._inside()
+            target[outside] = picture.pixels[outside]
+        return whole
+
+    def _inside(self) -> BoolImage:
+        return self.field.mask() if self.field else np.ones(self.pixels.shape[:2], bool)
+
+
+def found_in(picture: Picture) -> FieldOfView:
+    """The field of view of a picture; all of it where it has no surround, or is too dark to tell."""
+    height, width = picture.pixels.shape[:2]
+    return find_field(picture) or FieldOfView(width, height)

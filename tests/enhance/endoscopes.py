@@ -1,0 +1,56 @@
+"""What endoscopes give: tissue in a field of view, round or not, with whatever lies around it."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance.image import BoolImage
+from tests.enhance.pictures import ByteImage, vessels
+
+OUTLINES = ("circle", "cropped circle", "wide circle", "beside the middle", "octagon")
+
+
+def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
+    """(H, W), True = field of view."""
+    y, x = np.mgrid[:height, :width] + 0.5
+    if name == "octagon":
+        across, down = np.abs(x - width / 2), np.abs(y - height / 2)
+        cut = 0.72 * (0.45 * width + 0.45 * height)
+        return np.asarray((across < 0.45 * width) & (down < 0.45 * height) & (across + down < cut))
+    at, radius = {
+        "circle": ((0.5, 0.5), 0.45),
+        "cropped circle": ((0.5, 0.5), 0.56),
+        "wide circle": ((0.5, 0.5), 0.66),
+        "beside the middle": ((0.62, 0.45), 0.48),
+    }[name]
+    return np.asarray(np.hypot(x - at[0] * width, y - at[1] * height) < radius * height)
+
+
+def seen_in(
+    field: BoolImage, *, black: float = 3.0, noise: float = 1.0, seed: int = 0, dim: float = 0.0
+) -> ByteImage:
+    """(H, W, 3): tissue within the field, a dark surround with noise beyond it, the rim as soft as lenses
+    make it. dim: how much darker tissue is at the far end of the picture."""
+    height, width = field.shape
+    tissue = vessels(height, width, seed).astype(np.float64)
+    tissue[tissue.max(axis=2) < 30] = (90, 50, 45)
+    tissue *= (1 - dim * np.arange(width) / width)[:, None]
+    soft = cv2.GaussianBlur(field.astype(np.float64), (0, 0), 0.8)[..., None]
+    rng = np.random.default_rng(seed)
+    image = soft * tissue + (1 - soft) * black + rng.normal(0, noise, tissue.shape)
+    return np.rint(np.clip(image, 0, 255)).astype(np.uint8)
+
+
+def labelled(image: ByteImage) -> ByteImage:
+    """With a line of text and a bright box in its upper left corner."""
+    marked = image.copy()
+    cv2.putText(marked, "PATIENT 07", (3, 12), cv2.FONT_HERSHEY_SIMPLEX, 0.35, (230, 230, 230), 1)
+    marked[24:40, 4:16] = 255, 200, 0
+    return marked
+
+
+def agreement(one: NDArray[np.bool_], other: NDArray[np.bool_]) -> float:
+    """Intersection over union."""
+    return float((one & other).sum() / max((one | other).sum(), 1))

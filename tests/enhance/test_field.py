@@ -1,0 +1,151 @@
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from enhance.field import FieldOfView, find_field, overlap, typical
+from enhance.image import BoolImage
+from tests.enhance.endoscopes import OUTLINES, agreement, labelled, outline, seen_in
+from tests.enhance.pictures import as_type
+
+RIM = 8
+"""Pixels within the true outline that may be left out: two are on purpose."""
+
+
+def assert_found(mask: BoolImage, field: BoolImage, rim: int = RIM) -> None:
+    """Nothing of the surround, and all of the field but its rim."""
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1, 2 * rim + 1))
+    inner = cv2.erode(field.astype(np.uint8), kernel) > 0
+    assert not mask[~field].any()
+    assert mask[inner].all()
+
+
+def found(image: NDArray[np.generic]) -> FieldOfView:
+    field = find_field(image)
+    assert field is not None
+    return field
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+@pytest.mark.parametrize(("black", "noise"), [(0, 0), (3, 1), (3, 4), (18, 2), (40, 1)])
+def test_an_outline_is_found_in_any_surround(name: str, black: float, noise: float) -> None:
+    field = outline(name)
+    mask = found(seen_in(field, black=black, noise=noise)).mask()
+    assert_found(mask, field)
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_text_and_boxes_in_the_surround_are_none_of_the_field(name: str) -> None:
+    field = outline(name)
+    mask = found(labelled(seen_in(field))).mask()
+    assert_found(mask, field)
+
+
+@pytest.mark.parametrize("name", ["circle", "beside the middle"])
+def test_tissue_that_grows_dark_towards_the_rim_is_field(name: str) -> None:
+    field = outline(name)
+    assert_found(found(seen_in(field, dim=0.6)).mask(), field, 8)
+
+
+@pytest.mark.parametrize("size", [(120, 160), (480, 640), (1080, 1920), (231, 317)])
+def test_pictures_of_any_size(size: tuple[int, int]) -> None:
+    field = outline("circle", *size)
+    assert_found(found(seen_in(field)).mask(), field)
+
+
+@pytest.mark.parametrize("dtype", [np.uint16, np.float16, np.float32, np.float64])
+def test_every_type_of_image_has_the_same_field(dtype: type) -> None:
+    image = seen_in(outline("cropped circle"))
+    assert overlap(found(as_type(image / 255, dtype)), found(image)) > 0.999
+
+
+def test_grey_pictures_have_one_too() -> None:
+    field = outline("circle")
+    assert_found(found(seen_in(field)[..., 0]).mask(), field)
+
+
+@pytest.mark.parametrize("level", [0, 1, 3, 200, 255])
+def test_a_picture_of_one_tone_has_no_surround(level: int) -> None:
+    field = find_field(np.full((60, 80, 3), level, np.uint8))
+    assert field is None or field.is_whole
+    assert (field is None) == (level < 10)
+
+
+def test_noise_alone_has_none() -> None:
+    rng = np.random.default_rng(1)
+    for low, high in ((0, 4), (0, 256), (0, 40)):
+        field = find_field(rng.integers(low, high, (120, 160, 3), dtype=np.uint8))
+        assert field is None or field.is_whole
+
+
+def test_a_picture_without_surround_is_all_field() -> None:
+    y, x = np.mgrid[:240, :320]
+    whole = np.ones((240, 320), bool)
+    shading = np.clip(1.2 - np.hypot(x - 160, y - 120) / 170, 0.05, 1)[..., None]
+    assert found(seen_in(whole)).is_whole
+    assert found((seen_in(whole) * shading).astype(np.uint8)).is_whole
+
+
+def test_one_pixel_of_tissue_is_too_little_to_tell() -> None:
+    image = np.zeros((60, 80, 3), np.uint8)
+    image[30, 40] = 200
+    assert find_field(image) is None
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 60), (60, 1), (2, 3), (5, 5)])
+def test_tiny_pictures_are_looked_at_without_complaint(shape: tuple[int, int]) -> None:
+    for level in (0, 120):
+        field = find_field(np.full((*shape, 3), level, np.uint8))
+        assert field is None or field.is_whole
+
+
+@given(
+    st.tuples(st.floats(-40, 120), st.floats(-40, 120), st.floats(0, 150)),
+    st.integers(1, 70),
+    st.integers(1, 90),
+)
+def test_spans_are_the_pixels_whose_middle_lies_in_the_circle(
+    circle: tuple[float, float, float], height: int, width: int
+) -> None:
+    field = FieldOfView(width, height, circle=circle)
+    y, x = np.mgrid[:height, :width] + 0.5
+    away = np.hypot(x - circle[0], y - circle[1]) - circle[2]
+    sure = np.abs(away) > 1e-6
+    assert np.array_equal(field.mask()[sure], (away < 0)[sure])
+    columns, spans = np.arange(width), field.spans()
+    assert np.array_equal((columns >= spans[:, :1]) & (columns < spans[:, 1:]), field.mask())
+
+
+@given(st.integers(3, 12), st.floats(5, 60), st.floats(0, 6), st.floats(-20, 90), st.floats(-20, 90))
+def test_spans_are_the_pixels_whose_middle_lies_in_the_polygon(
+    count: int, radius: float, turn: float, x0: float, y0: float
+) -> None:
+    angles = turn + np.arange(count) * 2 * np.pi / count
+    corners = np.stack((x0 + radius * np.cos(angles), y0 + radius * np.sin(angles)), axis=1)
+    field = FieldOfView(70, 60, polygon=tuple((float(a), float(b)) for a, b in corners))
+    y, x = np.mgrid[:60, :70] + 0.5
+    sides = []
+    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        sides.append((bx - ax) * (y - ay) - (by - ay) * (x - ax))
+    nearest = np.min(sides, axis=0)
+    sure = np.abs(nearest) > 1e-6
+    assert np.array_equal(field.mask()[sure], (nearest > 0)[sure])
+
+
+def test_overlap_is_that_of_the_masks() -> None:
+    one, other = FieldOfView(80, 60, circle=(40, 30, 25)), FieldOfView(80, 60, circle=(50, 30, 20))
+    whole = FieldOfView(80, 60)
+    assert overlap(one, one) == 1
+    assert overlap(one, other) == overlap(other, one) == agreement(one.mask(), other.mask())
+    assert overlap(one, whole) == one.mask().mean()
+    assert overlap(one, FieldOfView(80, 60, circle=(-90, -90, 5))) == 0
+
+
+def test_the_typical_field_of_a_clip_is_not_that_of_its_flashes() -> None:
+    usual = [FieldOfView(80, 60, circle=(40, 30, 25 + 0.1 * step)) for step in range(5)]
+    odd = [FieldOfView(80, 60), FieldOfView(80, 60, circle=(40, 30, 4)), FieldOfView(8, 6)]
+    assert typical([*odd, *usual]) in usual

@@ -1,0 +1,103 @@
+"""What lies outside the field of view is passed through and counts nowhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from enhance import EnhanceParams, ImageError, enhance, enhance_vessels, measure
+from enhance.field import FieldOfView, find_field
+from enhance.image import full_scale
+from enhance.reference import enhance_reference
+from tests.enhance.endoscopes import outline, seen_in
+from tests.enhance.pictures import as_type
+
+ROUND = outline("circle", 120, 160)
+IMAGE = seen_in(ROUND)
+FIELD = FieldOfView(160, 120, circle=(80.0, 60.0, 52.0))
+TYPES = (np.uint8, np.uint16, np.float16, np.float32, np.float64)
+
+
+@pytest.mark.parametrize("run", [enhance, enhance_vessels])
+@pytest.mark.parametrize("dtype", TYPES)
+@pytest.mark.parametrize("channels", [1, 3, 4])
+def test_outside_stays_bit_for_bit(run: Any, dtype: Any, channels: int) -> None:
+    image = as_type(IMAGE / 255, dtype)
+    if channels == 1:
+        image = image[..., 0]
+    elif channels == 4:
+        image = np.dstack((image, np.full(image.shape[:2], full_scale(image.dtype), image.dtype)))
+    result = run(image)
+    field = result.statistics.field
+    assert field is not None
+    inside = field.mask()
+    assert 0.3 < inside.mean() < 0.8
+    assert np.array_equal(result.image[~inside], image[~inside])
+    assert not np.array_equal(result.image[inside], image[inside])
+
+
+@pytest.mark.parametrize("run", [enhance, enhance_vessels])
+def test_statistics_are_of_the_field(run: Any) -> None:
+    masked = run(IMAGE, tissue_mask=FIELD.mask(), pixels="all")
+    found = run(IMAGE, pixels=FIELD)
+    assert replace(found.statistics, field=None) == masked.statistics
+    other = IMAGE.copy()
+    other[~outline("cropped circle", 120, 160)] = 255
+    used = run(other, pixels=FIELD).statistics
+    # Windows that reach over the rim see the surround, so that the deviation of Q moves a little.
+    assert replace(used, sigmas=(), p=()) == replace(found.statistics, sigmas=(), p=())
+
+
+def test_within_the_field_the_equations_hold() -> None:
+    params = EnhanceParams(omit_below=0.0)
+    image = IMAGE / 255
+    result = enhance(image, params, pixels=FIELD)
+    exact, used = enhance_reference(image, params, pixels=FIELD)
+    assert used.level == result.statistics.level
+    assert 255 * np.abs(result.image - exact).max() < 0.005
+
+
+@pytest.mark.parametrize("run", [enhance, enhance_vessels])
+def test_a_picture_without_surround_is_as_all_pixels_are(run: Any) -> None:
+    image = seen_in(np.ones((120, 160), bool))
+    found = find_field(image)
+    assert found is not None
+    assert found.is_whole
+    assert np.array_equal(run(image).image, run(image, pixels="all").image)
+
+
+def test_statistics_of_a_clip_bring_its_field() -> None:
+    images = [seen_in(ROUND, seed=seed) for seed in range(4)]
+    pooled = measure(images)
+    assert pooled.field is not None
+    inside = pooled.field.mask()
+    assert not inside[~ROUND].any()
+    flash = np.full((120, 160, 3), 255, np.uint8)
+    result = enhance(flash, statistics=pooled)
+    assert result.statistics.field == pooled.field
+    assert np.array_equal(result.image[~inside], flash[~inside])
+    assert measure(images, pixels="all").field is None
+    assert enhance(images[0], statistics=measure(images, pixels="all")).statistics.field is None
+
+
+def test_statistics_of_another_size_leave_the_field_to_be_found() -> None:
+    pooled = measure([seen_in(outline("circle", 240, 320))])
+    used = enhance(IMAGE, statistics=pooled).statistics
+    assert pooled.field is not None
+    assert pooled.field.width == 320
+    assert used.level == pooled.level
+
+
+def test_a_field_of_another_size_is_refused() -> None:
+    with pytest.raises(ImageError, match="expected a field of view of 160 x 120 pixels, got 8 x 4"):
+        enhance(IMAGE, pixels=FieldOfView(8, 4))
+
+
+@pytest.mark.parametrize("run", [enhance, enhance_vessels])
+def test_a_field_beside_the_picture_has_nothing_to_measure(run: Any) -> None:
+    nowhere = FieldOfView(160, 120, circle=(-90.0, -90.0, 5.0))
+    with pytest.raises(ImageError, match="at least one pixel to measure"):
+        run(IMAGE, pixels=nowhere)
