@@ -9,9 +9,9 @@ True where tissue is kept. Visibility only: nothing here detects or diagnoses.
 - VesselSplat's preset `vessel`: `enhance_vessels`, `VesselParams`, `VesselEnhancer`.
 - Others to compare with: `clahe`, `unsharp`, `msrcr`, `aindane`, `aindane_green`, `wang2020`, `jiang2019`,
   and all of them by name in `BASELINES`.
-- Measures: `dvbv_otsu`, `dvbv_local`, `DvBv`, `vessel_contrast`, `vessel_cnr`, `noise_gain`,
-  `blackened_share`, `saturated_share`, `flicker`; where vessels are: `vesselness`, `vessel_mask`,
-  `field_of_view`.
+- Measures: `dvbv_otsu`, `dvbv_local`, `DvBv`, `vessel_contrast`, `vessel_cnr`, `vessel_color_difference`,
+  `noise_gain`, `chroma_noise_gain`, `blackened_share`, `saturated_share`, `flicker`; where vessels are:
+  `vesselness`, `vessel_mask`, `field_of_view`.
 
 Every mistake in an image is an `ImageError`, every one in a parameter a `pydantic.ValidationError`; both are
 ValueErrors. Importing the package loads nothing; each name loads what it needs when it is first used. Nothing
@@ -33,12 +33,14 @@ if _typing.TYPE_CHECKING:
         unsharp,
         wang2020,
     )
+    from enhance.color_difference import vessel_color_difference
     from enhance.enhancer import Enhancer
     from enhance.field import FieldOfView, find_field
     from enhance.image import ImageError
     from enhance.metrics import (
         DvBv,
         blackened_share,
+        chroma_noise_gain,
         dvbv_local,
         dvbv_otsu,
         flicker,
@@ -70,6 +72,7 @@ __all__ = [
     "aindane",
     "aindane_green",
     "blackened_share",
+    "chroma_noise_gain",
     "clahe",
     "dvbv_local",
     "dvbv_otsu",
@@ -85,6 +88,7 @@ __all__ = [
     "saturated_share",
     "unsharp",
     "vessel_cnr",
+    "vessel_color_difference",
     "vessel_contrast",
     "vessel_mask",
     "vesselness",
@@ -93,11 +97,12 @@ __all__ = [
 
 _MODULES = {
     "baselines": "BASELINES aindane aindane_green clahe jiang2019 msrcr unsharp wang2020",
+    "color_difference": "vessel_color_difference",
     "enhancer": "Enhancer",
     "field": "FieldOfView find_field",
     "image": "ImageError",
-    "metrics": "DvBv blackened_share dvbv_local dvbv_otsu flicker noise_gain saturated_share vessel_cnr "
-    "vessel_contrast",
+    "metrics": "DvBv blackened_share chroma_noise_gain dvbv_local dvbv_otsu flicker noise_gain "
+    "saturated_share vessel_cnr vessel_contrast",
     "params": "EnhanceParams",
     "pipeline": "enhance measure",
     "result": "EnhanceResult Omission",

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, needs, saturation
+from enhance.chroma import chroma_snr
 from enhance.field import FieldOfView
 from enhance.field_tracker import FieldTracker
 from enhance.first_pass import first_pass
@@ -125,6 +126,7 @@ class Enhancer:
         self._last: Statistics | None = None
         self._shown: Shown | None = None
         self._survey: _Survey | None = None
+        self._chroma: float | None = None
         self._models = WindowModels()
         self._moments: dict[Window, _Moments] = {}
         self._reaches: dict[Window, float] = {}
@@ -150,7 +152,7 @@ class Enhancer:
 
     def _take(self, shown: Shown) -> None:
         self._shown = shown
-        self._survey = self._made = self._values_of = None
+        self._survey = self._made = self._values_of = self._chroma = None
         self._moments, self._reaches, self._kept_of = {}, {}, []
         self._models.forget()
 
@@ -188,10 +190,12 @@ class Enhancer:
         windows = self._windows(params)
         unknown = [one not in self._moments for one in windows]
         if any(unknown):
-            self._render(params, windows, _Made(1.0, (None,) * len(windows)), 0.0, unknown)
+            self._render(params, windows, _Made(1.0, (None,) * len(windows)), (0.0, 1.0), unknown)
         seen = self._surveyed(params.subsample)
         moments = np.array([self._moments[one] for one in windows]).reshape(-1, 2)
-        return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1])
+        snr = self._chroma_snr(params)
+        colored = (0, 0.0) if snr is None else (seen.count, snr)
+        return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1], *colored)
 
     @property
     def field(self) -> FieldOfView | None:
@@ -226,11 +230,19 @@ class Enhancer:
         """Those of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
-        measured = from_sums(params, "image", seen.count, seen.level, seen.chroma, sigmas)
+        snr = self._chroma_snr(params)
+        measured = from_sums(params, "image", seen.count, seen.level, seen.chroma, sigmas, snr)
         measured = replace(measured, field=self._now.field)
         if self._live is None:
             return measured
         return self._live.follow(self._before, measured).resolved(params)
+
+    def _chroma_snr(self, params: EnhanceParams) -> float | None:
+        """Where it is needed."""
+        now = self._now
+        if self._chroma is None and params.d_factor is None and not now.is_grey:
+            self._chroma = chroma_snr(now.pixels, now.keep, now.spans, now.full)
+        return self._chroma if params.d_factor is None else None
 
     def _draw(
         self,
@@ -248,7 +260,8 @@ class Enhancer:
         left_out, omitted = needs.decide(params, used, now.is_grey, reach)
         scales = zip(windows, used.p, left_out, strict=True)
         made = _Made(used.z, tuple(None if out else _Scale(one, p) for one, p, out in scales))
-        out = self._render(params, windows, made, used.saturation_mean, measured or (False,) * len(windows))
+        color = used.saturation_mean, used.color
+        out = self._render(params, windows, made, color, measured or (False,) * len(windows))
         return EnhanceResult(now.finished(out), used, omitted)
 
     def _render(
@@ -256,10 +269,13 @@ class Enhancer:
         params: EnhanceParams,
         windows: Windows,
         made: _Made,
-        saturation_mean: float,
+        color: tuple[float, float],
         measured: Sequence[bool],
     ) -> NDArray[Any]:
-        """The second pass, or as much of it as is needed; the result is (H, W, 3)."""
+        """The second pass, or as much of it as is needed; the result is (H, W, 3).
+
+        color: mean of S, and the share of its change in use.
+        """
         now, seen = self._now, self._surveyed(params.subsample)
         known = made == self._values_of and not any(measured)
         values = NO_VALUES if any(measured) else self._values_for(made)
@@ -284,7 +300,8 @@ class Enhancer:
             np.array([-1.0 if one is None or one.p is None else one.p for one in made.scales], np.float32),
             self._curve_of(made.z) if now.full > 1 else NO_CURVE,
             np.float32(made.z),
-            np.float32(saturation.pull(saturation_mean, params.d_factor)),
+            np.float32(saturation.pull(color[0], params.k)),
+            np.float32(color[1]),
             params.keep_black,
             np.float32(seen.mean),
             known,

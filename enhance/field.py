@@ -27,6 +27,8 @@ NOISIEST: Final = 12.0
 STEP, DEVIATIONS, STRAY = 10.0, 5.0, 0.2
 """Above the surround's V by so many grey levels, so many deviations of its noise, and by this share of what
 lies between it and the middle of the lit picture, it is field: stray light beside the rim is less."""
+LEAST_SIDE: Final = 16
+"""Pixels: smaller pictures are too small for a surround with a rim."""
 LEAST_SURROUND: Final = 0.01
 """Of the picture: smaller dark corners are shadow."""
 LEAST_FIELD: Final = 0.05
@@ -169,6 +171,8 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     pixels = picture.pixels
     height, width = pixels.shape[:2]
     whole = FieldOfView(width, height)
+    if min(height, width) < LEAST_SIDE:
+        return whole
     factor = -(-max(height, width) // LOW_SIDE)
     low = _small(pixels, factor)
     threshold = _threshold(low)

@@ -138,7 +138,7 @@ def vessel_contrast(
         >>> round(vessel_contrast(image, vessel), 3)  # (200 - 150) / 200
         0.25
     """
-    vessel, ring = _vessel_and_ring(image, vessel_mask, tissue_mask)
+    vessel, ring = _greens(image, vessel_mask, tissue_mask)
     around = _mean(ring)
     return (around - _mean(vessel)) / around if around > 0 else math.nan
 
@@ -162,7 +162,7 @@ def vessel_cnr(image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImag
         >>> round(vessel_cnr(image, vessel), 2)  # 50 by a deviation of 5
         10.0
     """
-    vessel, ring = _vessel_and_ring(image, vessel_mask, tissue_mask)
+    vessel, ring = _greens(image, vessel_mask, tissue_mask)
     spread = math.sqrt(_variance(ring))
     return (_mean(ring) - _mean(vessel)) / spread if spread > 0 else math.nan
 
@@ -216,6 +216,30 @@ def noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | 
     _check_sizes(after, before)
     flat = _flat(before, tissue_mask)
     was, is_now = (_noise(colors, flat) for colors in (before, after))
+    return is_now / was if was > 0 else math.nan
+
+
+def chroma_noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | None = None) -> float:
+    """How many times larger the noise of the colours of `image` is where `original` is flat; 1 = the same.
+
+    As `noise_gain`, of R - G and B - G in place of the channels. NaN: also of grey images.
+
+    Raises:
+        ImageError: images or a mask of different sizes.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import chroma_noise_gain
+        >>> noise = np.random.default_rng(0).normal(0, 0.01, (64, 64, 3))
+        >>> round(chroma_noise_gain(0.5 + 2 * noise, 0.5 + noise), 2)
+        2.0
+    """
+    before, after = _colors(original), _colors(image)
+    _check_sizes(after, before)
+    if before.ndim == 2:
+        return math.nan
+    flat = _flat(before, tissue_mask)
+    was, is_now = (_noise(colors[..., ::2] - colors[..., 1:2], flat) for colors in (before, after))
     return is_now / was if was > 0 else math.nan
 
 
@@ -274,19 +298,30 @@ def _green(colors: Float32Image) -> Float32Image:
     return colors if colors.ndim == 2 else colors[..., 1]
 
 
-def _vessel_and_ring(
+def _greens(
     image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
 ) -> tuple[Float32Image, Float32Image]:
-    """Green of the vessel's pixels, and of those around it."""
+    """Of the vessel's pixels, and of those around it."""
     colors = _colors(image)
+    vessel, ring = vessel_and_ring(colors, vessel_mask, tissue_mask)
+    return _green(colors)[vessel], _green(colors)[ring]
+
+
+def vessel_and_ring(
+    colors: Float32Image, vessel_mask: BoolImage, tissue_mask: BoolImage | None
+) -> tuple[BoolImage, BoolImage]:
+    """(H, W) of each: the vessel, and what lies around it, for comparing the two.
+
+    Raises:
+        ImageError: a mask of another size.
+    """
     _check_mask(vessel_mask, colors)
     vessel = vessel_mask != 0
     ring = _dilated(vessel, RING_GAP + RING_WIDTH) & ~_dilated(vessel, RING_GAP)
     if tissue_mask is not None:
         _check_mask(tissue_mask, colors)
         ring &= tissue_mask != 0
-    green = _green(colors)
-    return green[vessel], green[ring]
+    return vessel, ring
 
 
 def _flat(colors: Float32Image, tissue_mask: BoolImage | None) -> BoolImage:

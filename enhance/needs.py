@@ -48,6 +48,8 @@ def decide(
         omitted.append(Omission("saturation", "the image is grey", 0.0))
     elif params.d_factor == 0:
         omitted.append(Omission("saturation", "d_factor is 0", 0.0))
+    elif used.color == 0:
+        omitted.append(Omission("saturation", "colours are no clearer than their noise", 0.0))
     chosen = left_out(used.p, reaches, params.omit_below)
     bounds = [scale_bound(p, reach, len(used.p)) for p, reach in zip(used.p, reaches, strict=True)]
     if all(chosen):

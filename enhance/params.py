@@ -48,13 +48,19 @@ class EnhanceParams:
     subsample: Annotated[int, Interval(ge=1, le=8)] = 2
     """The guided filter's coefficients are computed on an image this many times smaller, those of wide
     windows on one half that size. 1: at full size."""
-    d_factor: DFactor = 1.0
-    """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation unchanged."""
+    d_factor: DFactor | None = None
+    """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation unchanged. Auto: 1, but less of
+    the stretch where colours are faint beside their noise."""
     keep_black: bool = True
     """Keep the black surround of an endoscope black; without it, black becomes grey 51 at z = 0."""
     omit_below: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
     """Leave out steps known to change the result by less than this, in grey levels. 0: only steps that
     change nothing."""
+
+    @property
+    def k(self) -> float:
+        """d_factor as given, else 1."""
+        return 1.0 if self.d_factor is None else self.d_factor
 
     @model_validator(mode="after")
     def _one_p_a_scale(self) -> EnhanceParams:

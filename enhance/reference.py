@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage
 from enhance.params import DEFAULTS, EnhanceParams
+from enhance.saturation import color_share
 from enhance.shown import Pixels, Shown
 from enhance.statistics import Statistics
 
@@ -44,10 +45,14 @@ def enhance_reference(
     inside = np.ones(value.shape, dtype=bool) if field is None else field.mask()
     keep = inside & visible if tissue_mask is None else inside & visible & tissue_mask
     filtered = [guided(value, radius, params) for radius in params.radii]
-    used = statistics or replace(_measured(value, chroma, filtered, keep, params), field=field)
+    used = statistics
+    if used is None:
+        snr = chroma_snr(scaled, keep, inside) if image.ndim == 3 and params.d_factor is None else None
+        used = replace(_measured(value, chroma, filtered, keep, params, snr), field=field)
     enhanced = _new_value(value, filtered, used)
     if image.ndim == 3:
-        new_chroma = stretched(chroma, used.saturation_mean, params.d_factor)
+        whole = stretched(chroma, used.saturation_mean, params.k)
+        new_chroma = chroma + used.color * (whole - chroma)
         enhanced = rgb_from_hsv(hue, new_chroma, enhanced)
     if params.keep_black:
         enhanced = _faded(scaled[..., :3] if image.ndim == 3 else scaled, enhanced, value)
@@ -61,20 +66,43 @@ def _measured(
     filtered: list[Float64Image],
     keep: BoolImage,
     params: EnhanceParams,
+    snr: float | None,
 ) -> Statistics:
     levels = np.sort(np.rint(255 * value[keep]))
     level = levels[-(-len(levels) // 10) - 1]  # the first at which a tenth of all is reached
     z = 0.0 if level <= 50 else (level - 50) / 100 if level < 150 else 1.0  # Eq 2
     sigmas = tuple(float(np.std(255 * q[keep])) for q in filtered)
     p = tuple(_exponent(sigma, params) for sigma in sigmas)
+    mean = float(np.mean(chroma[keep]))
     return Statistics(
         level=float(level),
         z=float(z) if params.z is None else params.z,
-        saturation_mean=float(np.mean(chroma[keep])),
+        saturation_mean=mean,
         sigmas=sigmas,
         p=p if params.p is None else params.p if isinstance(params.p, tuple) else (params.p,) * len(p),
         scope="image",
+        chroma_snr=snr,
+        color=color_share(mean, snr) if params.d_factor is None else 1.0,
     )
+
+
+def chroma_snr(scaled: Float64Image, keep: BoolImage, inside: BoolImage) -> float | None:
+    """As `enhance.chroma.chroma_snr`, place by place."""
+    step = max(6, int(np.sqrt(keep.size / 4096)))
+    chroma, noise = [], []
+    for y in range(0, keep.shape[0] - 5, step):
+        for x in range(0, keep.shape[1] - 5, step):
+            if not (keep[y + 3, x + 3] and inside[y : y + 6 : 5, x : x + 6 : 5].all()):
+                continue
+            colors = 255 * scaled[y : y + 6, x : x + 6, :3]
+            halved = colors.reshape(3, 2, 3, 2, 3).mean(axis=(1, 3))
+            response = np.einsum("i,j,ijc->c", (1, -2, 1), (1, -2, 1), halved)
+            chroma.append(np.ptp(colors[3, 3]))
+            noise.append(np.abs(response[[0, 2]] - response[1]))
+    if not chroma:
+        return None
+    deviation = np.median(noise, axis=0).max() / (6 * 0.6745)
+    return float(np.mean(chroma) / max(deviation, 1.0))
 
 
 def _exponent(sigma: float, params: EnhanceParams) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,6 +12,10 @@ from enhance.image import Float32Image
 
 MOST_PULL: Final = 1e30
 """Stands for an infinite `pull`; times the square of any grey level it is still a float32."""
+FAINT, CLEAR = 8.0, 32.0
+"""Chroma over its noise at which saturation is left alone, and from which on the bound is MOST_GAIN."""
+MOST_GAIN: Final = 3.0
+"""Of a small difference in S at the mean of S; Eqs 11 and 12 give 2 at S = 0.5 and no bound at 0 and 1."""
 
 
 def pull(mean: float, d_factor: float) -> float:
@@ -20,6 +25,25 @@ def pull(mean: float, d_factor: float) -> float:
     a = (1 - mean) ** 2 * (1 + 2 * mean)
     b = d_factor * mean**2 * (3 - 2 * mean)
     return b / a if b < MOST_PULL * a else MOST_PULL
+
+
+def gain_at_mean(mean: float, d_factor: float = 1.0) -> float:
+    """dS*/dS of Eqs 11 and 12 at S = S_m: how much chroma noise grows there; infinite at 0 and 1."""
+    if not 0 < mean < 1 or mean**2 == 0:
+        return math.inf
+    of_white = pull(mean, d_factor) * (1 - mean) ** 2
+    stretched = mean**2 / (mean**2 + of_white)
+    return 2 * stretched * (1 - stretched) / (mean * (1 - mean))
+
+
+def color_share(mean: float, chroma_snr: float | None) -> float:
+    """The share w in S + w (S* - S), in [0, 1], by which the gain at the mean of S stays below its bound.
+
+    The bound rises from 1 at a chroma-to-noise ratio of FAINT to MOST_GAIN at CLEAR; None: no noise is known.
+    """
+    clear = 1.0 if chroma_snr is None else (chroma_snr - FAINT) / (CLEAR - FAINT)
+    most = 1 + (MOST_GAIN - 1) * min(max(clear, 0.0), 1.0)
+    return min(1.0, (most - 1) / max(gain_at_mean(mean) - 1, 1e-9))
 
 
 @dataclass(frozen=True, eq=False)

@@ -64,6 +64,7 @@ def render(
     curve: NDArray[np.float32],  # (256,) log2 Vn of each grey level, or empty: by the formula
     z: np.float32,
     pull: np.float32,  # k B / A of Eq 11; negative: S stays
+    color: np.float32,  # share of S* in place of S, in [0, 1]
     keep_black: bool,
     pivot: np.float32,  # near the mean of Q
     known: bool,  # `values` is given: only saturation is done
@@ -128,7 +129,7 @@ def render(
                     _mean(chunk, exponents)
                     if len(values) > 0:
                         values[y, x0 : x0 + count] = chunk[TOTAL, :count]
-                _recolor(chunk, pull, full)
+                _recolor(chunk, pull, color, full)
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)
                 _store(chunk, full, apart, out[y, x0 : x0 + count])
@@ -294,7 +295,7 @@ def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
 
 
 @njit(inline="always")
-def _recolor(chunk: NDArray[np.float32], pull: np.float32, full: np.float32) -> None:
+def _recolor(chunk: NDArray[np.float32], pull: np.float32, color: np.float32, full: np.float32) -> None:
     """Colours of V* and S* (Eqs 11, 12) with the old hue: c becomes V* (1 - S* (M - c) / D), one division."""
     if pull >= ZERO:
         for i in range(CHUNK):
@@ -306,6 +307,10 @@ def _recolor(chunk: NDArray[np.float32], pull: np.float32, full: np.float32) -> 
         for i in range(CHUNK):
             most = chunk[MOST, i]
             chunk[SLOPE, i] = ONE / (most if most > LEAST else LEAST)
+    if color < ONE:
+        for i in range(CHUNK):
+            most = chunk[MOST, i]
+            chunk[SLOPE, i] = color * chunk[SLOPE, i] + (ONE - color) / (most if most > LEAST else LEAST)
     for i in range(CHUNK):
         value, most = chunk[TOTAL, i] * full, chunk[MOST, i]
         fall = value * chunk[SLOPE, i]

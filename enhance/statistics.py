@@ -12,6 +12,7 @@ from enhance import brightness, detail
 from enhance.field import FieldOfView
 from enhance.image import ImageError
 from enhance.params import EnhanceParams
+from enhance.saturation import color_share
 
 Scope = Literal["image", "clip", "live"]
 
@@ -43,6 +44,10 @@ class Statistics:
     """Used in Eq 7, one for each scale."""
     scope: Scope
     """Measured on this image, pooled over a clip, or smoothed over the images so far of a live stream."""
+    chroma_snr: float | None = None
+    """Colour over its noise; None: not measured, as of grey images, or of an image for which d was set."""
+    color: float = 1.0
+    """Share of the change of saturation of Eqs 11 and 12 in use, in [0, 1]: 1 where d was set."""
     field: FieldOfView | None = None
     """Where it was measured, and is to be used; None: all pixels."""
 
@@ -64,7 +69,8 @@ class Statistics:
             p = (params.p,) * len(params.radii)
         else:
             p = tuple(detail.exponent(sigma, params.p_form) for sigma in self.sigmas)
-        return replace(self, z=z, p=p)
+        color = color_share(self.saturation_mean, self.chroma_snr) if params.d_factor is None else 1.0
+        return replace(self, z=z, p=p, color=color)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +87,10 @@ class Tally:
     """(n_scales,) mean of Q."""
     squares: NDArray[np.float64]
     """(n_scales,) sum of (Q - mean)^2."""
+    colored: int = 0
+    """Pixels of images whose colour over noise is known."""
+    snr: float = 0.0
+    """Its mean over these pixels."""
 
     @property
     def sigmas(self) -> tuple[float, ...]:
@@ -91,6 +101,8 @@ class Tally:
         """Counts and sums add; variances by Chan, Golub and LeVeque, 1979, without cancellation."""
         count = self.count + other.count
         share = other.count / count if count else 0.0
+        colored = self.colored + other.colored
+        share_colored = other.colored / colored if colored else 0.0
         apart = other.means - self.means
         return Tally(
             count=count,
@@ -98,6 +110,8 @@ class Tally:
             saturation=self.saturation + other.saturation,
             means=self.means + apart * share,
             squares=self.squares + other.squares + apart**2 * self.count * share,
+            colored=colored,
+            snr=self.snr + (other.snr - self.snr) * share_colored,
         )
 
     def statistics(self, params: EnhanceParams, scope: Scope) -> Statistics:
@@ -106,8 +120,8 @@ class Tally:
         Raises:
             ImageError: no pixel was.
         """
-        level = brightness.level(self.histogram)
-        return from_sums(params, scope, self.count, level, self.saturation, self.sigmas)
+        level, snr = brightness.level(self.histogram), self.snr if self.colored else None
+        return from_sums(params, scope, self.count, level, self.saturation, self.sigmas, snr)
 
 
 def from_sums(
@@ -117,6 +131,7 @@ def from_sums(
     level: float,
     saturation: float,
     sigmas: tuple[float, ...],
+    chroma_snr: float | None = None,
 ) -> Statistics:
     """Statistics of so many pixels, of which `saturation` is the sum of S.
 
@@ -126,7 +141,15 @@ def from_sums(
     if count == 0:
         raise ImageError("expected at least one pixel to measure, got none: tissue_mask or alpha hides all")
     mean = saturation / count
-    measured = Statistics(level=level, z=0.0, saturation_mean=mean, sigmas=sigmas, p=(), scope=scope)
+    measured = Statistics(
+        level=level,
+        z=0.0,
+        saturation_mean=mean,
+        sigmas=sigmas,
+        p=(),
+        scope=scope,
+        chroma_snr=chroma_snr,
+    )
     return measured.resolved(params)
 
 
@@ -163,6 +186,7 @@ class LiveStatistics:
         keep = 0.5 ** (1 / self.half_life) if self.half_life > 0 else 0.0
 
         known = len(before.sigmas) == len(measured.sigmas)
+        was, is_now = before.chroma_snr, measured.chroma_snr
 
         def blend(old: float, new: float) -> float:
             return new + keep * (old - new)
@@ -172,5 +196,6 @@ class LiveStatistics:
             level=blend(before.level, measured.level),
             saturation_mean=blend(before.saturation_mean, measured.saturation_mean),
             sigmas=tuple(map(blend, before.sigmas, measured.sigmas)) if known else measured.sigmas,
+            chroma_snr=is_now if was is None or is_now is None else blend(was, is_now),
             scope="live",
         )

@@ -50,7 +50,7 @@ class VesselParams:
         16
     """
 
-    strength: Annotated[float, Interval(ge=0.0, le=4.0)] = 2.0
+    strength: Annotated[float, Interval(ge=0.0, le=4.0)] = 2.4
     """How much of the detected blood is added again: 0 is off."""
     radius: Annotated[int, Interval(ge=2, le=128), Unit("px")] = 16
     """Structures wider than twice this are not changed."""
@@ -58,11 +58,11 @@ class VesselParams:
     """Share of the darkness common to red and green that is treated as shadow, not blood."""
     coring: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.5
     """Structures weaker than this many times the image's median density are hardly strengthened."""
-    lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.85
+    lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
     """Share of the brightening of Eq 1 to apply."""
-    gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 1.2
+    gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 1.05
     """Exponent applied to V afterwards: above 1 darkens the mid-tones; black and white stay."""
-    d_factor: DFactor = 0.5
+    d_factor: DFactor = 1.0
     """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation unchanged."""
     most_color: Annotated[float, Interval(ge=1.0, le=4.0)] = 1.4
     """Upper limit of the saturation gain, which is at least 1: greys and highlights keep their colour."""

@@ -23,9 +23,11 @@ from app.files.image_files import ArrayImage
 from app.files.image_series import open_series
 from app.files.provenance import plain, provenance, strict_json
 from enhance import ImageError
+from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage
 from enhance.metrics import (
     blackened_share,
+    chroma_noise_gain,
     dvbv_local,
     dvbv_otsu,
     flicker,
@@ -38,8 +40,17 @@ from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr, ssim
 
 ALONE = ("dv", "bv", "dv_bv", "saturated_share")
-CONTRAST = ("vessel_contrast", "vessel_cnr")
-AGAINST = ("dv_local", "bv_local", "dv_bv_local", "noise_gain", "blackened_share", "psnr", "ssim")
+CONTRAST = ("vessel_contrast", "vessel_cnr", "color_difference")
+AGAINST = (
+    "dv_local",
+    "bv_local",
+    "dv_bv_local",
+    "noise_gain",
+    "chroma_noise_gain",
+    "blackened_share",
+    "psnr",
+    "ssim",
+)
 DEFINITIONS = {
     "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
     "dv_bv_local": "mean 5x5 variance of grey where the original has detail, and elsewhere",
@@ -47,6 +58,9 @@ DEFINITIONS = {
     "vessel_contrast": "Weber contrast in green of the vessel mask against a ring around it; the mask is the "
     "one given, or the strongest dark ridges of the original",
     "vessel_cnr": "the same difference over the standard deviation of the ring",
+    "color_difference": "CIEDE2000 between the mask and its ring, mean over blocks of 64 pixels; 1 is just "
+    "noticeable",
+    "chroma_noise_gain": "as noise_gain, of R - G and B - G",
     "noise_gain": "high-frequency noise over that of the original, where the original is flat",
     "blackened_share": "share of the vessel mask that is near-black and was not in the original",
     "luma_step": "mean step of the mean luma from image to image of one folder or video, in the order "
@@ -191,6 +205,7 @@ def _contrast(image: ArrayImage, vessel: BoolImage, tissue: BoolImage | None) ->
     return {
         "vessel_contrast": vessel_contrast(image, vessel, tissue_mask=tissue),
         "vessel_cnr": vessel_cnr(image, vessel, tissue_mask=tissue),
+        "color_difference": vessel_color_difference(image, vessel, tissue_mask=tissue),
     }
 
 
@@ -205,6 +220,7 @@ def _against(
         "bv_local": local.bv,
         "dv_bv_local": local.ratio,
         "noise_gain": noise_gain(after, before, tissue_mask=tissue),
+        "chroma_noise_gain": chroma_noise_gain(after, before, tissue_mask=tissue),
         "blackened_share": blackened_share(after, before, vessel),
         "psnr": psnr(after, before, everywhere),
         "ssim": ssim(after, before, everywhere),

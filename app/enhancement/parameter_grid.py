@@ -18,8 +18,9 @@ from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_ke
 from app.errors import UserError
 from app.files.image_files import ArrayImage
 from enhance import Statistics
+from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage
-from enhance.metrics import dvbv_otsu, noise_gain, saturated_share, vessel_contrast
+from enhance.metrics import chroma_noise_gain, dvbv_otsu, noise_gain, saturated_share, vessel_contrast
 from enhance.ridges import field_of_view, vessel_mask
 from enhance.shown import Pixels
 
@@ -57,16 +58,22 @@ class Measures:
     noise_gain: float
     saturated_share: float
     milliseconds: float
+    color_difference: float = math.nan
+    chroma_noise_gain: float = math.nan
 
 
 METRICS: Final = tuple(item.name for item in fields(Measures))
-SMALLER_IS_BETTER: Final = frozenset({"bv", "noise_gain", "saturated_share", "milliseconds"})
+SMALLER_IS_BETTER: Final = frozenset(
+    {"bv", "noise_gain", "saturated_share", "milliseconds", "chroma_noise_gain"}
+)
 DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
         "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
         "noise_gain": "high-frequency noise over that of the original, where the original is flat",
         "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
+        "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels",
+        "chroma_noise_gain": "as noise_gain, of the colours alone",
         "milliseconds": "for what this cell changes, after the cells computed before it",
     }
 )
@@ -212,6 +219,8 @@ def measured(
         noise_gain=noise_gain(image, original, tissue_mask=view),
         saturated_share=saturated_share(image),
         milliseconds=milliseconds,
+        color_difference=vessel_color_difference(image, vessels, tissue_mask=view),
+        chroma_noise_gain=chroma_noise_gain(image, original, tissue_mask=view),
     )
 
 

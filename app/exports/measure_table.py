@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from app.enhancement.parameter_grid import DEFINITIONS, METRICS, measured
+from app.enhancement.parameter_grid import DEFINITIONS, measured
 from app.exports.panes import PaneMaker
 from app.exports.records import MeasuresTable
 from app.exports.sizing import Sizing
@@ -17,8 +18,6 @@ from app.files.provenance import write_sidecar
 from enhance.ridges import field_of_view, vessel_mask
 
 Row = dict[str, Any]
-UNMEASURED = "milliseconds"
-"""Of no picture that is made again."""
 
 
 def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
@@ -29,24 +28,23 @@ def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
     rows = []
     for pane, one in zip(record.panes, maker.made(frame, Sizing()), strict=True):
         found = asdict(measured(one.panel.image, photo, vessels, view, 0.0))
-        del found[UNMEASURED]
-        rows.append({"frame": frame, "label": label, "pane": pane.title} | found)
+        chosen = {name: found[name] for name in record.measures}
+        rows.append({"frame": frame, "label": label, "pane": pane.title} | chosen)
     return rows
 
 
 def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
     """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
-    definitions = {name: text for name, text in DEFINITIONS.items() if name != UNMEASURED}
+    definitions = {name: text for name, text in DEFINITIONS.items() if name in record.measures}
     with together(path) as place:
-        write_bytes(place, _table(rows))
+        write_bytes(place, _table(rows, record.measures))
         write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})
 
 
-def _table(rows: list[Row]) -> bytes:
+def _table(rows: list[Row], measures: Sequence[str]) -> bytes:
     """CSV; an empty field is what could not be measured."""
     text = io.StringIO()
-    names = ["frame", "label", "pane", *(name for name in METRICS if name != UNMEASURED)]
-    writer = csv.DictWriter(text, names)
+    writer = csv.DictWriter(text, ["frame", "label", "pane", *measures])
     writer.writeheader()
     for row in rows:
         writer.writerow({name: "" if value != value else value for name, value in row.items()})

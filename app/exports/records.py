@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, get_args, get_type_hints
+from typing import Annotated, Any, Final, Literal, get_args, get_type_hints
 
 from annotated_types import Interval
 from pydantic import Discriminator, TypeAdapter, model_validator
@@ -10,8 +10,9 @@ from pydantic.dataclasses import dataclass
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import RecordedSettings
+from app.enhancement.parameter_grid import METRICS
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
-from app.enhancement.settable import Pixels, Scope, renamed
+from app.enhancement.settable import Pixels, Scope, one_of, renamed
 from app.exports.sizing import LEAST_WIDTH, MOST_SCALE, MOST_WIDTH
 from app.files.records import LENIENT, Record, Source, Told
 from app.files.video import Written
@@ -146,11 +147,20 @@ class PanesVideo(SpanRecord):
     video: Annotated[Written | None, Told] = None
 
 
+MEASURES_BEFORE: Final = ("dv", "bv", "dv_bv", "vessel_contrast", "noise_gain", "saturated_share")
+"""Of tables that do not say which they hold."""
+MEASURES: Final = tuple(name for name in METRICS if name != "milliseconds")
+"""All but the time, which no picture that is made again has taken."""
+Measure = Annotated[str, one_of(MEASURES)]
+
+
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class MeasuresTable(SpanRecord):
     """Measures of panes at every frame."""
 
     kind: Literal["measures"] = "measures"
+    measures: tuple[Measure, ...] = MEASURES_BEFORE
+    """Columns of the table."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Final
 
 NAMES: Final = {
-    "vessel": "Vessel (ours)",
     "clahe": "CLAHE",
     "msrcr": "MSRCR",
     "aindane": "AINDANE",

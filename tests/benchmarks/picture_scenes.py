@@ -110,7 +110,7 @@ def enhancement(person: Person, model: Model) -> Iterator[str]:
         person.click(f"//Enhancement/details/{tab}")
         person.ctx.yield_(10)
         yield f"enhancement {tab.strip('#').lower()}"
-    person.choose("//Enhancement", "##preset", "Vessel (ours)")
+    person.choose("//Enhancement", "##preset", "Vessels")
     person.wait(person.settled, "the preset")
     yield "enhancement vessel"
     person.press(chord("Ctrl+Z"))

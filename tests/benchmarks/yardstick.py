@@ -24,7 +24,7 @@ def enhance_plainly(image: NDArray[np.uint8], params: EnhanceParams = DEFAULTS) 
     hue, chroma, value = cv2.split(colors)
     z = _z(value) if params.z is None else params.z
     enhanced = _detailed(value, _brightened(value, z), params)
-    merged = cv2.merge((hue, _stretched(chroma, params.d_factor), enhanced))
+    merged = cv2.merge((hue, _stretched(chroma, params.k), enhanced))
     return np.asarray(cv2.convertScaleAbs(cv2.cvtColor(merged, cv2.COLOR_HSV2RGB), None, 255))
 
 

@@ -199,7 +199,7 @@ def test_hidden_pixels_still_count_in_the_bound() -> None:
     image[:, 25:] = vessels(40, 25)
     keep = np.zeros((40, 50), bool)
     keep[:, :10] = True
-    assert enhance(image, tissue_mask=keep).omitted == ()
+    assert enhance(image, EnhanceParams(d_factor=1.0), tissue_mask=keep).omitted == ()
 
 
 def test_bilinear_weights_of_the_bound_are_those_of_the_reference() -> None:

@@ -173,7 +173,7 @@ def test_constant_images(level: int, expected: int, size: tuple[int, int]) -> No
 
 def test_constant_colours() -> None:
     """With S_m = S everywhere, what is mostly coloured loses colour and what is pure stays."""
-    skin = enhance(np.full((9, 9, 3), (200, 30, 20), np.uint8), no_fade(z=1.0)).image
+    skin = enhance(np.full((9, 9, 3), (200, 30, 20), np.uint8), no_fade(z=1.0, d_factor=1.0)).image
     assert np.all(skin == (200, 68, 60))
     red = enhance(np.full((9, 9, 3), (255, 0, 0), np.uint8)).image
     assert np.all(red == (255, 0, 0))

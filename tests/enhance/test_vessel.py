@@ -244,7 +244,7 @@ def test_held_out_frames_beat_the_papers_method_on_every_bar(name: str) -> None:
         tissue &= read(str(path.relative_to(DATA)))[..., 0] == 0
         tissue[-16:] = False  # a burned-in status bar
     vessel = vessel_mask(image, tissue_mask=tissue) if truth is None else read(truth)[..., 0] > 0
-    paper = enhance(image, EnhanceParams(), tissue_mask=tissue).image
+    paper = enhance(image, EnhanceParams(d_factor=1.0), tissue_mask=tissue).image
     own = enhance_vessels(image, tissue_mask=tissue).image
     ratios = [dvbv_otsu(result, tissue_mask=tissue).ratio for result in (own, paper)]
     assert ratios[0] > ratios[1]

@@ -11,6 +11,7 @@ from app.enhancement.settable import ENHANCED
 from app.exports.exporting import ExportRequest, Step
 from app.exports.panes import Shown, pane_record
 from app.exports.records import (
+    MEASURES,
     Arrangement,
     FrameRecord,
     MeasuresTable,
@@ -200,7 +201,7 @@ def _record(
         )
     first, last = state.source.span
     if form == "measures":
-        return extended(MeasuresTable, panes, first_frame=first, last_frame=last)
+        return extended(MeasuresTable, panes, first_frame=first, last_frame=last, measures=MEASURES)
     return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
 
 

@@ -12,6 +12,7 @@ from app.enhancement.settable import MODES, SLOTS, SOURCES
 from app.gui.actions import actions, comparing, laid_out, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.fainter import draw_fainter
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
@@ -41,6 +42,7 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
         imgui.dummy(ImVec2(0, em(4)))
         centered("Reading the first frame…")
         return
+    draw_fainter(state)
     space = imgui.get_content_region_avail()
     height = max(space.y, em(4))
     if shown_mode(state) == "side by side":

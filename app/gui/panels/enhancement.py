@@ -148,7 +148,7 @@ def _draw_main(params: EnhancementSettings, used: Statistics | None) -> Enhancem
         return _draw_vessel(params, MAIN_VESSEL)
     params = slide_auto(params, "z", "Brightness z", used.z if used else None, 0.5)
     params = _draw_detail(params, used)
-    return slide(params, "d_factor", "Colour d")
+    return slide_auto(params, "d_factor", "Colour d", params.k, 1.0)
 
 
 def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:

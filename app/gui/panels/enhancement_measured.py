@@ -37,13 +37,19 @@ ROWS: tuple[tuple[str, str, Callable[[Measures], str]], ...] = (
     ("BV", "dv_bv", lambda one: _number(one.bv, ".0f")),
     ("DV/BV", "dv_bv", lambda one: _number(one.dv_bv, ".2f")),
     ("Vessel contrast", "vessel_contrast", lambda one: _number(one.vessel_contrast, ".3f")),
+    ("Colour difference", "color_difference", lambda one: _number(one.color_difference, ".1f")),
     ("Noise gain", "noise_gain", lambda one: _number(one.noise_gain, ".2f")),
+    ("Chroma noise", "chroma_noise_gain", lambda one: _number(one.chroma_noise_gain, ".2f")),
     ("Saturated", "saturated_share", lambda one: _number(100 * one.saturated_share, ".1f") + " %"),
 )
 DV_TEXT = (
     "Variance of detail and background, in squared grey levels. Inferred definition: the paper gives none."
 )
 UNUSED = "unused"
+COLOR_TEXT = (
+    "Share of the change of saturation of Eqs 11 and 12 in use: with d on Auto, less than all where colours "
+    "are faint beside their noise, which the whole change would light up."
+)
 SIGMA_TEXT = (
     "Eq 9: standard deviation of each window's base layer, in grey levels. "
     "Not measured while P is set by hand."
@@ -164,6 +170,7 @@ def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str
         ("z", f"{used.z:.3f}", "Eq 1: brightness factor used."),
         ("P", exponents, "Eq 7: exponent used for each window."),
         ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
+        ("colour", f"{used.color:.0%}", COLOR_TEXT),
         ("time", f"{milliseconds:.0f} ms", "Time to enhance this frame on this computer."),
     )
 

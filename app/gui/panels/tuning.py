@@ -43,6 +43,8 @@ METRIC_LABELS = {
     "noise_gain": "Noise gain",
     "saturated_share": "Saturated share",
     "milliseconds": "Milliseconds",
+    "color_difference": "Colour difference",
+    "chroma_noise_gain": "Chroma noise gain",
 }
 SORT_LABELS = ["As varied", *(METRIC_LABELS.get(name, name) for name in METRICS)]
 

@@ -18,7 +18,7 @@ SOURCE_LABELS: Final = {
     "B": "Stored settings B",
     RENDER: "Render of the open run",
     PAPER: "Method: Paper, defaults",
-    VESSEL: "Method: Vessel (ours), defaults",
+    VESSEL: "Method: Vessel, defaults",
 }
 
 

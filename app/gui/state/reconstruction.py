@@ -54,7 +54,7 @@ class Reconstruction:
 
     config: TrainConfig = field(default_factory=TrainConfig)
     input: InputKind = "original"
-    d_factor: float = RECONSTRUCTION_PARAMS.d_factor
+    d_factor: float = RECONSTRUCTION_PARAMS.k
     """Of the frames that are enhanced for the reconstruction."""
     name: str = ""
     """Folder name of the next run; empty: made from the clip's name and the time."""

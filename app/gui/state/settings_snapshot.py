@@ -40,7 +40,7 @@ class SettingsSnapshot:
     """The line of the wipe in the middle, nothing flipped: these are looked at, not set."""
     config: TrainConfig = DEFAULT_CONFIG
     input: InputKind = "original"
-    d_factor: float = RECONSTRUCTION_PARAMS.d_factor
+    d_factor: float = RECONSTRUCTION_PARAMS.k
 
     def with_params(self, params: EnhancementSettings) -> SettingsSnapshot:
         return replace(self, params=params)

@@ -127,21 +127,22 @@ def slider(label: str, value: Any, about: Declared, form: str, flags: int) -> tu
 def slide_auto(
     params: EnhanceParams, name: str, label: str, used: float | None, start: float
 ) -> EnhanceParams:
-    """A slider with an Auto switch; on automatic it shows the value in use, or else `start`."""
+    """A slider with an Auto switch; on automatic it shows the value in use, or else `start`. Moving it sets
+    the value by hand."""
     about, value = declared(type(params), name), getattr(params, name)
     automatic = value is None
     row(label, about.text)
     shown = used if used is not None and automatic else (start if automatic else float(value))
     imgui.set_next_item_width(-em(4.3))
-    imgui.begin_disabled(automatic)
+    imgui.push_style_color(imgui.Col_.text, theme.now().muted if automatic else theme.now().text)
     form = "%.2f" if not automatic or used is not None else "…"
     changed, new = slider(f"##{name}", shown, about, form, imgui.SliderFlags_.always_clamp)
-    imgui.end_disabled()
+    imgui.pop_style_color()
     explain(about.text)
     reset = wants_default(name)
     imgui.same_line()
     switched, automatic = imgui.checkbox(f"Auto##{name}", automatic)
-    explain("Automatic: from the image, as in the paper. Off: set by hand.")
+    explain("Automatic: from the image. Off, or once the slider is moved: set by hand.")
     if reset:
         return _with(params, name, about.default)
     if switched:

@@ -93,9 +93,10 @@ def curves(look: EnhancementSettings, used: Statistics) -> Curves:
     Local detail, which depends on the neighbourhood, is no part of them.
     """
     given = np.linspace(0, 1, POINTS)
-    stretched = _stretched(given, used.saturation_mean, look.d_factor)
     if isinstance(look, EnhanceParams):
-        return Curves(given, brighten(given, used.z), stretched)
+        stretched = _stretched(given, used.saturation_mean, look.k)
+        return Curves(given, brighten(given, used.z), given + used.color * (stretched - given))
+    stretched = _stretched(given, used.saturation_mean, look.d_factor)
     value = brighten(given, 1 - (1 - z_from_level(used.level)) * look.lift) ** look.gamma
     return Curves(given, value, np.clip(stretched, given, np.minimum(look.most_color * given, 1)))
 

@@ -26,11 +26,16 @@ from renderer.json_files import read_json
 
 BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
     {
-        "Paper, d 1 (2D)": EnhanceParams(),
+        "Vessels": VesselParams(),
+        "Gentle": VesselParams(strength=1.0, lift=0.25),
+        "Paper": EnhanceParams(),
+        "Paper, d 1": EnhanceParams(d_factor=1.0),
         "Paper, d 0.5 (3D)": RECONSTRUCTION_PARAMS,
-        "Vessel (ours)": VesselParams(),
+        "Brighten dark areas": EnhanceParams(z=0.0, p=0.0, d_factor=0.0),
     }
 )
+RENAMED: Final = " (own)"
+"""Added to an own preset that was called as a built-in one is now."""
 OWN: TypeAdapter[dict[str, EnhancementSettings]] = TypeAdapter(dict[str, RecordedSettings])
 MOST_PRESETS: Final = 500
 DAMAGED: Final = "the file is damaged"
@@ -55,6 +60,7 @@ def load_presets(path: Path) -> tuple[dict[str, EnhancementSettings], str]:
         return {}, _put_aside(path, DAMAGED)
     if not isinstance(told, dict):
         return {}, _put_aside(path, DAMAGED)
+    told = {f"{name}{RENAMED}" if name in BUILT_IN else name: look for name, look in told.items()}
     named = [(name, look) for name, look in told.items() if is_preset_name(name)]
     readable = mended(OWN, dict(named[:MOST_PRESETS]))
     found = readable[0]

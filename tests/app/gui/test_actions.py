@@ -97,8 +97,8 @@ def test_one_drag_is_one_step_of_undo(state: AppState) -> None:
     assert [(params.d_factor, params.z) for params in seen] == [
         (1.3, 0.3),
         (1.3, None),
-        (1.0, None),
-        (1.0, None),
+        (None, None),
+        (None, None),
     ]
     history_actions.redo(state)
     history_actions.redo(state)

@@ -92,10 +92,10 @@ def test_captions_fit_over_small_pictures() -> None:
 def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     text = describe(pair(clip, EnhanceParams(z=0.25)))
     assert text.startswith("z 0.25 · P auto ")
-    assert text.endswith("d 1.00")
+    assert text.endswith("d auto")
     assert describe(pair(clip, None)) == ""
-    assert worded(EnhanceParams(z=0.25)) == "z 0.25 · P auto · d 1.00"
-    chosen = EnhanceParams(z=0.25, p=(0.4, 0.5, 0.4))
+    assert worded(EnhanceParams(z=0.25)) == "z 0.25 · P auto · d auto"
+    chosen = EnhanceParams(z=0.25, p=(0.4, 0.5, 0.4), d_factor=1.0)
     assert describe(pair(clip, chosen)) == worded(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
     vessel = VesselParams(strength=1.5)
     assert describe(pair(clip, vessel)) == worded(vessel)

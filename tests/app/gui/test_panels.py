@@ -54,7 +54,7 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
     ui.drag(draw, start, (start[0] + 200, start[1]))
     moved = opened.enhancement.params
     assert moved.d_factor != EnhanceParams().d_factor
-    assert replace(moved, d_factor=1.0) == EnhanceParams()
+    assert replace(moved, d_factor=None) == EnhanceParams()
     assert len(opened.enhancement.past) == 2
     history_actions.undo(opened)
     assert opened.enhancement.params == EnhanceParams()

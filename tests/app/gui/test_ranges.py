@@ -172,11 +172,11 @@ def test_settings_are_read_field_by_field(tmp_path: Path) -> None:
 def test_of_presets_the_readable_ones_are_there_and_stay(tmp_path: Path) -> None:
     path = tmp_path / "presets.json"
     good, long = {"z": 0.25}, "x" * (LONGEST_NAME + 1)
-    damaged = json.dumps({"mine": good, "": good, long: good, "bad": {"z": 7}, "Vessel (ours)": good})
+    damaged = json.dumps({"mine": good, "": good, long: good, "bad": {"z": 7}, "Paper": good})
     path.write_text(damaged)
     presets, trouble = load_presets(path)
-    assert presets == {"mine": EnhanceParams(z=0.25)}
-    assert "4 of 5" in trouble
+    assert presets == {"mine": EnhanceParams(z=0.25), "Paper (own)": EnhanceParams(z=0.25)}
+    assert "3 of 5" in trouble
     assert path.with_suffix(".damaged.json").read_text() == damaged
     assert load_presets(path) == (presets, "")
     path.write_text(json.dumps({f"preset {place}": good for place in range(MOST_PRESETS + 2)}))

@@ -21,7 +21,7 @@ from app.exports.exporting import export
 from app.exports.records import PanesPicture
 from app.exports.sizing import Sizing
 from app.files.image_files import read_image
-from app.files.provenance import read_provenance, write_png
+from app.files.provenance import plain, read_provenance, write_png
 from app.gui.actions import actions, comparing, export_actions
 from app.gui.actions.export_actions import OFFERS
 from app.gui.commands.keys import chord
@@ -104,7 +104,7 @@ def test_measures_are_of_every_pane_and_frame(run: Exporter) -> None:
     facts = json.loads(path.with_name(f"{path.name}.json").read_text())
     assert [row["dv"] for row in facts["frames"]] == [float(row["dv"]) for row in rows]
     assert set(METRICS) - {"milliseconds"} <= facts["frames"][0].keys()
-    assert facts["panes"][1]["params"]["d_factor"] == 1.0
+    assert facts["panes"][1]["params"] == plain(EnhanceParams())
 
 
 def test_the_table_comes_again_and_a_changed_number_is_found_out(

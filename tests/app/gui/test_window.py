@@ -97,7 +97,7 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
         )
         assert not np.array_equal(before, enhanced(state))
         ctx.key_press(chord("Ctrl+Z"))
-        wait(ctx, lambda: state.enhancement.params.d_factor == 1.0 and is_settled(state), "undo")
+        wait(ctx, lambda: state.enhancement.params.d_factor is None and is_settled(state), "undo")
         np.testing.assert_array_equal(before, enhanced(state))
 
         ctx.item_click("//Reconstruction/###start")
@@ -192,7 +192,7 @@ def test_a_preset_is_kept_by_name_and_windows_come_and_go(places: Places) -> Non
         ctx.key_press(key.enter)
         wait(ctx, lambda: "mine" in state.enhancement.presets, "the preset")
         ctx.set_ref("//Enhancement")
-        ctx.combo_click("##preset/Vessel (ours)")
+        ctx.combo_click("##preset/Vessels")
         wait(ctx, lambda: isinstance(state.enhancement.params, VesselParams), "the other preset")
         ctx.combo_click("##preset/mine")
         ctx.set_ref("")

@@ -20,7 +20,7 @@ from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replac
 def _offset(whole: Any) -> Any:
     def render(*args: Any) -> None:
         whole(*args)
-        args[21][...] = args[21] + (0.01 if args[21].dtype.kind == "f" else 2)
+        args[22][...] = args[22] + (0.01 if args[22].dtype.kind == "f" else 2)
 
     return render
 
@@ -264,7 +264,7 @@ def _edges() -> list[Fault]:
             "float16",
             "what comes out",
             parts_of("ends", "saturation", "sizes"),
-            rounded(f"{KERNELS}:render", 21),
+            rounded(f"{KERNELS}:render", 22),
         ),
         edit(
             "other",

@@ -1,0 +1,75 @@
+"""How much colour an image has beside its noise."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
+
+SAMPLES: Final = 4096
+SIZE: Final = 6
+"""Pixels of a sample's side: 3 x 3 means of 2 x 2 pixels, as cameras and codecs halve the colours."""
+KERNEL: Final = ((1, -2, 1), (-2, 4, -2), (1, -2, 1))
+"""Blind to planes (Immerkaer, Computer Vision and Image Understanding 64(2), 1996)."""
+PER_DEVIATION: Final = 6 * 0.6745
+"""Median size of the kernel's response to noise of deviation 1."""
+ROUNDING: Final = 1.0
+"""Grey levels: less noise than this is taken for it, as a screen shows no finer steps."""
+
+
+def chroma_snr(
+    pixels: NDArray[Any], keep: NDArray[np.uint8], spans: NDArray[np.int32], full: int
+) -> float | None:
+    """Mean of max - min of R, G and B over the noise of R - G or B - G, whichever is noisier, of the pixels
+    that count; None: an image too small to tell.
+
+    Some SAMPLES evenly spread places are looked at. Noise is the median response to a kernel that is blind to
+    planes, so that edges do not count.
+
+    Args:
+        pixels: (H, W, 3); keep, spans: as of `first_pass`; full: the image's value of 1.0.
+    """
+    height, width = pixels.shape[:2]
+    step = max(SIZE, int(math.sqrt(height * width / SAMPLES)))
+    rows, columns = max(0, (height - SIZE) // step + 1), max(0, (width - SIZE) // step + 1)
+    found = np.empty((rows, columns, 3), np.float64)
+    _sample(pixels, keep, spans, step, found)
+    seen = found[found[..., 0] >= 0] * (255 / full)
+    if not len(seen):
+        return None
+    noise = float(np.median(seen[:, 1:], axis=0).max()) / PER_DEVIATION
+    return float(seen[:, 0].mean()) / max(noise, ROUNDING)
+
+
+@njit(parallel=True, cache=True, error_model="numpy")
+def _sample(
+    pixels: NDArray[Any],
+    keep: NDArray[np.uint8],
+    spans: NDArray[np.int32],
+    step: int,
+    found: NDArray[np.float64],  # (rows, columns, 3), out: chroma, responses of R - G and B - G; -1: none
+) -> None:
+    for row in prange(found.shape[0]):
+        for column in range(found.shape[1]):
+            y, x = row * step, column * step
+            counts = len(keep) == 0 or keep[y + SIZE // 2, x + SIZE // 2] > 0
+            for end in (y, y + SIZE - 1):
+                if len(spans) > 0:
+                    counts = counts and spans[end, 0] <= x and x + SIZE <= spans[end, 1]
+            found[row, column, 0] = -1.0
+            if counts:
+                red, blue = 0.0, 0.0
+                for v in range(SIZE):
+                    for u in range(SIZE):
+                        weight = 0.25 * KERNEL[v // 2][u // 2]
+                        green = np.float64(pixels[y + v, x + u, 1])
+                        red += weight * (np.float64(pixels[y + v, x + u, 0]) - green)
+                        blue += weight * (np.float64(pixels[y + v, x + u, 2]) - green)
+                one = pixels[y + SIZE // 2, x + SIZE // 2]
+                found[row, column, 0] = np.float64(max(one[0], one[1], one[2])) - np.float64(
+                    min(one[0], one[1], one[2])
+                )
+                found[row, column, 1], found[row, column, 2] = abs(red), abs(blue)
