@@ -55,14 +55,14 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the paper's method (default), VesselSplat's preset `vessel`, or another method to compare with",
     )
     add_fields(parser, EnhanceParams, FIELDS)
-    group = parser.add_argument_group("with --method vessel", "and --d-factor, whose default is 0.5 there")
+    group = parser.add_argument_group("with --method vessel", "and --d-factor, whose default is 1 there")
     add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
     parser.add_argument(
         "--statistics",
-        choices=("image", "clip"),
-        default="image",
-        help="take statistics of each image on its own, or of all together so that colours "
-        "match (default image)",
+        choices=("automatic", "image", "clip"),
+        default="automatic",
+        help="take statistics of each image on its own, or of all together so that colours match and nothing "
+        "flickers (default: of a video all together)",
     )
     parser.add_argument(
         "--pixels",
@@ -110,7 +110,7 @@ def _params(flags: argparse.Namespace) -> Params:
         return parameters(EnhanceParams, flags)
     if flags.method == VESSEL:
         return parameters(VesselParams, flags)
-    for name, value in (("statistics", "image"), ("pixels", PIXELS[0])):
+    for name, value in (("statistics", "automatic"), ("pixels", PIXELS[0])):
         if getattr(flags, name) != value:
             given = getattr(flags, name)
             raise UserError(f"--{name} {given} has no effect with --method {flags.method}")

@@ -28,7 +28,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 VIDEO = ".mp4"
 STEADY_FRAMES = 16
-"""Evenly spread pictures that tell the surround of all."""
+"""Evenly spread pictures that tell the surround of all, or the statistics of a video."""
 
 Tissue = Callable[[ArrayImage], BoolImage | None]
 Stream = Generator[Any, None, None]
@@ -47,13 +47,19 @@ class Setting:
 
     method: str
     params: Params
-    statistics: Literal["image", "clip"] = "image"
-    """Of each picture, or pooled over the series."""
+    statistics: Literal["automatic", "image", "clip"] = "automatic"
+    """Of each picture, or pooled over the series. Automatic: pooled of a video, against flicker."""
     pixels: Pixels = "automatic"
     pooled: int | None = None
     """Evenly spread pictures whose statistics stand for a series; None: all of them."""
     clip_options: ClipOptions = DEFAULTS
     """How videos are read."""
+
+    def pools(self, series: Series) -> bool:
+        """Whether all pictures have the same statistics."""
+        if self.statistics == "automatic":
+            return series.is_video and self.params is not None
+        return self.statistics == "clip"
 
     def record(
         self, source: Source, picture: str, frame: int | None, pooled: Statistics | None
@@ -108,7 +114,7 @@ def enhance_into(
         UserError, ClipError: what cannot be read, enhanced or written.
     """
     notices = list(series.notices)
-    pooled = _pooled(series, setting, notices, watch) if setting.statistics == "clip" else None
+    pooled = _pooled(series, setting, notices, watch) if setting.pools(series) else None
     pictures = watch("enhance", series, _enhanced(series, ahead(_pictures(series, notices)), setting, pooled))
     try:
         records = yield from _write(output, series, pictures, notices)
@@ -145,10 +151,12 @@ def _tissue(series: Series, setting: Setting) -> Tissue:
 
 
 def _pooled(series: Series, setting: Setting, notices: list[str], watch: Watch) -> Statistics:
-    look, pooled = setting.params, setting.pooled
+    look, count = setting.params, setting.pooled
     assert look is not None
+    if count is None and setting.statistics == "automatic":
+        count = STEADY_FRAMES
     tissue = _tissue(series, setting)
-    indices = None if pooled is None else series.spread(pooled)
+    indices = None if count is None else series.spread(count)
     # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
     images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
     try:

@@ -74,6 +74,7 @@ def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> N
     """
     places = Places.of_user()
     window = Window(AppState(places, load_settings(places.settings_file), Source(clip_options)))
+    preset_actions.begin(window.state)
     session_actions.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)

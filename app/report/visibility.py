@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.evaluation.mean import mean_of_finite
-from enhance import enhance
+from enhance import EnhanceParams, enhance
 from enhance.baselines import BASELINES, TAO_STAND_INS
+from enhance.color_difference import vessel_color_difference
 from enhance.metrics import (
     blackened_share,
+    chroma_noise_gain,
     dvbv_local,
     dvbv_otsu,
     noise_gain,
@@ -29,14 +31,15 @@ from renderer.measuring.interleaved_timing import interleaved_times
 ByteImage = NDArray[np.uint8]
 BoolImage = NDArray[np.bool_]
 Method = Callable[[ByteImage, BoolImage], ByteImage]
+PRINTED: Final = EnhanceParams(d_factor=1.0)
 LAPS: Final = 5
 COLUMNS: Final = (
     *("DV", "BV", "DV/BV", "whole", "DVloc", "BVloc", "ratio"),
-    *("Weber", "CNR", "sat%", "noise", "black%", "ms"),
+    *("Weber", "CNR", "dE00", "sat%", "noise", "chroma", "black%", "ms"),
 )
 """DV, BV and DV/BV by the inferred Otsu definition over the tissue; "whole" the same ratio over the whole
-picture as in the paper; then dvbv_local; Weber contrast of the vessels; noise gain; share of vessel pixels
-that became black."""
+picture as in the paper; then dvbv_local; Weber contrast, CNR and colour difference (CIEDE2000) of the
+vessels; noise gain, of all and of colours alone; share of vessel pixels that became black."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +58,12 @@ def sample(image: ByteImage, tissue: BoolImage | None = None) -> Sample:
 
 
 def methods() -> Mapping[str, Method]:
-    """By name; "paper" is the paper's."""
+    """By name; "paper" is the paper's as printed, "automatic" the same as people get it by default."""
     others = {name: (lambda image, _, run=run: run(image)) for name, run in BASELINES.items()}
     return {
         "original": lambda image, _: image,
-        "paper": lambda image, tissue: enhance(image, tissue_mask=tissue).image,
+        "paper": lambda image, tissue: enhance(image, PRINTED, tissue_mask=tissue, pixels="all").image,
+        "automatic": lambda image, tissue: enhance(image, tissue_mask=tissue).image,
         "vessel": lambda image, tissue: enhance_vessels(image, tissue_mask=tissue).image,
         **others,
     }
@@ -92,7 +96,9 @@ def _measures(image: ByteImage, one: Sample) -> tuple[float, ...]:
         *(otsu.dv, otsu.bv, otsu.ratio, dvbv_otsu(image).ratio, local.dv, local.bv, local.ratio),
         vessel_contrast(image, one.vessels, tissue_mask=one.tissue),
         vessel_cnr(image, one.vessels, tissue_mask=one.tissue),
+        vessel_color_difference(image, one.vessels, tissue_mask=one.tissue),
         100 * saturated_share(image),
         noise_gain(image, one.image, tissue_mask=one.tissue),
+        chroma_noise_gain(image, one.image, tissue_mask=one.tissue),
         100 * blackened_share(image, one.image, one.vessels),
     )

@@ -179,6 +179,21 @@ def test_a_video_keeps_its_frames_and_its_speed(tmp_path: Path, vesselsplat: Cli
     assert len(list(frames.iterdir())) == 5
 
 
+@pytest.mark.parametrize(("flags", "steady"), [((), True), (("--statistics", "image"), False)])
+def test_a_video_has_one_statistics_unless_told_otherwise(
+    tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], steady: bool
+) -> None:
+    given = tmp_path / "in.mp4"
+    writer = cv2.VideoWriter(str(given), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
+    for index in range(5):
+        writer.write(cv2.resize(tissue(index, 120 + 20 * index), (64, 48)))
+    writer.release()
+    call = vesselsplat("enhance", given, tmp_path / "out.mp4", *flags, "--json")
+    used = [picture["statistics"] for picture in json.loads(call.out)["pictures"]]
+    assert (len({one["level"] for one in used}) == 1) == steady
+    assert {one["scope"] for one in used} == {"clip" if steady else "image"}
+
+
 def test_a_clip_folder_is_its_images(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     call = vesselsplat("enhance", clip_path, tmp_path / "out", "--json")
     images = sorted(path.stem for path in (clip_path / "images").iterdir())

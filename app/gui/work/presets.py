@@ -34,6 +34,7 @@ BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
         "Brighten dark areas": EnhanceParams(z=0.0, p=0.0, d_factor=0.0),
     }
 )
+FIRST: Final = "Vessels"
 RENAMED: Final = " (own)"
 """Added to an own preset that was called as a built-in one is now."""
 OWN: TypeAdapter[dict[str, EnhancementSettings]] = TypeAdapter(dict[str, RecordedSettings])

@@ -45,6 +45,13 @@ def test_a_damaged_file_is_told_and_put_aside(tmp_path: Path, text: str) -> None
     assert load_presets(path) == (OWN, "")
 
 
+def test_a_window_opens_with_vessels_and_nothing_to_undo(state: AppState) -> None:
+    preset_actions.begin(state)
+    assert state.enhancement.params == VesselParams()
+    history_actions.undo(state)
+    assert state.enhancement.params == VesselParams()
+
+
 def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
     assert preset_name(VesselParams(), {}) == "Vessels"
     assert preset_name(EnhanceParams(), {}) == "Paper"
