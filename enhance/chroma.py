@@ -6,7 +6,7 @@ import math
 from typing import Any, Final
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 SAMPLES: Final = 4096
@@ -44,7 +44,7 @@ def chroma_snr(
     return float(seen[:, 0].mean()) / max(noise, ROUNDING)
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _sample(
     pixels: NDArray[Any],
     keep: NDArray[np.uint8],
@@ -52,7 +52,7 @@ def _sample(
     step: int,
     found: NDArray[np.float64],  # (rows, columns, 3), out: chroma, responses of R - G and B - G; -1: none
 ) -> None:
-    for row in prange(found.shape[0]):
+    for row in range(found.shape[0]):
         for column in range(found.shape[1]):
             y, x = row * step, column * step
             counts = len(keep) == 0 or keep[y + SIZE // 2, x + SIZE // 2] > 0

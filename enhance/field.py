@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import cv2
 import numpy as np
@@ -96,8 +96,9 @@ class FieldOfView:
             return EVERYWHERE
         rows = np.arange(self.height, dtype=np.float64) + 0.5
         left, right = self._chords(rows)
-        spans = np.clip(np.ceil(np.stack((left, right), axis=1) - 0.5), 0, self.width).astype(np.int32)
-        spans[:, 1] = np.maximum(spans[:, 0], spans[:, 1])
+        spans = np.empty((self.height, 2), np.int32)
+        spans[:, 0] = np.minimum(np.maximum(np.ceil(left - 0.5), 0), self.width)
+        spans[:, 1] = np.minimum(np.maximum(np.ceil(right - 0.5), spans[:, 0]), self.width)
         return spans
 
     def mask(self) -> BoolImage:
@@ -270,12 +271,10 @@ def _measured(pixels: AnyImage, outline: Points, threshold: float, reach: float)
     along = np.stack((np.cos(angles), np.sin(angles)), axis=1)
     far = _distances(middle, along, outline)
     radii = (np.floor(far - reach) + 0.5)[:, None] + np.arange(int(2 * reach) + 1)
-    places = np.floor(middle + radii[..., None] * along[:, None]).astype(np.intp)
-    x, y = places[..., 0], places[..., 1]
+    x, y = (np.floor(middle[axis] + radii * along[:, axis, None]).astype(np.intp) for axis in (0, 1))
     height, width = pixels.shape[:2]
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    seen = pixels[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
-    value = (seen.max(axis=2) if pixels.ndim == 3 else seen) * (255.0 / full_scale(pixels.dtype))
+    value = _value_at(pixels, x, y) * (255.0 / full_scale(pixels.dtype))
     outer = value[inside.all(axis=1), -int(reach) :]
     if outer.size:
         level, high = np.quantile(outer, (0.5, 0.84))
@@ -297,6 +296,18 @@ def _measured(pixels: AnyImage, outline: Points, threshold: float, reach: float)
     points = np.concatenate((points, lit_corners))
     cropped = np.concatenate((cropped, np.ones(len(lit_corners), bool)))
     return np.where(cropped[:, None], _beyond(points, width, height), points), cropped
+
+
+def _value_at(pixels: AnyImage, x: NDArray[np.intp], y: NDArray[np.intp]) -> NDArray[Any]:
+    """V at these places, or at the nearest pixel of the border."""
+    height, width = pixels.shape[:2]
+    x, y = (np.minimum(np.maximum(at, 0), size - 1) for at, size in ((x, width), (y, height)))
+    if pixels.ndim == 2:
+        return np.asarray(pixels[y, x])
+    if not pixels.flags.c_contiguous:
+        return np.asarray(pixels[y, x].max(axis=2))
+    seen = pixels.reshape(height * width, -1).take(y * width + x, axis=0)
+    return np.asarray(np.maximum(np.maximum(seen[..., 0], seen[..., 1]), seen[..., 2]))
 
 
 def _beyond(points: Points, width: int, height: int) -> Points:
@@ -347,9 +358,16 @@ def _circle(points: Points) -> tuple[Points, float]:
 
 def _kasa(kept: Points, points: Points) -> tuple[Points, Points]:
     """The circle through the kept ones, and how far each point lies off it."""
-    matrix = np.column_stack((2 * kept, np.ones(len(kept))))
-    (x, y, rest), *_ = np.linalg.lstsq(matrix, (kept**2).sum(axis=1), rcond=None)
+    center = kept.mean(axis=0)
+    about = kept - center
+    matrix = np.empty((len(about), 3))
+    matrix[:, :2], matrix[:, 2] = 2 * about, 1
+    normal, right = matrix.T @ matrix, matrix.T @ (about**2).sum(axis=1)
+    if np.linalg.det(normal) == 0:
+        return np.array([*center, 0.0]), np.hypot(*(points - center).T)
+    x, y, rest = np.linalg.solve(normal, right)
     radius = float(np.sqrt(max(rest + x**2 + y**2, 0.0)))
+    x, y = x + center[0], y + center[1]
     return np.array([x, y, radius]), np.abs(np.hypot(points[:, 0] - x, points[:, 1] - y) - radius)
 
 
