@@ -206,7 +206,7 @@ class Window:
         layout.docking_splits = dockings.splits()
         layout.dockable_windows = [
             # Before the pictures, which show in the same frame what has moved here.
-            _panel("Enhancement", "Side", lambda: draw_enhancement(self.state)),
+            _panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
             _panel("Pictures", "MainDockSpace", self._draw_pictures),
             _panel("3D view", "Below", self._draw_view),
             _panel(SPLATS, "MainDockSpace", self._draw_view, "by the state"),

@@ -16,6 +16,7 @@ from app.gui.work.presets import (
     load_presets,
     presets_file,
 )
+from app.gui.work.thumbnails import Thumbnails, ThumbnailsRequest
 
 
 def load(state: AppState) -> None:
@@ -35,6 +36,15 @@ def begin(state: AppState) -> None:
 def type_name(state: AppState, name: str) -> None:
     """Of the preset that is to be kept."""
     state.enhancement.preset_draft = name[:LONGEST_NAME]
+
+
+def look_at(state: AppState, open_: bool) -> None:
+    """The menu of presets is open, or not any more."""
+    state.enhancement.choosing = open_
+
+
+def take_thumbnails(state: AppState, request: ThumbnailsRequest, thumbnails: Thumbnails) -> None:
+    state.enhancement.thumbnails = thumbnails
 
 
 def choose(state: AppState, name: str) -> None:

@@ -6,19 +6,19 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import get_args
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import imgui, imgui_ctx
 
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import PIXELS, Scope
-from app.files.legible import legible, named
-from app.gui.actions import actions, history_actions, picture_actions, preset_actions
+from app.files.legible import named
+from app.gui.actions import actions, history_actions, picture_actions
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.panels.enhancement_scales import draw_scales
+from app.gui.panels.presets import Texture, draw_presets
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, choose_row, em, explain, row, slide, slide_auto
-from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 
@@ -42,10 +42,10 @@ SCOPE_LABELS = ["Of each frame", "Of the whole clip"]
 PIXEL_LABELS = ["Automatic", "All", "Tissue only"]
 
 
-def draw_enhancement(state: AppState) -> None:
+def draw_enhancement(state: AppState, texture: Texture) -> None:
     """Method, preset and the main sliders always; windows, curves and measures by tab."""
     _draw_method(state)
-    _draw_presets(state)
+    draw_presets(state, texture)
     used = state.picture.pictures.statistics if state.picture.pictures else None
     _change(state, _draw_main(state.enhancement.params, used))
     _draw_edits(state)
@@ -90,57 +90,6 @@ def _draw_method(state: AppState) -> None:
     chosen = choose_row("Method", now, METHOD_LABELS, text)
     if chosen != now:
         actions.choose_method(state, METHODS[chosen])
-
-
-def _draw_presets(state: AppState) -> None:
-    row("Preset", "Named settings. Save stores the current ones under a name of yours.")
-    imgui.set_next_item_width(-em(4.0))
-    shown = preset_name(state.enhancement.params, state.enhancement.presets) or "custom"
-    if imgui.begin_combo("##preset", legible(shown)):
-        for name in BUILT_IN:
-            if imgui.selectable(name, name == shown)[0]:
-                preset_actions.choose(state, name)
-        _draw_own(state, shown)
-        imgui.end_combo()
-    imgui.same_line()
-    if imgui.button("Save…", ImVec2(-1, 0)):
-        imgui.open_popup("keep preset")
-    explain("Save under a name of yours, for later sessions.")
-    _draw_keep(state)
-
-
-def _draw_own(state: AppState, shown: str) -> None:
-    if state.enhancement.presets:
-        imgui.separator()
-    for name in sorted(state.enhancement.presets):
-        with imgui_ctx.push_id(name):
-            if imgui.small_button("×"):
-                preset_actions.forget(state, name)
-            explain(f"Delete {legible(name)}.")
-            imgui.same_line()
-            if imgui.selectable(legible(name), name == shown)[0]:
-                preset_actions.choose(state, name)
-
-
-def _draw_keep(state: AppState) -> None:
-    if not imgui.begin_popup("keep preset"):
-        return
-    if imgui.is_window_appearing():
-        preset_actions.type_name(state, "")
-        imgui.set_keyboard_focus_here()
-    imgui.set_next_item_width(em(14))
-    flags = imgui.InputTextFlags_.enter_returns_true
-    entered, name = imgui.input_text_with_hint("##name", "name", state.enhancement.preset_draft, flags)
-    preset_actions.type_name(state, name)
-    imgui.same_line()
-    named = bool(state.enhancement.preset_draft.strip())
-    imgui.begin_disabled(not named)
-    entered |= imgui.button("Save")
-    imgui.end_disabled()
-    if entered and named:
-        preset_actions.keep(state, state.enhancement.preset_draft)
-        imgui.close_current_popup()
-    imgui.end_popup()
 
 
 def _draw_main(params: EnhancementSettings, used: Statistics | None) -> EnhancementSettings:

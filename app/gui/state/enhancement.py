@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import Pixels, Scope, Slot
 from app.gui.state.settings_snapshot import SettingsSnapshot
+from app.gui.work.thumbnails import Thumbnails
 from enhance import EnhanceParams
 
 
@@ -29,5 +30,9 @@ class Enhancement:
     """Settings kept as "A" and "B", to compare with."""
     presets: dict[str, EnhancementSettings] = field(default_factory=dict)
     """A person's own, by name."""
+    choosing: bool = False
+    """The menu of presets is open."""
+    thumbnails: Thumbnails | None = None
+    """What presets made of a frame, when the menu was last open."""
     preset_draft: str = ""
     """Name that is being typed for one."""

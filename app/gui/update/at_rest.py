@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from app.enhancement.frame_enhancer import Pictures
 from app.gui.state.app_state import AppState
+from app.gui.work.presets import BUILT_IN
 from app.gui.work.strip import LeftOutRequest, StripRequest
+from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tidying import OnScreen
 
 REST = 0.25
@@ -22,6 +24,14 @@ def to_measure(state: AppState) -> Pictures | None:
     if pictures is None or pictures.enhanced is None or not at_rest(state) or state.pictures_are_stale:
         return None
     return pictures
+
+
+def thumbnails_wish(state: AppState) -> ThumbnailsRequest | None:
+    """What each preset makes of the frame on screen, while the menu of presets is open."""
+    pictures = state.picture.pictures
+    if pictures is None or not state.enhancement.choosing or state.pictures_are_stale:
+        return None
+    return ThumbnailsRequest(pictures, tuple({**BUILT_IN, **state.enhancement.presets}.items()))
 
 
 def strip_wish(state: AppState) -> StripRequest | None:

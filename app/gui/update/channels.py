@@ -28,7 +28,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import difference_request
 from app.gui.state.window import Wish
 from app.gui.update import taking
-from app.gui.update.at_rest import left_out_wish, strip_wish, to_measure, to_tidy
+from app.gui.update.at_rest import left_out_wish, strip_wish, thumbnails_wish, to_measure, to_tidy
 from app.gui.update.bake_work import BakeWork
 from app.gui.update.compare_work import CompareWork
 from app.gui.update.opening_work import OpeningWork
@@ -48,6 +48,7 @@ from app.gui.work.saving_edits import SavedEdits, SaveRequest, keep_edits
 from app.gui.work.selecting import Selected, Selector, SelectRequest
 from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest, left_out, make_strip
+from app.gui.work.thumbnails import Thumbnails, ThumbnailsRequest, make_thumbnails
 from app.gui.work.tidying import OnScreen, tidy
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.scenes.free_camera import Vector
@@ -57,6 +58,7 @@ from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import View, draw_view
 
 NO_STRIP = "the clip's thumbnails cannot be shown"
+NO_THUMBNAILS = "presets cannot be previewed"
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,9 @@ class Channels:
     presets: Channel[KeepPresets, dict[str, EnhancementSettings]] = field(
         default_factory=lambda: Channel(keep_presets, depth=64)
     )
+    thumbnails: Channel[ThumbnailsRequest, Thumbnails] = field(
+        default_factory=lambda: Channel(make_thumbnails)
+    )
     edits: Channel[SaveRequest, SavedEdits] = field(default_factory=lambda: Channel(keep_edits))
     opening: OpeningWork = field(default_factory=OpeningWork)
     bakes: BakeWork = field(default_factory=BakeWork)
@@ -141,6 +146,8 @@ class Channels:
                 difference_request),
             Row(self.measures, told("the frame cannot be measured", taking.take_measured, actions.say),
                 to_measure, forgets=False),
+            Row(self.thumbnails, told(NO_THUMBNAILS, preset_actions.take_thumbnails, actions.say),
+                thumbnails_wish, forgets=False),
             Row(self.strip, told(NO_STRIP, taking.take_strip, actions.say), strip_wish, forgets=False),
             Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), left_out_wish,
                 forgets=False),
@@ -179,6 +186,7 @@ class Channels:
         return (
             *first,
             *views,
+            self.thumbnails,
             self.saving,
             self.windows,
             self.cells,

@@ -20,7 +20,7 @@ from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, photo
 from tests.app.gui.saving import saved
-from tests.app.gui.ui import Ui
+from tests.app.gui.ui import Ui, no_thumbnail
 
 STRONG = VesselParams(strength=3.0)
 
@@ -70,7 +70,7 @@ def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -
     assert list(VESSEL_SLIDERS) == [field.name for field in fields(VesselParams)]
     actions.choose_method(state, VesselParams)
     for _ in range(2):
-        ui.frame(lambda: draw_enhancement(state))
+        ui.frame(lambda: draw_enhancement(state, no_thumbnail))
     assert state.enhancement.params == VesselParams()
 
 

@@ -29,8 +29,8 @@ def test_the_picture_of_a_moved_setting_is_in_the_same_frame(
     drawn: list[tuple[object, int]] = []
     """The setting of the pictures that were drawn, and in which frame."""
 
-    def move(state: AppState) -> None:
-        draw_enhancement(state)
+    def move(state: AppState, *rest: Any) -> None:
+        draw_enhancement(state, *rest)
         if is_settled(state) and len(moves) < len(MOVED):
             moves.append((MOVED[len(moves)], imgui.get_frame_count()))
             actions.set_params(state, MOVED[len(moves) - 1])

@@ -18,6 +18,11 @@ from renderer.clip import ByteImage
 Draw = Callable[[], None]
 
 
+def no_thumbnail(slot: str, image: ByteImage) -> imgui.ImTextureRef:
+    """Where nothing is seen."""
+    return imgui.ImTextureRef(0)
+
+
 class Ui:
     """One full-window panel, with a mouse and a keyboard."""
 

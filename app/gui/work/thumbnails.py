@@ -1,0 +1,57 @@
+"""What each preset makes of the frame on screen, small, so that choosing one is looking."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import cv2
+import numpy as np
+
+from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.methods import EnhancementSettings, MethodEnhancer
+from app.enhancement.settable import drawn
+from enhance import EnhanceParams
+from renderer.clip import ByteImage
+
+SIDE: Final = 160
+"""Pixels of the longer side."""
+
+
+@dataclass(frozen=True)
+class ThumbnailsRequest:
+    """A frame, and settings by name."""
+
+    pictures: Pictures
+    looks: tuple[tuple[str, EnhancementSettings], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Thumbnails:
+    """(h, w, 3) of each setting."""
+
+    request: ThumbnailsRequest
+    images: Mapping[str, ByteImage]
+
+
+def make_thumbnails(request: ThumbnailsRequest) -> Iterator[Thumbnails]:
+    """Raises ImageError."""
+    photo = request.pictures.photo
+    factor = min(1.0, SIDE / max(photo.shape[:2]))
+    size = (max(1, round(factor * photo.shape[1])), max(1, round(factor * photo.shape[0])))
+    enhancer = MethodEnhancer()
+    small = np.ascontiguousarray(cv2.resize(photo, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    enhancer.show(small, None, drawn(request.pictures.request.pixels))
+    images = {
+        name: np.asarray(enhancer.enhance(smaller(look, factor)).image, np.uint8)
+        for name, look in request.looks
+    }
+    yield Thumbnails(request, images)
+
+
+def smaller(look: EnhancementSettings, factor: float) -> EnhancementSettings:
+    """With windows that cover as much of a picture that is `factor` times as large."""
+    if isinstance(look, EnhanceParams):
+        return replace(look, radii=tuple(max(1, round(factor * r)) for r in look.radii), subsample=1)
+    return replace(look, radius=max(2, round(factor * look.radius)))

@@ -1,0 +1,83 @@
+"""The menu of presets shows what each makes of the frame on screen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
+from app.gui.panels.presets import draw_presets
+from app.gui.state.app_state import AppState
+from app.gui.update.at_rest import thumbnails_wish
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
+from app.gui.work.presets import BUILT_IN
+from app.gui.work.thumbnails import SIDE, ThumbnailsRequest, make_thumbnails, smaller
+from enhance import EnhanceParams, VesselParams, enhance
+from renderer.clip import ByteImage, Clip
+from tests.app.gui.ui import Ui
+
+
+def test_they_are_small_pictures_of_each_setting(clip: Clip) -> None:
+    pictures = list(PictureMaker().make(PictureRequest(clip, 1, EnhanceParams())))[-1]
+    (made,) = make_thumbnails(ThumbnailsRequest(pictures, tuple(BUILT_IN.items())))
+    assert set(made.images) == set(BUILT_IN)
+    height, width = pictures.photo.shape[:2]
+    factor = min(1.0, SIDE / max(height, width))
+    for image in made.images.values():
+        assert image.shape == (round(factor * height), round(factor * width), 3)
+    looks = {image.tobytes() for image in made.images.values()}
+    assert len(looks) >= len(BUILT_IN) - 1  # Paper's automatic d may be 1.
+    if factor == 1:
+        expected = enhance(pictures.photo, smaller(EnhanceParams(), 1.0)).image  # type: ignore[arg-type]
+        assert np.array_equal(made.images["Paper"], expected)
+
+
+def test_windows_shrink_with_the_picture_and_stay_in_their_ranges() -> None:
+    assert smaller(EnhanceParams(radii=(4, 16, 64)), 0.25) == EnhanceParams(radii=(1, 4, 16), subsample=1)
+    assert smaller(EnhanceParams(radii=(4, 16)), 0.01) == EnhanceParams(radii=(1, 1), subsample=1)
+    assert smaller(VesselParams(radius=16), 0.25) == VesselParams(radius=4)
+    assert smaller(VesselParams(radius=16), 0.01) == VesselParams(radius=2)
+
+
+def test_they_are_made_while_the_menu_is_open_and_once(opened: AppState) -> None:
+    assert thumbnails_wish(opened) is None
+    opened.enhancement.choosing = True
+    channels = Channels()
+    for _ in range(4):
+        update(opened, channels, 0.0)
+        while channels.thumbnails.run_waiting():
+            pass
+    first = opened.enhancement.thumbnails
+    assert first is not None
+    assert set(first.images) == set(BUILT_IN)
+    for _ in range(3):
+        update(opened, channels, 1.0)
+        assert not channels.thumbnails.run_waiting()
+
+
+@pytest.mark.parametrize("aside", [0.0, 120.0], ids=["picture", "name"])
+def test_a_click_on_picture_or_name_chooses(ui: Ui, opened: AppState, aside: float) -> None:
+    assert opened.picture.pictures is not None
+    (made,) = make_thumbnails(ThumbnailsRequest(opened.picture.pictures, tuple(BUILT_IN.items())))
+    opened.enhancement.thumbnails = made
+    spots: dict[str, tuple[float, float]] = {}
+
+    def texture(slot: str, image: ByteImage) -> imgui.ImTextureRef:
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        spots[slot] = ((low.x + high.x) / 2, (low.y + high.y) / 2)
+        return imgui.ImTextureRef(0)
+
+    def draw() -> None:
+        draw_presets(opened, texture)
+
+    ui.frame(draw)
+    ui.drag(draw, (300, 20), (300, 20))
+    ui.frame(draw)
+    assert opened.enhancement.choosing
+    x, y = spots["preset Gentle"]
+    ui.drag(draw, (x + aside, y), (x + aside, y))
+    ui.frame(draw)
+    assert opened.enhancement.params == BUILT_IN["Gentle"]
+    assert not opened.enhancement.choosing
