@@ -43,6 +43,13 @@ def locked(run: Path) -> Iterator[None]:
         lock.release()
 
 
+def sweep(run: Path) -> None:
+    """Remove what killed trainings of the run have left; nothing where one goes on, or where it cannot be."""
+    if any((run / name).exists() for name in (NAME, LOCK)) or any(run.glob(f"*{PARTIAL}")):
+        with suppress(UserError, OSError), locked(run):
+            pass
+
+
 def _sweep(run: Path) -> None:
     """What killed processes were writing: nobody else writes here now."""
     for partial in run.glob(f"*{PARTIAL}"):

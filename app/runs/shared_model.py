@@ -44,7 +44,7 @@ class Slot:
     @classmethod
     def make(cls, context: SpawnContext) -> Slot:
         """A new one; blocks of processes that are gone are removed."""
-        _clear()
+        clear_blocks()
         return cls(f"{PREFIX}{os.getpid()}-{secrets.token_hex(4)}", context.RawArray(ctypes.c_longlong, 3))
 
     def block_name(self, generation: int) -> str:
@@ -142,7 +142,7 @@ def _order() -> None:
             pass
 
 
-def _clear() -> None:
+def clear_blocks() -> None:
     """Blocks of windows that were killed together with their training. Only Linux lists them."""
     for block in SHARED.glob(f"{PREFIX}*-*"):
         process = block.name.removeprefix(PREFIX).split("-")[0]

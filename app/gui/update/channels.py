@@ -47,8 +47,10 @@ from app.gui.work.run_models import Left, LeftRequest, ModelRequest, left_of, ru
 from app.gui.work.saving_edits import SavedEdits, SaveRequest, keep_edits
 from app.gui.work.selecting import Selected, Selector, SelectRequest
 from app.gui.work.session_writing import SessionRequest, write
+from app.gui.work.settings import Places
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest, left_out, make_strip
 from app.gui.work.thumbnails import Thumbnails, ThumbnailsRequest, make_thumbnails
+from app.gui.work.sweeping import sweep_places
 from app.gui.work.tidying import OnScreen, tidy
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.scenes.free_camera import Vector
@@ -119,6 +121,7 @@ class Channels:
     strip: Channel[StripRequest, Strip] = field(default_factory=lambda: Channel(make_strip))
     left_out: Channel[LeftOutRequest, LeftOut] = field(default_factory=lambda: Channel(left_out))
     tidying: Channel[OnScreen, None] = field(default_factory=lambda: Channel(tidy))
+    sweeping: Channel[Places, None] = field(default_factory=lambda: Channel(sweep_places))
     queue: QueueWork = field(default_factory=QueueWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
@@ -152,6 +155,7 @@ class Channels:
             Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), left_out_wish,
                 forgets=False),
             Row(self.tidying, lambda *answered: None, to_tidy, forgets=False),
+            Row(self.sweeping, lambda *answered: None, lambda s: s.places),
             Row(self.saving, taking.take_saved),
             Row(self.windows, taking.take_saved),
             Row(self.sessions, session_actions.take_written),
@@ -176,7 +180,7 @@ class Channels:
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
         first = (self.measures, self.left_out, self.strip, self.omissions, self.runs)
-        return (*first, *self.keeping, *self.queue.all, self.tidying)
+        return (*first, *self.keeping, *self.queue.all, self.tidying, self.sweeping)
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:

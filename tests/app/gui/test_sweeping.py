@@ -1,0 +1,104 @@
+"""What a killed window has left is gone once the next one is open, before anything is written."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
+from app.gui.work.settings import Places
+from app.runs import shared_model
+from app.runs.run_lock import LOCK, NAME, locked
+from app.runs.shared_model import PREFIX
+from renderer.leftovers import COMMIT, temporary_name
+
+
+@pytest.fixture
+def dead() -> int:
+    """The number of a process that has ended."""
+    process = subprocess.Popen([sys.executable, "-c", ""])
+    process.wait()
+    return process.pid
+
+
+@pytest.fixture(autouse=True)
+def shared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where blocks of shared memory lie."""
+    folder = tmp_path / "shared"
+    folder.mkdir()
+    monkeypatch.setattr(shared_model, "SHARED", folder)
+    return folder
+
+
+def start(places: Places) -> None:
+    """The window without its drawing, for a frame."""
+    state, channels = AppState(places), Channels()
+    update(state, channels, 0.0)
+    for channel in channels.beside:
+        channel.run_waiting()
+
+
+def left(places: Places) -> list[str]:
+    found = [path.name for folder in vars(places).values() for path in folder.rglob("*")]
+    return sorted(name for name in found if name.startswith(".") or "partial" in name)
+
+
+def name_of(process: int, name: str) -> str:
+    return temporary_name(name).replace(f"-{os.getpid()}-", f"-{process}-")
+
+
+def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
+    places: Places, dead: int
+) -> None:
+    batch = places.pictures / "enhanced-1" / "below"
+    run = places.runs / "first"
+    for folder in (places.config, places.runs, batch, run):
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / name_of(dead, "a")).mkdir()
+        (folder / name_of(dead, "a") / "half").write_text("x")
+        (folder / name_of(dead, "b")).write_text("x")
+    ready = places.pictures / name_of(dead, "c").replace(".partial", COMMIT)
+    ready.mkdir()
+    (ready / "a.mp4.json").write_text("new")
+    start(places)
+    assert left(places) == []
+    assert (places.pictures / "a.mp4.json").read_text() == "new"
+
+
+def test_a_run_whose_training_was_killed_is_nobodys(places: Places) -> None:
+    run = places.runs / "first"
+    run.mkdir(parents=True)
+    for name in (NAME, LOCK, "checkpoint-00000010.safetensors.partial"):
+        (run / name).write_text("")
+    (run / "run.json").write_text("{}")
+    start(places)
+    assert [path.name for path in run.iterdir()] == ["run.json"]
+
+
+def test_what_goes_on_is_left_alone(places: Places, shared: Path) -> None:
+    run = places.runs / "first"
+    run.mkdir(parents=True)
+    places.pictures.mkdir(exist_ok=True)
+    mine = places.pictures / temporary_name("a")
+    mine.write_text("x")
+    (shared / f"{PREFIX}{os.getpid()}-abcd-1").write_text("x")
+    with locked(run):
+        (run / "model.safetensors.partial").write_text("x")
+        start(places)
+        assert sorted(path.name for path in run.iterdir()) == sorted(
+            [NAME, LOCK, "model.safetensors.partial"]
+        )
+    assert mine.exists()
+    assert len(list(shared.iterdir())) == 1
+
+
+def test_shared_memory_of_dead_windows_is_given_back(places: Places, dead: int, shared: Path) -> None:
+    (shared / f"{PREFIX}{dead}-abcd-1").write_text("x")
+    start(places)
+    assert list(shared.iterdir()) == []
