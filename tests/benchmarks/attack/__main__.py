@@ -19,6 +19,7 @@ from tests.benchmarks.attack.kills import attack_kills, attack_signals
 from tests.benchmarks.attack.seeds import make_seeds
 from tests.benchmarks.attack.sessions import attack_sessions
 from tests.benchmarks.attack.starts import attack_starts
+from tests.benchmarks.attack.window_kills import attack_window
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ PARTS = {
     "signals": Part(attack_signals, 1, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
     "disks": Part(attack_full_disks, 2, 88, "commands on disks that fill up"),
     "starts": Part(attack_starts, 2, 160, "starts with damaged settings"),
+    "window": Part(attack_window, 2, 70, "windows killed or ended at their work"),
 }
 
 
