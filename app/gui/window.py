@@ -238,7 +238,9 @@ class Window:
         while self._dropped:
             actions.open_path(self.state, Path(self._dropped.pop()))
         update(self.state, self._channels, time.monotonic() - self._began)
-        start_due(self.state, self._make_job)
+        if not self._has_signal():
+            # Training may have ended by the same one: what waits is kept for the next start.
+            start_due(self.state, self._make_job)
         self._commands = sections(self.state, RUNNER)
         params = hello_imgui.get_runner_params()
         self._wear(params)

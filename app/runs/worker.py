@@ -13,6 +13,7 @@ from typing import Literal
 
 import psutil
 
+from app.console.ending import EndingSignals
 from app.console.open_mp import rest_while_waiting
 from app.errors import UserError, sentence
 from app.runs.shared_model import Slot, SlotWriter
@@ -38,7 +39,7 @@ class Resumed:
 
 @dataclass(frozen=True)
 class Cancelled:
-    """Training ended because it was asked to; the last checkpoint is kept."""
+    """Training ended because it was asked to, in a word or by SIGTERM; the last checkpoint is kept."""
 
 
 @dataclass(frozen=True)
@@ -66,12 +67,17 @@ def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> N
     Ends quietly, at its next step, when the process at the other end of the pipe is gone.
     """
     rest_while_waiting()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C in a terminal reaches both; the parent decides.
+    # Ctrl+C in a terminal, and its end, reach both; the parent decides.
+    for name in {"SIGINT", "SIGHUP"} & vars(signal).keys():
+        signal.signal(getattr(signal, name), signal.SIG_IGN)
     psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else 19)
     try:
-        last = _run(pipe, SlotWriter(slot), steps, request)
+        with EndingSignals():
+            last = _run(pipe, SlotWriter(slot), steps, request)
     except (BrokenPipeError, EOFError):
         return
+    except KeyboardInterrupt:
+        last = Cancelled()
     except (UserError, ClipError, ImageError) as error:
         last = Failed(str(error))
     except MemoryError:

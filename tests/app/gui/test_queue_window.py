@@ -11,10 +11,10 @@ import glfw
 import pytest
 from imgui_bundle import glfw_utils, imgui
 
-from app.gui.actions import actions
+from app.gui.actions import actions, draft_actions, job_actions
 from app.gui.commands.keys import chord
 from app.gui.work.settings import Places, Settings
-from app.runs.job import Failed, Paused
+from app.runs.job import Cancelled, Failed, Paused
 from app.runs.queue_file import keep_queue, queue_file
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
@@ -74,6 +74,30 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
     driver.run(drive)
     assert [job.told[0] for job in jobs] == ["start"] * 3
     assert jobs[2].told[-1] == "close"
+
+
+@pytest.mark.display
+def test_a_signal_that_ends_the_training_too_starts_none_of_those_that_wait(places: Places) -> None:
+    """As a service manager sends it to all processes of the window."""
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        draft_actions.choose_input(state, "both in turn")
+        job_actions.start_reconstruction(state)
+        wait(ctx, lambda: bool(jobs), "the first job")
+        jobs[0].inbox = [Cancelled()]
+        driver.window._has_signal = lambda: True
+        ctx.yield_(4)
+
+    with pytest.raises(RuntimeError, match="exited before"):
+        driver.run(drive)
+    assert len(jobs) == 1
+    (waiting,) = json.loads(queue_file(places.config).read_text())
+    assert waiting["input"] == "enhanced"
 
 
 @pytest.mark.display

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -163,6 +164,32 @@ def test_close_ends_a_running_process_and_frees_its_memory(tmp_path: Path) -> No
             assert psutil.Process(pid).nice() > psutil.Process().nice()
     assert not psutil.pid_exists(pid)
     assert blocks_of(job) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no signals")
+@pytest.mark.parametrize("paused", [False, True])
+def test_a_process_that_is_asked_to_end_clears_up_and_says_so(tmp_path: Path, paused: bool) -> None:
+    """As a service manager asks the whole group of the window: what the steps hold is given back."""
+    with job_of(fake_steps.endless, tmp_path) as job:
+        events_until(job, is_a(Progress))
+        if paused:
+            job.pause()
+            events_until(job, is_a(Paused))
+        os.kill(job._process.pid or 0, signal.SIGTERM)
+        events_until(job, is_a(Cancelled))
+        assert job.state == "cancelled"
+        assert (tmp_path / "run" / "closed").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGHUP"])
+def test_what_a_terminal_sends_to_all_is_the_windows_matter(tmp_path: Path, name: str) -> None:
+    with job_of(fake_steps.endless, tmp_path) as job:
+        events_until(job, is_a(Progress))
+        os.kill(job._process.pid or 0, getattr(signal, name))
+        for _ in range(3):
+            events_until(job, is_a(Progress))
+        assert job.state == "running"
 
 
 def test_a_job_that_never_started_can_be_closed(tmp_path: Path) -> None:

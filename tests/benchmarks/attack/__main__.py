@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import tempfile
 import time
@@ -55,6 +56,7 @@ def main() -> int:
     given = parser.parse_args()
     parts = PARTS | {"files": replace(PARTS["files"], attack=partial(read_damaged, only=tuple(given.only)))}
     failed = False
+    _heed_signals()
     with tempfile.TemporaryDirectory() as scratch:
         seeds = given.seeds or Path(scratch) / "seeds"
         if not seeds.exists():
@@ -67,6 +69,13 @@ def main() -> int:
             tell(failures)
             failed = failed or bool(failures)
     return int(failed)
+
+
+def _heed_signals() -> None:
+    """A shell in the background has them ignored, which every process that is attacked would take over."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def tell(failures: Sequence[Failure]) -> None:

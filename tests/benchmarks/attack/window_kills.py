@@ -118,6 +118,8 @@ def _of_one(case: Case) -> Iterator[str]:
     before, processes = shared_memory(), set[int]()
     yield from _ended(case, processes)
     yield from _runs_on(case)
+    if case.ending != "SIGKILL" and (left := staged(case.folder)):
+        yield f"left at once: {left[:4]}"
     if not any(name.endswith(".commit") or ".commit/" in name for name in staged(case.folder)):
         yield from (f"before the next start, {wrong}" for wrong in broken(case.folder))
     yield from _started_again(case, processes)
@@ -130,6 +132,8 @@ def _of_one(case: Case) -> Iterator[str]:
         yield f"left in shared memory: {left[:4]}"
     if left := [path.name for path in (case.folder / "config").glob("autosave-*")]:
         yield f"left of a session that was taken up: {left}"
+    if not (case.folder / "config" / "settings.json").exists():
+        yield "the settings are gone"
     yield from broken(case.folder)
     yield from unlike_its_record(case.pictures, case.seeds, case.folder)
     yield from half_enhanced(case.pictures, {"images": len(list((case.seeds / "endonerf/images").glob("*")))})
@@ -155,7 +159,8 @@ def _ended(case: Case, processes: set[int]) -> Iterator[str]:
             yield f"hangs for more than {TO_END:.0f} s"
             return
         yield from _at_the_end(case, window.returncode, errors)
-        yield from (line for line in told.splitlines() if line)
+        # Training that starts up is ended by a signal to all: that is told in the last frame.
+        yield from (line for line in told.splitlines() if line and case.ending not in line)
 
 
 def _at_the_end(case: Case, code: int, errors: str) -> Iterator[str]:
