@@ -43,7 +43,7 @@ def locked(run: Path) -> Iterator[None]:
         lock.release()
 
 
-def sweep(run: Path) -> None:
+def clear_training(run: Path) -> None:
     """Remove what killed trainings of the run have left; nothing where one goes on, or where it cannot be."""
     if any((run / name).exists() for name in (NAME, LOCK)) or any(run.glob(f"*{PARTIAL}")):
         with suppress(UserError, OSError), locked(run):

@@ -37,6 +37,7 @@ from app.gui.update.taking import told
 from app.gui.update.view_wish import first_wish, second_wish
 from app.gui.work.background import Answer, Channel, Failure, Request, SteppedChannel
 from app.gui.work.batching import BatchRequest, Progressed, batch
+from app.gui.work.clearing import clear_places
 from app.gui.work.file_writing import WriteRequest, write_file
 from app.gui.work.measuring import Measured, Measurer
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
@@ -121,7 +122,7 @@ class Channels:
     strip: Channel[StripRequest, Strip] = field(default_factory=lambda: Channel(make_strip))
     left_out: Channel[LeftOutRequest, LeftOut] = field(default_factory=lambda: Channel(left_out))
     tidying: Channel[OnScreen, None] = field(default_factory=lambda: Channel(tidy))
-    sweeping: Channel[Places, None] = field(default_factory=lambda: Channel(sweep_places))
+    clearing: Channel[Places, None] = field(default_factory=lambda: Channel(clear_places))
     queue: QueueWork = field(default_factory=QueueWork)
     photo: Pictures | None = None
     """A photo whose enhanced partner is being made."""
@@ -155,7 +156,7 @@ class Channels:
             Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), left_out_wish,
                 forgets=False),
             Row(self.tidying, lambda *answered: None, to_tidy, forgets=False),
-            Row(self.sweeping, lambda *answered: None, lambda s: s.places),
+            Row(self.clearing, lambda *answered: None, lambda s: s.places),
             Row(self.saving, taking.take_saved),
             Row(self.windows, taking.take_saved),
             Row(self.sessions, session_actions.take_written),
@@ -180,7 +181,7 @@ class Channels:
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
         first = (self.measures, self.left_out, self.strip, self.omissions, self.runs)
-        return (*first, *self.keeping, *self.queue.all, self.tidying, self.sweeping)
+        return (*first, *self.keeping, *self.queue.all, self.tidying, self.clearing)
 
     @property
     def all(self) -> Sequence[Channel[Any, Any]]:

@@ -8,7 +8,6 @@ import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import cv2
 
@@ -149,8 +148,11 @@ def half_enhanced(pictures: Path, wanted: dict[str, int]) -> Iterator[str]:
                 yield f"{there} of {count} pictures in {_steady(folder.name)}"
 
 
-def cannot_go_on(runs: Path, known: dict[str, Any]) -> Iterator[str]:
-    """Runs that cannot be opened, cannot be gone on with, or end in another model than one never cut off."""
+def cannot_go_on(runs: Path, known: list[str]) -> Iterator[str]:
+    """Runs that cannot be opened, cannot be gone on with, or end in another model than one never cut off.
+
+    That one's fingerprint is made once, and then known.
+    """
     for path in sorted(runs.glob("*")):
         try:
             run = RunFolder(path)
@@ -160,8 +162,8 @@ def cannot_go_on(runs: Path, known: dict[str, Any]) -> Iterator[str]:
             request = request_of(run, run.record())
             list(run_training(replace(request, resume=True)))
             if not known:
-                known["model"] = _undisturbed(request, path)
-            if _model(path) != known["model"]:
+                known.append(_undisturbed(request, path))
+            if _model(path) != known[0]:
                 yield "the resumed run ends in another model"
             if run.events()[-1]["event"] != "Finished":
                 yield "the resumed run's log does not end"

@@ -14,9 +14,9 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import IO, Final
 
 import psutil
 
@@ -54,8 +54,10 @@ class Case:
     seeds: Path
     folder: Path
     display: str
-    known: dict[str, Any] = field(default_factory=dict)
-    """Of all cases: what has been worked out once."""
+    model: list[str]
+    """Of all cases: the fingerprint of what training comes to, once it is known."""
+    left: list[int]
+    """Numbers of cases that left something for the next start to clear away."""
 
     @property
     def work(self) -> str:
@@ -101,13 +103,15 @@ def _is_of(process: psutil.Process, config: Path) -> bool:
 def attack_window(seeds: Path, count: int) -> tuple[int, list[Failure]]:
     """`count` windows are ended at their work; then each is started once more and closed."""
     failures: list[Failure] = []
-    known: dict[str, Any] = {}
+    model: list[str] = []
+    left: list[int] = []
     with tempfile.TemporaryDirectory() as scratch, display() as name:
         for number in range(count):
-            case = Case(number, seeds, Path(scratch) / str(number), name, known)
+            case = Case(number, seeds, Path(scratch) / str(number), name, model, left)
             what = f"{case.ending}: window, {case.work}"
             failures += [Failure(what, number, error) for error in _of_one(case)]
             shutil.rmtree(case.folder, ignore_errors=True)
+    print(f"{len(left)} of {count} windows left something for the next start to clear away")
     return count, failures
 
 
@@ -120,6 +124,8 @@ def _of_one(case: Case) -> Iterator[str]:
     yield from _runs_on(case)
     if case.ending != "SIGKILL" and (left := staged(case.folder)):
         yield f"left at once: {left[:4]}"
+    if staged(case.folder) or shared_by(processes, before):
+        case.left.append(case.number)
     if not any(name.endswith(".commit") or ".commit/" in name for name in staged(case.folder)):
         yield from (f"before the next start, {wrong}" for wrong in broken(case.folder))
     yield from _started_again(case, processes)
@@ -137,7 +143,7 @@ def _of_one(case: Case) -> Iterator[str]:
     yield from broken(case.folder)
     yield from unlike_its_record(case.pictures, case.seeds, case.folder)
     yield from half_enhanced(case.pictures, {"images": len(list((case.seeds / "endonerf/images").glob("*")))})
-    yield from cannot_go_on(case.folder / "runs", case.known)
+    yield from cannot_go_on(case.folder / "runs", case.model)
 
 
 def _ended(case: Case, processes: set[int]) -> Iterator[str]:

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from app.gui.work.settings import Places
-from app.runs.run_lock import sweep
+from app.runs.run_lock import clear_training
 from app.runs.shared_model import clear_blocks
 from renderer.leftovers import clear
 
 
-def sweep_places(places: Places) -> Iterator[None]:
+def clear_places(places: Places) -> Iterator[None]:
     """Answers with nothing: sets of files that were whole are complete, the rest is gone.
 
     What living processes are writing stays, as does what cannot be moved.
@@ -27,5 +27,5 @@ def sweep_places(places: Places) -> Iterator[None]:
     for run in sorted(places.runs.iterdir()) if places.runs.is_dir() else ():
         if run.is_dir() and not run.is_symlink():
             clear(run)
-            sweep(run)
+            clear_training(run)
     yield None
