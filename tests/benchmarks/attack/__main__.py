@@ -35,7 +35,7 @@ class Part:
 
 
 PARTS = {
-    "files": Part(read_damaged, 6, 250, "damaged files"),
+    "files": Part(read_damaged, 5, 250, "damaged files"),
     "sessions": Part(attack_sessions, 12, 500, "damaged sessions in a window"),
     "kills": Part(attack_kills, 1, 100, "commands killed at random moments"),
     "signals": Part(attack_signals, 1, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
