@@ -51,7 +51,6 @@ from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.settings import Places
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest, left_out, make_strip
 from app.gui.work.thumbnails import Thumbnails, ThumbnailsRequest, make_thumbnails
-from app.gui.work.sweeping import sweep_places
 from app.gui.work.tidying import OnScreen, tidy
 from app.gui.work.tuning import CellMaker, CellRequest, GridCell
 from app.scenes.free_camera import Vector
