@@ -95,24 +95,25 @@ def video_stream(container: InputContainer, path: Path) -> VideoStream:
 
 def decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
     """Whole frames from where the container is, in order; damaged packets and frames are passed over."""
-    import av
+    # The name itself: the module may be emptied before a generator that is left at the program's end.
+    from av.error import FFmpegError
 
     for packet in _packets_of(container, stream):
         try:
             frames = packet.decode()
-        except av.error.FFmpegError:
+        except FFmpegError:
             continue
         yield from (frame for frame in frames if not frame.is_corrupt)
 
 
 def _packets_of(container: InputContainer, stream: VideoStream) -> Iterator[Packet[VideoStream]]:
     """From where the container is to its end; behind damage it goes on."""
-    import av
+    from av.error import FFmpegError
 
     for _ in range(ERRORS):
         try:
             yield from container.demux(stream)
-        except av.error.FFmpegError:
+        except FFmpegError:
             continue
         return
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import random
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
@@ -16,6 +18,7 @@ import pytest
 from renderer.clip import Clip, ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.video import open_video
+from renderer.readers.video_index import decoded, open_container, video_stream
 from renderer.sources import open_clip
 from tests.renderer.readers.numbered import (
     INTERLACED,
@@ -361,3 +364,16 @@ def test_a_real_video(decoder):
     for index in (149, 3, 200):
         video.read_image(index)
     np.testing.assert_array_equal(video.read_image(150), ahead)
+
+
+def test_a_video_that_is_open_when_the_program_ends_says_nothing(video, monkeypatch):
+    troubles = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda trouble: troubles.append(trouble.exc_value))
+    with open_container(video) as container:
+        frames = decoded(container, video_stream(container, video))
+        next(frames)
+        with monkeypatch.context() as ending:
+            ending.setattr(av, "error", None)  # Modules are emptied before what they have made.
+            del frames
+            gc.collect()
+    assert troubles == []
