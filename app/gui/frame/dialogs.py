@@ -18,6 +18,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import em, within
 
 TITLES: dict[Kind, str] = {"folder": "Open a folder", "file": "Open a file"}
+ENTER = (imgui.Key.enter, imgui.Key.keypad_enter)
 OpenDialog = desktop.select_folder | desktop.open_file
 
 
@@ -154,9 +155,11 @@ class Dialogs:
 
     def _draw_choice(self, browser: Browser) -> None:
         path, fits = browser.path, kind_of(browser.path) == browser.kind
+        # Not the Enter that asked for the dialog.
+        entered = not imgui.is_window_appearing() and any(imgui.is_key_pressed(key, False) for key in ENTER)
         imgui.begin_disabled(not fits)
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-            if imgui.button("Open", ImVec2(em(8), 0)):
+            if imgui.button("Open", ImVec2(em(8), 0)) or (fits and entered):
                 self._choose(path)
         imgui.end_disabled()
         imgui.same_line()

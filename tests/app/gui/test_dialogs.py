@@ -6,8 +6,17 @@ import sys
 from pathlib import Path
 
 import pytest
+from imgui_bundle import imgui
 
 from app.gui.frame.dialogs import Dialogs, has_desktop_dialogs, kind_of, listing
+from tests.app.gui.ui import Ui
+
+
+@pytest.fixture(autouse=True)
+def no_desktop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No program that asks in the window's place."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(shutil, "which", lambda name: None)
 
 
 @pytest.fixture
@@ -31,8 +40,6 @@ def test_a_folder_that_cannot_be_listed_is_empty(tmp_path: Path) -> None:
 def test_on_linux_a_missing_dialog_program_is_not_taken_for_a_cancel(
     monkeypatch: pytest.MonkeyPatch, folder: Path
 ) -> None:
-    monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setattr(shutil, "which", lambda name: None)
     assert not has_desktop_dialogs()
     dialogs = Dialogs(folder)
     dialogs.ask("folder", lambda path: None)
@@ -43,13 +50,29 @@ def test_on_linux_a_missing_dialog_program_is_not_taken_for_a_cancel(
 
 
 @pytest.fixture
-def plain(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Dialogs:
+def plain(folder: Path) -> Dialogs:
     """The dialog inside the window, open in `folder`."""
-    monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setattr(shutil, "which", lambda name: None)
     dialogs = Dialogs(folder)
     dialogs.ask("file", lambda path: None)
     return dialogs
+
+
+def test_enter_opens_what_is_typed_but_not_what_the_dialog_begins_with(folder: Path, ui: Ui) -> None:
+    chosen: list[Path] = []
+    dialogs = Dialogs(folder)
+    dialogs.ask("folder", chosen.append)
+    ui.press(dialogs.draw, imgui.Key.enter)
+    assert chosen == []
+    dialogs.browser = None
+    dialogs.ask("file", chosen.append)
+    ui.frame(dialogs.draw)
+    ui.frame(dialogs.draw)
+    ui.io.add_input_characters_utf8("1.png")
+    ui.frame(dialogs.draw)
+    assert chosen == []
+    ui.press(dialogs.draw, imgui.Key.enter)
+    assert chosen == [folder / "1.png"]
+    assert dialogs.browser is None
 
 
 @pytest.mark.parametrize("text", ["~nobody-of-this-name", "x" * 300, "/" + "y" * 5000, "", "a\0b"])
