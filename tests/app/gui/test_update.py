@@ -145,6 +145,20 @@ def test_a_later_photo_waits_for_its_partner_but_not_for_ever(state: AppState, c
     np.testing.assert_array_equal(state.picture.pictures.photo, photo(2))
 
 
+def test_a_clip_that_plays_enhanced_waits_for_every_partner(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    first, steps = state.picture.pictures, TwoSteps()
+    channels.pictures = Channel(steps.work)
+    actions.toggle_play(state)
+    actions.seek(state, 2)
+    assert state.picture_request is not None
+    steps.answers = [Pictures(state.picture_request, photo(2))]
+    settle(state, channels, now=10.0)
+    settle(state, channels, now=20.0)
+    assert state.timeline.playing
+    assert state.picture.pictures is first
+
+
 def test_a_moving_slider_never_flashes_the_original(state: AppState, channels: Channels) -> None:
     settle(state, channels)
     first, steps = state.picture.pictures, TwoSteps()
