@@ -13,7 +13,7 @@ from app.gui.commands.commands import has_something
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain
-from app.gui.work.strip import count_for
+from app.gui.work.strip import Strip, count_for
 from renderer.clip import ByteImage
 
 STRIP_HEIGHT = 2.5
@@ -121,8 +121,17 @@ def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgu
         return
     draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.SURROUND))
     if state.timeline.strip is not None and state.timeline.strip.request.clip is state.source.clip:
-        draw.add_image(texture(state.timeline.strip.image), corner, end)
+        _draw_small(state.timeline.strip, texture(state.timeline.strip.image), corner, size)
     _draw_marks(state, count, corner, size)
+
+
+def _draw_small(strip: Strip, shown: imgui.ImTextureRef, corner: ImVec2, size: ImVec2) -> None:
+    """Each of the strip's frames where it is in the clip."""
+    draw, edges = imgui.get_window_draw_list(), strip.edges(size.x, size.y)
+    for place, (left, right) in enumerate(edges):
+        ends = ImVec2(corner.x + left, corner.y), ImVec2(corner.x + right, corner.y + size.y)
+        part = ImVec2(place / len(edges), 0), ImVec2((place + 1) / len(edges), 1)
+        draw.add_image(shown, *ends, *part)
 
 
 def _draw_empty(corner: ImVec2, size: ImVec2) -> None:

@@ -73,8 +73,8 @@ def _may_come_at_once(state: AppState) -> bool:
 
 
 def _may_show(state: AppState, pictures: Pictures) -> bool:
-    """A photo and its enhanced partner appear together; alone only where it would be long in coming, and never
-    in a clip that plays enhanced, which would flash."""
+    """A photo and its enhanced partner appear together; alone only where it would be long in coming, and
+    never in a clip that plays enhanced, which would flash."""
     if pictures.request.clip is not state.source.clip:
         return False
     if pictures.enhanced is not None or pictures.request.params is None or state.picture.pictures is None:

@@ -32,6 +32,15 @@ class Strip:
     image: ByteImage
     """(HEIGHT, W, 3)."""
 
+    def edges(self, width: float, height: float) -> list[tuple[float, float]]:
+        """Left and right of each small picture in a strip of that size on the screen: in its share of it, in
+        the frames' own shape."""
+        rows, columns = self.image.shape[:2]
+        share = width / self.request.count
+        shown = min(share, height * columns / self.request.count / rows)
+        lefts = [place * share + (share - shown) / 2 for place in range(self.request.count)]
+        return [(left, left + shown) for left in lefts]
+
 
 def count_for(clip: Clip, width: float, height: float) -> int:
     """How many small pictures fill a strip of that size on the screen."""

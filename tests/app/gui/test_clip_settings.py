@@ -165,6 +165,16 @@ def test_the_strip_shows_frames_in_order_and_has_a_bound(clip: Clip) -> None:
     assert vessels[0] < vessels[2]
 
 
+def test_a_strip_of_few_frames_keeps_their_shape_and_place(clip: Clip) -> None:
+    *_, strip = make_strip(StripRequest(clip, 2))
+    width = 40 * clip.size[0] / clip.size[1]
+    (first, second) = strip.edges(1000, 40)
+    for (left, right), middle in ((first, 250), (second, 750)):
+        assert right - left == pytest.approx(width, rel=0.02)
+        assert (left + right) / 2 == pytest.approx(middle)
+    assert strip.edges(10, 40) == [(0, 5), (5, 10)]
+
+
 def test_the_tint_is_where_pixels_are_left_out_and_only_while_it_is_asked_for(state: AppState) -> None:
     channels = Channels()
     clip_actions.set_mask(state, PictureMask(text=(0, 0, 10, 40)))
