@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
 NAMES: Final = {
@@ -21,6 +22,14 @@ NAMES: Final = {
 def legible(text: str) -> str:
     """`text` with a question mark for what UTF-8 cannot say: bytes of a file name in another encoding."""
     return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def located(folder: Path) -> str:
+    """Where a folder is: from the home folder on, so that no user is named, else its whole path."""
+    try:
+        return f"{folder.relative_to(Path.home()).as_posix()}/"
+    except (ValueError, RuntimeError):
+        return str(folder)
 
 
 def named(method: str) -> str:

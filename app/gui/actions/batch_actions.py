@@ -11,6 +11,7 @@ from app.enhancement.enhance_files import Setting
 from app.enhancement.frame_enhancer import POOLED_FRAMES
 from app.enhancement.methods import preset_of, worded
 from app.enhancement.settable import Pixels
+from app.files.legible import located
 from app.files.timestamp import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
@@ -101,7 +102,7 @@ def take_progress(state: AppState, request: BatchRequest, answer: Progressed | F
 
 
 def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
-    count, folder = answer.step.count, f"{request.output.parent.name}/{request.output.name}/"
+    count, folder = answer.step.count, located(request.output)
     if not answer.failed:
         actions.announce(state, f"{count} of {count} enhanced into {folder}")
         return

@@ -22,6 +22,7 @@ from app.exports.records import (
 )
 from app.exports.sources import Opened
 from app.exports.view_pages import Views
+from app.files.legible import located
 from app.files.records import extended
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
@@ -301,7 +302,7 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         actions.fail(state, f"the export failed: {answer.message}")
     elif answer.path is not None:
         state.exports.under_way = None
-        actions.announce(state, f"exported {answer.path.name} in {answer.path.parent.name}/")
+        actions.announce(state, f"exported {answer.path.name} in {located(answer.path.parent)}")
     else:
         under_way.done = answer.done
 
@@ -311,7 +312,7 @@ def take_saved(state: AppState, answer: Step | Failure) -> None:
     if isinstance(answer, Failure):
         actions.fail(state, f"the image was not saved: {answer.message}")
     elif answer.path is not None:
-        actions.announce(state, f"saved {answer.path.name} in {answer.path.parent.name}/")
+        actions.announce(state, f"saved {answer.path.name} in {located(answer.path.parent)}")
 
 
 def cancelled(state: AppState) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from app.enhancement.settable import LONGEST_NOTES
 from app.errors import UserError
+from app.files.legible import located
 from app.gui.actions import actions, edit_actions
 from app.gui.session_file import (
     MOST_STEPS,
@@ -187,7 +188,7 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
         if request.in_passing:
             state.session.autosave_trouble = ""
         else:
-            actions.announce(state, f"saved {answer.name} in {answer.parent.name}/")
+            actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")
     elif not request.in_passing:
         actions.fail(state, f"the session was not saved: {answer.message}")
     else:

@@ -8,6 +8,7 @@ from pathlib import Path
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, DifferenceRequest
 from app.exports.exporting import Step
+from app.files.legible import located
 from app.gui.actions import actions, edit_actions, export_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Answer, Failure, Request
@@ -101,4 +102,4 @@ def take_written(state: AppState, request: WriteRequest, answer: Path | Failure)
         tell = actions.fail if request.announced else actions.say
         tell(state, f"{request.trouble}: {answer.message}")
     elif request.announced:
-        actions.announce(state, f"saved {answer.name} in {answer.parent.name}/")
+        actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")

@@ -10,10 +10,10 @@ import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import Params, worded
-from app.exports.exporting import export
+from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
 from app.files.provenance import digest, read_provenance
-from app.gui.actions import actions, job_actions
+from app.gui.actions import actions, export_actions, job_actions
 from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
 from app.gui.update.job_starting import start_due
@@ -33,6 +33,18 @@ from tests.app.gui.test_opening import make_run, opened
 
 def pair(clip: Clip, params: Params) -> Pictures:
     return list(PictureMaker().make(PictureRequest(clip, 2, params)))[-1]
+
+
+@pytest.mark.parametrize("home", [True, False])
+def test_it_is_said_where_a_picture_lies(
+    state: AppState, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, home: bool
+) -> None:
+    monkeypatch.setattr(Path, "home", lambda: tmp_path if home else tmp_path / "elsewhere")
+    folder = tmp_path / "Pictures" / "VesselSplat"
+    export_actions.take_saved(state, Step(1, folder / "clip.png"))
+    assert state.window.toast is not None
+    said = "Pictures/VesselSplat/" if home else str(folder)
+    assert state.window.toast.message == f"saved clip.png in {said}"
 
 
 def test_the_pixels_are_the_data_s_own(tmp_path: Path, clip: Clip) -> None:
