@@ -7,7 +7,7 @@ from functools import cache
 
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, camera_actions
+from app.gui.actions import actions, camera_actions, window_actions
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 
@@ -65,6 +65,9 @@ class Keyboard:
         # While controls are walked by keyboard, Space presses the one in focus.
         actions.peek(state, acts and not io.nav_visible and imgui.is_key_down(PEEK))
         flies = state.scene.viewer.flying
+        # As everywhere, Escape closes what lies over the panes before it does anything to them.
+        if acts and _is_pressed(chord("Esc"), False) and window_actions.close_over(state):
+            return
         for command in _pressed(state, sections) if acts else ():
             command.act(state)
         held = FLIGHT if acts and flies and not io.key_mods else {}

@@ -48,6 +48,21 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     assert not opened.enhancement.active
 
 
+def test_escape_closes_what_lies_over_the_panes_before_it_changes_them(ui: Ui, opened: AppState) -> None:
+    draw = keyboard(opened)
+    opened.exports.shown = True
+    ui.press(draw, imgui.Key.escape)
+    assert not opened.exports.shown
+    assert opened.enhancement.active
+    opened.batches.shown = opened.window.help_open = True
+    ui.press(draw, imgui.Key.escape)
+    assert not opened.batches.shown
+    assert not opened.window.help_open
+    assert opened.enhancement.active
+    ui.press(draw, imgui.Key.escape)
+    assert not opened.enhancement.active
+
+
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     draw = keyboard(opened)
