@@ -44,6 +44,9 @@ STATUS = {
     "cancelled": "Interrupted",
 }
 
+FIRST_STEP = "Preparing the first step…"
+FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
+"""Its kernels are compiled then."""
 PART = (
     "Trim and mask are set below the panes (In, Out, All, Mask). What they leave out is neither "
     "trained on nor evaluated; a run keeps the trim and mask it was started with."
@@ -185,9 +188,14 @@ def _draw_hold(state: AppState) -> None:
     explain("The last checkpoint is kept: Continue resumes from it.")
 
 
+def status_of(run: Reconstruction) -> str:
+    """What it is at, in a word or two."""
+    return FIRST_STEP if run.status == "running" and run.progress is None else STATUS[run.status]
+
+
 def _draw_status(run: Reconstruction) -> None:
     progress = run.progress
-    imgui.text_unformatted(STATUS[run.status])
+    imgui.text_unformatted(status_of(run))
     if run.request is not None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
@@ -195,6 +203,8 @@ def _draw_status(run: Reconstruction) -> None:
         if run.is_alive and run.preparing is not None:
             _draw_preparing(run.preparing)
             imgui.text_colored(theme.now().muted, capital(run.planned))
+        elif run.status == "running":
+            note(FIRST_USE)
         return
     left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
     imgui.same_line()

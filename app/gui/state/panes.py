@@ -23,6 +23,10 @@ from renderer.clip import BoolImage, ByteImage
 Tone = Literal["plain", "enhanced", "caution"]
 STALE_SECONDS = 0.15
 """Younger than this, an update on its way is not worth a flashing tag."""
+LONG_SECONDS = 3.0
+"""After which a person wonders whether anything happens."""
+FIRST_USE = "The first use of a method takes up to a minute."
+"""Its kernels are compiled then, once on a computer."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage
         return photo, (Tag("ORIGINAL · peek", "caution"),), stale
     if source == ENHANCED:
         if pictures.enhanced is None:
-            return photo, (Tag("PREPARING… original shown", "caution"),), stale
+            return photo, (Tag("PREPARING… original shown", "caution"), *_first_use(state)), stale
         return pictures.enhanced, (Tag("ENHANCED", "enhanced"), Tag(describe(pictures))), stale
     if reason := why_not(state, source):
         return photo, (Tag("ORIGINAL · nothing else to show", "caution"), Tag(reason)), stale
@@ -170,7 +174,17 @@ def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
         tags.append(Tag("TINTED · tools and mask", "caution"))
     if stale and not state.timeline.playing and state.window.now - state.picture.asked_at > STALE_SECONDS:
         tags.append(Tag("UPDATING…", "caution"))
+        tags.extend(_first_use(state))
     return tuple(tags)
+
+
+def _first_use(state: AppState) -> tuple[Tag, ...]:
+    """Why it takes so long, where another method than the one on screen was asked for."""
+    shown, wanted = state.picture.pictures, state.picture_request
+    if shown is None or wanted is None or state.window.now - state.picture.asked_at <= LONG_SECONDS:
+        return ()
+    same = shown.enhanced is not None and type(shown.request.params) is type(wanted.params)
+    return () if same else (Tag(FIRST_USE),)
 
 
 def tinted(state: AppState) -> BoolImage | None:

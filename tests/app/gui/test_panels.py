@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from app.gui.actions import actions, history_actions, path_actions
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
-from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.reconstruction import FIRST_STEP, draw_reconstruction, status_of
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
@@ -75,6 +75,15 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     run.warnings = ["a warning"]
     ui.frame(lambda: draw_reconstruction(opened))
     ui.frame(lambda: draw_reconstruction(opened))
+
+
+def test_the_wait_before_the_first_step_has_words(ui: Ui, opened: AppState) -> None:
+    run = opened.runs.reconstruction
+    run.status = "running"
+    assert status_of(run) == FIRST_STEP
+    ui.frame(lambda: draw_reconstruction(opened))
+    run.progress = Progress(1, 100, 0.1, 25.0, 1.0, 99.0, 30_000)
+    assert status_of(run) != FIRST_STEP
 
 
 @pytest.mark.parametrize("total", [0, 27])

@@ -8,8 +8,9 @@ import pytest
 
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import SIDES
-from app.gui.state.panes import Pane, pane
+from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, pane
 from enhance import EnhanceParams
+from enhance.vessel import VesselParams
 from tests.app.gui.ui import (
     Shown,
     Ui,
@@ -51,6 +52,22 @@ def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
         shown = said(pane(opened, pictures(opened), side))
         assert "FROZEN · frame 1" in shown
         assert "UPDATING" in shown
+
+
+def test_a_long_wait_for_another_method_is_explained(opened: AppState) -> None:
+    def right() -> str:
+        return said(pane(opened, pictures(opened), "right"))
+
+    opened.picture.asked_at, opened.window.now = 10.0, 10.0 + LONG_SECONDS / 2
+    opened.enhancement.params = VesselParams()
+    assert FIRST_USE not in right()
+    opened.window.now = 10.1 + LONG_SECONDS
+    assert "UPDATING" in right()
+    assert FIRST_USE in right()
+    opened.enhancement.params = EnhanceParams(z=0.1)  # The method on screen is at work.
+    assert FIRST_USE not in right()
+    opened.picture.pictures = replace(pictures(opened), enhanced=None)
+    assert FIRST_USE in right()
 
 
 def test_the_wheel_zooms_at_the_pointer_and_a_double_click_fits(ui: Ui, opened: AppState) -> None:
