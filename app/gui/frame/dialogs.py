@@ -18,6 +18,10 @@ from app.gui.style import theme
 from app.gui.style.widgets import em, within
 
 TITLES: dict[Kind, str] = {"folder": "Open a folder", "file": "Open a file"}
+EMPTY: dict[Kind, str] = {
+    "folder": "No folder inside: Open takes this one with the files in it.",
+    "file": "No file or folder here.",
+}
 ENTER = (imgui.Key.enter, imgui.Key.keypad_enter)
 OpenDialog = desktop.select_folder | desktop.open_file
 
@@ -134,8 +138,7 @@ class Dialogs:
 
     def _draw_entries(self, browser: Browser) -> None:
         if not browser.entries:
-            what = "folder" if browser.kind == "folder" else "file or folder"
-            imgui.text_colored(theme.now().muted, f"No {what} here.")
+            imgui.text_colored(theme.now().muted, EMPTY[browser.kind])
         for index, entry in enumerate(browser.entries):
             icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
             flags = imgui.SelectableFlags_.no_auto_close_popups | imgui.SelectableFlags_.allow_double_click

@@ -13,6 +13,8 @@ from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import em, explain
 
+SEPARATOR = "   ·   "
+
 
 def draw_menus(state: AppState, sections: tuple[Section, ...]) -> None:
     """Every command, for those who look rather than remember."""
@@ -51,13 +53,18 @@ def draw_status(state: AppState) -> None:
     """The notice on the left, always; what is open and how fast things are on the right."""
     _hide_border(imgui.Col_.window_bg)
     imgui.text_colored(theme.now().warning, LONG_NOTICE)
-    text = "   ·   ".join(_facts(state))
-    x = imgui.get_window_width() - imgui.calc_text_size(text).x - em(1)
-    if x > imgui.calc_text_size(LONG_NOTICE).x + em(3):
-        imgui.same_line(x)
+    room = imgui.get_window_width() - imgui.calc_text_size(LONG_NOTICE).x - em(4)
+    if text := fitting(_facts(state), room):
+        imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(text).x - em(1))
         imgui.text_colored(theme.now().muted, text)
         if state.scene.model is not None:
             explain(state.scene.drawn_by)
+
+
+def fitting(facts: list[str], room: float) -> str:
+    """As many as there is room for, the first ones first."""
+    lines = (SEPARATOR.join(facts[:count]) for count in range(len(facts), 0, -1))
+    return next((line for line in lines if imgui.calc_text_size(line).x < room), "")
 
 
 def _hide_border(ground: imgui.Col_) -> None:

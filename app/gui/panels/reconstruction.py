@@ -202,7 +202,7 @@ def _draw_status(run: Reconstruction) -> None:
     if progress is None:
         if run.is_alive and run.preparing is not None:
             _draw_preparing(run.preparing)
-            imgui.text_colored(theme.now().muted, capital(run.planned))
+            note(capital(run.planned))
         elif run.status == "running":
             note(FIRST_USE)
         return

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from app.gui.actions import actions, history_actions, path_actions
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
+from app.gui.panels.menus import SEPARATOR, fitting
 from app.gui.panels.reconstruction import FIRST_STEP, draw_reconstruction, status_of
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import draw_welcome
@@ -75,6 +76,16 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     run.warnings = ["a warning"]
     ui.frame(lambda: draw_reconstruction(opened))
     ui.frame(lambda: draw_reconstruction(opened))
+
+
+def test_the_status_bar_says_as_much_as_there_is_room_for(ui: Ui) -> None:
+    said: list[str] = []
+
+    def draw() -> None:
+        said.extend(fitting(["the clip", "its speed"], room) for room in (1e4, 120.0, 1.0))
+
+    ui.frame(draw)
+    assert said == [f"the clip{SEPARATOR}its speed", "the clip", ""]
 
 
 def test_the_wait_before_the_first_step_has_words(ui: Ui, opened: AppState) -> None:
