@@ -201,7 +201,10 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
 def offer_recovery(state: AppState) -> None:
     """At the start: whether an earlier session ended without an end."""
     try:
-        state.session.recoverable = recoverable(state.places.config)
+        state.session.recoverable = found = recoverable(state.places.config)
+        if found is not None:
+            saved = datetime.fromtimestamp(found.stat().st_mtime).astimezone()
+            state.session.recoverable_since = saved.strftime("%Y-%m-%d %H:%M")
     except OSError as error:
         actions.say(state, f"earlier sessions cannot be listed: {error}")
 

@@ -8,7 +8,7 @@ from app.gui.actions import session_actions
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import em, explain
 
-OFFER = "The last session ended unexpectedly"
+OFFER = "An earlier session ended unexpectedly"
 
 
 def draw_notes(state: AppState) -> None:
@@ -34,6 +34,8 @@ def draw_recovery(state: AppState) -> None:
         if not opened:
             return
         imgui.spacing()
+        if state.session.recoverable_since:
+            imgui.text_unformatted(f"It was last saved {state.session.recoverable_since}.")
         imgui.text_unformatted("Restore the open files, settings, views and notes?")
         imgui.spacing()
         for label, act in (("Restore", session_actions.recover), ("Start fresh", session_actions.decline)):

@@ -17,6 +17,8 @@ class KeptSession:
     """Where the session was opened from or saved to."""
     recoverable: Path | None = None
     """A session that ended unexpectedly, until it is restored or declined."""
+    recoverable_since: str = ""
+    """When it was last saved."""
     autosaved: Session | None = None
     """The newest that was saved in passing, or is about to be."""
     autosaved_at: float = 0.0
