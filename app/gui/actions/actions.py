@@ -137,6 +137,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         say(state, f"opened {path.name}")
         return
     state.source.opening, state.source.path, state.session.path = None, opened.path or path, None
+    state.source.asked = True
     if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
         state.scene.cameras = CameraList()
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
@@ -191,6 +192,11 @@ def _show_run(state: AppState, opened: Opened) -> None:
 def choose_chart(state: AppState, place: int) -> None:
     """Of the report, the diagram to show."""
     state.reports.place = place
+
+
+def pictures_came(state: AppState) -> None:
+    """Their panel is in front."""
+    state.source.asked = False
 
 
 def report_came(state: AppState) -> None:

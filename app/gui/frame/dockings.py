@@ -103,12 +103,17 @@ def widen(factor: float) -> None:
 
 def _column(name: str) -> Node | None:
     """Where the panel is docked, with what is above and below it; None where it has no neighbour."""
-    window: imgui.internal.Window | None = imgui.internal.find_window_by_name(name)
-    node = _node_of(window)
+    node = _node_of(_window(name))
     above = _parent_of(node)
     if above is not None and above.split_axis == imgui.internal.Axis.y:
         node, above = above, _parent_of(above)
     return None if above is None else node
+
+
+def _window(name: str) -> imgui.internal.Window | None:
+    """None before it is drawn for the first time."""
+    window: imgui.internal.Window | None = imgui.internal.find_window_by_name(name)
+    return window
 
 
 def _node_of(window: imgui.internal.Window | None) -> Node | None:
@@ -122,8 +127,7 @@ def _parent_of(node: Node | None) -> Node | None:
 def spare_ground() -> None:
     """A docked panel is as the window is behind it: a software driver is spared painting that once more."""
     for panel in _docking().dockable_windows:
-        window: imgui.internal.Window | None = imgui.internal.find_window_by_name(panel.label)
-        docked = _in_window(_node_of(window))
+        docked = _in_window(_node_of(_window(panel.label)))
         panel.imgui_window_flags = imgui.WindowFlags_.no_background if docked else imgui.WindowFlags_.none
 
 
@@ -142,6 +146,9 @@ def follow(state: AppState) -> None:
     panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
     _show(panel(TUNING), state.tuning.shown)
     _show(panel(EDIT), state.editing.active)
+    if state.source.asked and (pictures := _window("Pictures")) is not None:
+        panel("Pictures").focus_window_at_next_frame = pictures.hidden
+        actions.pictures_came(state)
     if state.reports.asked:
         # Once in front, it is as the View menu says.
         panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True

@@ -21,6 +21,8 @@ class Source:
     path: Path | None = None
     """The clip, run or file of splats that was opened last."""
     clip: Clip | None = None
+    asked: bool = True
+    """The panel of its pictures is to come to the front, at the start as well."""
     options: ClipOptions = DEFAULTS
     """How `clip` was read."""
     part: ClipPart = WHOLE
