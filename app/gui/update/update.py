@@ -9,7 +9,7 @@ from app.gui.actions import actions, edit_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.job_events import follow_job
-from app.scenes.view_selection import FRAMES_PER_SECOND
+from app.gui.update.playing import onward
 
 PROMPT = 0.012
 """Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the
@@ -90,11 +90,8 @@ def _play(state: AppState, elapsed: float) -> None:
     waits = state.timeline.frozen_index is None and state.pictures_wait
     if not state.timeline.playing or state.source.clip is None or waits:
         return
-    rate = state.source.clip.frames_per_second or FRAMES_PER_SECOND
-    first, last = state.source.span
-    onward = state.timeline.playhead + min(elapsed, 0.25) * rate
-    within = first <= state.timeline.playhead < last + 1
-    state.timeline.playhead = first + (onward - first) % (last + 1 - first) if within else float(first)
+    clip, span = state.source.clip, state.source.span
+    state.timeline.playhead = onward(clip, span, state.timeline.playhead, min(elapsed, 0.25))
     state.timeline.frame_index = int(state.timeline.playhead)
 
 

@@ -12,6 +12,7 @@ from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.job_starting import start_due
+from app.gui.update.playing import onward
 from app.gui.update.update import PATIENCE, PROMPT, take_pictures, update
 from app.gui.update.view_wish import SLOW_VIEW, view_request
 from app.gui.work.background import Channel, Worker
@@ -209,6 +210,17 @@ def test_playing_goes_at_the_clip_s_rate_and_wraps(state: AppState, channels: Ch
         frames.append(state.timeline.frame_index)
         settle(state, channels, tick * 0.1)
     assert frames == [1, 2, 3, 4, 5, 0, 1, 2]
+
+
+def test_frames_of_an_uneven_clip_last_as_long_as_in_the_file(clip: Clip) -> None:
+    uneven = replace(clip, frame_times=(0.0, 0.1, 0.2, 1.2, 1.3, 1.4))
+    playhead, frames = 0.0, []
+    for _ in range(17):
+        playhead = onward(uneven, (0, 5), playhead, 0.1 + 1e-9)
+        frames.append(int(playhead))
+    assert frames == [1, *[2] * 10, 3, 4, 5, 0, 1, 2]
+    assert onward(uneven, (2, 3), 3.5, 0.06) == pytest.approx(2.01)
+    assert onward(uneven, (2, 3), 0.0, 0.1) == 2.0
 
 
 def test_playing_waits_for_the_pictures(state: AppState, channels: Channels) -> None:
