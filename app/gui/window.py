@@ -119,7 +119,8 @@ class Window:
         try:
             with noted() as self._has_signal:
                 immapp.run(self.runner_params(), self.add_ons())
-            kept_layout.seal(self._layout_file)
+                # Before a signal that has closed the window takes its course.
+                kept_layout.seal(self._layout_file)
         except (RuntimeError, moderngl.Error) as error:
             if self._viewport is not None:
                 raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -85,6 +86,21 @@ def test_only_a_layout_that_a_window_has_left_is_read_again(places: Places) -> N
         assert not layout.exists()
         assert layout.with_name("window.ini.damaged").read_bytes() == content
         assert "the standard one is used" in state.window.log[-1]
+
+
+def test_a_window_that_a_signal_closes_keeps_its_layout(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    layout = places.config / kept_layout.NAME
+
+    def run(*arguments: object) -> None:
+        layout.write_text("[Docking][Data]")
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(immapp, "run", run)
+    with pytest.raises(KeyboardInterrupt):
+        Window(AppState(places)).run()
+    assert kept_layout.put_aside_damaged(layout) == ""
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="a system without such pipes")
