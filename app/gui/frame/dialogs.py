@@ -164,6 +164,8 @@ class Dialogs:
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             if imgui.button("Open", ImVec2(em(8), 0)) or (fits and entered):
                 self._choose(path)
+                # Else what lies below has a control in focus, which the next Space presses.
+                imgui.set_nav_cursor_visible(False)
         imgui.end_disabled()
         imgui.same_line()
         if imgui.button("Cancel", ImVec2(em(8), 0)) or imgui.is_key_pressed(imgui.Key.escape):

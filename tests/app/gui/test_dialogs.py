@@ -75,6 +75,27 @@ def test_enter_opens_what_is_typed_but_not_what_the_dialog_begins_with(folder: P
     assert dialogs.browser is None
 
 
+def test_after_enter_no_control_below_is_in_focus(folder: Path, ui: Ui) -> None:
+    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
+    dialogs = Dialogs(folder)
+
+    def draw() -> None:
+        imgui.button("below")
+        dialogs.draw()
+
+    ui.frame(draw)
+    dialogs.ask("file", lambda path: None)
+    ui.frame(draw)
+    ui.frame(draw)
+    ui.io.add_input_characters_utf8("1.png")
+    ui.frame(draw)
+    ui.press(draw, imgui.Key.enter)
+    for _ in range(3):
+        ui.frame(draw)
+    assert dialogs.browser is None
+    assert not ui.io.nav_visible
+
+
 @pytest.mark.parametrize("text", ["~nobody-of-this-name", "x" * 300, "/" + "y" * 5000, "", "a\0b"])
 def test_nothing_that_can_be_typed_breaks_the_dialog(plain: Dialogs, folder: Path, text: str) -> None:
     plain.type(text)
