@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import cv2
 import numpy as np
@@ -17,6 +17,8 @@ from enhance.statistics import Statistics
 Pixels = Literal["automatic", "all"] | FieldOfView
 """What is enhanced and counts in the statistics: the field of view as found in the image, every pixel as the
 paper has it, or a known field of view. What lies outside stays as it is."""
+SPARSE: Final = 64
+"""Rows, of which one tells that an image has colours."""
 ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
 
 
@@ -74,10 +76,10 @@ class Shown:
         """What 1.0 is in `pixels`."""
         return full_scale(self.pixels.dtype)
 
-    @property
+    @cached_property
     def is_grey(self) -> bool:
-        """The image has no colours."""
-        return self.picture.pixels.ndim == 2
+        """The image has no colours: one channel, or three that are equal."""
+        return self.picture.pixels.ndim == 2 or (_is_grey(self.pixels[::SPARSE]) and _is_grey(self.pixels))
 
     @cached_property
     def spans(self) -> Spans:
@@ -113,6 +115,11 @@ class Shown:
 
     def _inside(self) -> BoolImage:
         return self.field.mask() if self.field else np.ones(self.pixels.shape[:2], bool)
+
+
+def _is_grey(pixels: NDArray[Any]) -> bool:
+    red, green, blue = (pixels[..., channel] for channel in range(3))
+    return np.array_equal(red, green) and np.array_equal(green, blue)
 
 
 def found_in(picture: Picture) -> FieldOfView:

@@ -255,3 +255,13 @@ def test_held_out_frames_beat_the_papers_method_on_every_bar(name: str) -> None:
     assert saturated_share(own) <= saturated_share(paper)
     assert saturated_share(own) <= saturated_share(image)
     assert blackened_share(own, image, vessel) < 1e-3
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+def test_grey_in_three_channels_stays_grey_and_is_as_one_channel(dtype: type) -> None:
+    grey = as_type(vessels()[..., 1] / 255, dtype)
+    result = enhance_vessels(np.repeat(grey[..., None], 3, axis=2)).image
+    assert np.ptp(result.astype(float), axis=2).max() == 0
+    single = enhance_vessels(grey).image
+    apart = np.abs(result[..., 0].astype(float) - single)
+    assert apart.max() <= (1 if dtype == np.uint8 else 257 if dtype == np.uint16 else 2e-3)

@@ -38,7 +38,11 @@ def vessels_of(
     field = Shown.of(image, None, pixels).within(statistics).field
     inside = np.ones(image.shape[:2], bool) if field is None else field.mask()
     keep = read_mask(tissue_mask, picture) & inside
-    planes = _split(picture.colors)
+    colors = picture.colors
+    was_grey = colors.ndim == 3 and bool((np.ptp(colors, axis=2) == 0).all())
+    if was_grey:
+        colors = colors[..., 0]
+    planes = _split(colors)
     calm = _calm(planes)
     bright = _largest(calm)
     dark = level(value_histogram(bright, keep)) if statistics is None else statistics.level
@@ -48,7 +52,9 @@ def vessels_of(
     density = np.float32(params.strength) * _fade(bright) * blood_density(planes, params, inside)
     shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
     result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
-    result[~inside] = picture.colors[~inside]
+    result[~inside] = colors[~inside]
+    if was_grey:
+        result = np.repeat(result[..., None], 3, axis=2)
     return EnhanceResult(picture.with_colors(result), toned.statistics, ())
 
 
