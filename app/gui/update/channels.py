@@ -179,7 +179,7 @@ class Channels:
     @property
     def beside(self) -> Sequence[Channel[Any, Any]]:
         """What a second worker does: work without numba, which no picture waits for."""
-        first = (self.measures, self.left_out, self.strip, self.omissions, self.runs)
+        first = (self.strip, self.left_out, self.measures, self.omissions, self.runs)
         return (*first, *self.keeping, *self.queue.all, self.tidying, self.clearing)
 
     @property

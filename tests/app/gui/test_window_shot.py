@@ -67,6 +67,8 @@ def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> N
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
+        wait(ctx, lambda: state.timeline.strip is not None, "the small frames")
+        wait(ctx, lambda: state.picture.measured is not None, "the measures")
         ctx.key_press(chord("Ctrl+Shift+E"))
         ctx.yield_(2)
         ctx.item_click("//Export/###window")
