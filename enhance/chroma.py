@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-SAMPLES: Final = 4096
+SAMPLES: Final = 1024
 SIZE: Final = 6
 """Pixels of a sample's side: 3 x 3 means of 2 x 2 pixels, as cameras and codecs halve the colours."""
 KERNEL: Final = ((1, -2, 1), (-2, 4, -2), (1, -2, 1))

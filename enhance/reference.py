@@ -88,7 +88,7 @@ def _measured(
 
 def chroma_snr(scaled: Float64Image, keep: BoolImage, inside: BoolImage) -> float | None:
     """As `enhance.chroma.chroma_snr`, place by place."""
-    step = max(6, int(np.sqrt(keep.size / 4096)))
+    step = max(6, int(np.sqrt(keep.size / 1024)))
     chroma, noise = [], []
     for y in range(0, keep.shape[0] - 5, step):
         for x in range(0, keep.shape[1] - 5, step):
