@@ -17,7 +17,7 @@ from enhance.field import FieldOfView
 from enhance.field_tracker import FieldTracker
 from enhance.first_pass import first_pass
 from enhance.guided_filter import Grids, Window, WindowModels, Windows, window
-from enhance.image import AnyImage, Float32Image, ImageError, read_picture
+from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.pixel_block import BINS, BLOCK
 from enhance.powers import LOG2_ZERO
@@ -145,9 +145,10 @@ class Enhancer:
         Raises:
             ImageError: an image, mask or field that cannot be used; the previous image is kept.
         """
+        shown = Shown.of(image, tissue_mask, pixels)
         if self._tracker is not None and pixels == "automatic":
-            pixels = self._tracker.follow(read_picture(image))
-        self._take(Shown.of(image, tissue_mask, pixels))
+            shown = replace(shown, wanted=self._tracker.follow(shown.picture))
+        self._take(shown)
         self._before = self._last
 
     def _take(self, shown: Shown) -> None:

@@ -23,10 +23,23 @@ ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
 
 
 @dataclass(frozen=True, eq=False)
+class Search:
+    """Looks for the field of view of a picture once, however often it is asked for."""
+
+    picture: Picture
+
+    @cached_property
+    def found(self) -> FieldOfView:
+        """See `found_in`."""
+        return found_in(self.picture)
+
+
+@dataclass(frozen=True, eq=False)
 class Shown:
     """One image, read."""
 
     picture: Picture
+    search: Search
     pixels: NDArray[Any]
     """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
     keep: NDArray[np.uint8]
@@ -55,7 +68,7 @@ class Shown:
         pixels = np.ascontiguousarray(pixels)
         if pixels.ndim == 2:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
-        return cls(picture, pixels, keep, wanted)
+        return cls(picture, Search(picture), pixels, keep, wanted)
 
     def within(self, statistics: Statistics | None) -> Shown:
         """Itself, or the same image within the field of view that is wanted, or that of given statistics."""
@@ -69,7 +82,7 @@ class Shown:
             return None
         if statistics is not None and (statistics.field is None or statistics.field.fits(self.pixels)):
             return statistics.field
-        return found_in(self.picture)
+        return self.search.found
 
     @property
     def full(self) -> int:

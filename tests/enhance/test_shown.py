@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from enhance import EnhanceParams, ImageError, enhance, enhance_vessels, measure
+from enhance import (
+    EnhanceParams,
+    Enhancer,
+    ImageError,
+    VesselEnhancer,
+    VesselParams,
+    enhance,
+    enhance_vessels,
+    measure,
+    shown,
+)
 from enhance.field import FieldOfView, find_field
 from enhance.image import full_scale
 from enhance.reference import enhance_reference
@@ -92,6 +102,27 @@ def test_statistics_of_another_size_leave_the_field_to_be_found() -> None:
     assert pooled.field is not None
     assert pooled.field.width == 320
     assert used.level == pooled.level
+
+
+@pytest.mark.parametrize(
+    ("enhancer", "looks"),
+    [
+        (Enhancer(), [EnhanceParams(d_factor=d) for d in (0.4, 0.5, 0.6)]),
+        (VesselEnhancer(), [VesselParams(strength=strength) for strength in (1.0, 2.0, 3.0)]),
+    ],
+    ids=["paper", "vessel"],
+)
+def test_a_moved_slider_does_not_look_for_the_field_again(
+    monkeypatch: pytest.MonkeyPatch, enhancer: Any, looks: list[Any]
+) -> None:
+    looked: list[Any] = []
+    monkeypatch.setattr(shown, "find_field", lambda picture: looked.append(picture) or find_field(picture))
+    enhancer.show(IMAGE)
+    pooled = enhancer.enhance(looks[0]).statistics
+    for look in looks:
+        enhancer.enhance(look)
+        enhancer.enhance(look, statistics=replace(pooled, field=None))
+    assert len(looked) == 1
 
 
 def test_a_field_of_another_size_is_refused() -> None:
