@@ -9,18 +9,21 @@ import sys
 from pathlib import Path
 
 import pytest
-from imgui_bundle import hello_imgui, immapp
+from imgui_bundle import hello_imgui, imgui, immapp
 
 from app.commands import demo
 from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.frame import dockings, kept_layout
+from app.gui.frame.dockings import REPORT
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
+from assets import phantom_path
 from renderer.view_files import Views, views_json
+from tests.app.gui.test_window import Driver, is_settled, wait
 
 
 def broken(*arguments: object) -> None:
@@ -148,3 +151,20 @@ def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp
     assert state.reports.shown is not None
     assert state.window.toast is not None
     assert "0 views from views.json" in state.window.toast.message
+
+
+@pytest.mark.display
+def test_what_is_opened_comes_to_the_front(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        ctx.yield_(3)
+        dockings.toggle(REPORT)
+        ctx.yield_(3)
+        actions.open_path(driver.state, phantom_path())
+        wait(ctx, lambda: is_settled(driver.state), "the phantom")
+        ctx.yield_(3)
+        window = imgui.internal.find_window_by_name("Pictures")
+        assert not window.hidden
+
+    driver.run(drive)

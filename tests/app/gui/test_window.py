@@ -21,8 +21,6 @@ from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport
-from app.gui.frame import dockings
-from app.gui.frame.dockings import REPORT
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.clip_settings import load_clips
@@ -319,23 +317,6 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
     assert 60 < middle[0] < 140  # half as bright as white,
     assert (view[view.shape[0] // 2, 2] == 0).all()  # and nothing is beside it.
     assert np.ptp(shot[:top]) > 200
-
-
-@pytest.mark.display
-def test_what_is_opened_comes_to_the_front(places: Places) -> None:
-    driver = Driver(places, Settings(acknowledged=True), [])
-
-    def drive(ctx: imgui.test_engine.TestContext) -> None:
-        ctx.yield_(3)
-        dockings.toggle(REPORT)
-        ctx.yield_(3)
-        actions.open_path(driver.state, phantom_path())
-        wait(ctx, lambda: is_settled(driver.state), "the phantom")
-        ctx.yield_(3)
-        window = imgui.internal.find_window_by_name("Pictures")
-        assert not window.hidden
-
-    driver.run(drive)
 
 
 @pytest.mark.display
