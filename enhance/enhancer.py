@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,56 +30,11 @@ from enhance.second_pass import (
     render,
 )
 from enhance.shown import Pixels, Shown
-from enhance.statistics import LiveStatistics, Statistics, Tally, from_sums
-
-LIKELY_SIGMA: Final = 64.0
-"""Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
-
+from enhance.statistics import LiveStatistics, Statistics, Tally
+from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
 
 NO_VALUES: Final = np.empty((0, 0), np.float32)
 NO_CURVE: Final = np.empty(0, np.float32)
-
-
-@dataclass(frozen=True, eq=False)
-class _Survey:
-    """What the first pass finds."""
-
-    subsample: int
-    low: Grids
-    """(2, h, w) mean and variance of V in each block."""
-    histogram: NDArray[np.int64]
-    """(256,) of V over the kept pixels."""
-    chroma: float
-    """Sum of S over the kept pixels."""
-
-    @cached_property
-    def count(self) -> int:
-        return int(self.histogram.sum())
-
-    @cached_property
-    def level(self) -> int:
-        return brightness.level(self.histogram)
-
-    @cached_property
-    def mean(self) -> float:
-        """Of V, in [0, 1]."""
-        return float(self.histogram @ np.arange(BINS)) / (255 * max(self.count, 1))
-
-    def range(self, rounding: float) -> tuple[float, float]:
-        """Darkest and brightest V counted, widened by what rounding hides, in grey levels."""
-        levels = np.flatnonzero(self.histogram)
-        return max(levels[0] - rounding, 0) / 255, min(levels[-1] + rounding, 255) / 255
-
-
-class _Moments(NamedTuple):
-    """Of a scale's Q over the kept pixels, as in Tally."""
-
-    mean: float
-    squares: float
-
-    def sigma(self, count: int) -> float:
-        """In grey levels, over so many pixels."""
-        return 255 * math.sqrt(self.squares / max(count, 1))
 
 
 @dataclass(frozen=True)
@@ -125,10 +79,10 @@ class Enhancer:
         self._before: Statistics | None = None
         self._last: Statistics | None = None
         self._shown: Shown | None = None
-        self._survey: _Survey | None = None
+        self._survey: Survey | None = None
         self._chroma: float | None = None
         self._models = WindowModels()
-        self._moments: dict[Window, _Moments] = {}
+        self._moments: dict[Window, Moments] = {}
         self._reaches: dict[Window, float] = {}
         self._curve_z, self._curve = math.nan, NO_CURVE
         self._made: _Made | None = None
@@ -212,7 +166,7 @@ class Enhancer:
     def _windows(self, params: EnhanceParams) -> Windows:
         return tuple(window(radius, params.eps, params.subsample) for radius in params.radii)
 
-    def _surveyed(self, subsample: int) -> _Survey:
+    def _surveyed(self, subsample: int) -> Survey:
         """The first pass; only the low resolution depends on a parameter."""
         if self._survey is None or self._survey.subsample != subsample:
             now = self._now
@@ -224,7 +178,7 @@ class Enhancer:
             first_pass(
                 now.pixels, now.keep, now.spans, np.float32(now.full), subsample, *low, histograms, chroma
             )
-            self._survey = _Survey(subsample, low, histograms.sum(axis=0), float(chroma.sum()))
+            self._survey = Survey(subsample, low, histograms.sum(axis=0), float(chroma.sum()))
         return self._survey
 
     def _statistics(self, params: EnhanceParams, windows: Windows) -> Statistics:
@@ -232,8 +186,7 @@ class Enhancer:
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
         snr = self._chroma_snr(params)
-        measured = from_sums(params, "image", seen.count, seen.level, seen.chroma, sigmas, snr)
-        measured = replace(measured, field=self._now.field)
+        measured = statistics_of(params, seen, sigmas, snr, self._now)
         if self._live is None:
             return measured
         return self._live.follow(self._before, measured).resolved(params)
@@ -314,7 +267,7 @@ class Enhancer:
         )
         self._made = made
         for index in np.flatnonzero(measured).tolist():
-            self._moments[windows[index]] = _moments(sums[:, index].sum(axis=0), seen)
+            self._moments[windows[index]] = Moments.of(sums[:, index].sum(axis=0), seen)
         return out
 
     def _curve_of(self, z: float) -> Float32Image:
@@ -391,10 +344,3 @@ class Enhancer:
                     self._reaches[one] = needs.local_reach(*given)
             reaches[index] = self._reaches.get(one, loose)
         return tuple(reaches)
-
-
-def _moments(sums: NDArray[np.float64], seen: _Survey) -> _Moments:
-    """From the sums of Q - pivot and its square."""
-    count = max(seen.count, 1)
-    drift = sums[0] / count
-    return _Moments(float(np.float32(seen.mean) + drift), max(float(sums[1] - count * drift**2), 0.0))

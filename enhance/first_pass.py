@@ -63,21 +63,21 @@ def first_pass(
                     x0 = step * CHUNK
                     count = min(CHUNK, columns - x0)
                     load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
-                    _gather(chunk, y == low_row * subsample, x0, lines)
+                    gather(chunk, y == low_row * subsample, x0, lines)
                     if first < x0 + count and x0 < end:
                         for i in range(CHUNK):
                             chunk[VALUE, i] = chunk[MOST, i] * unit
                         load_keep(keep, y, x0, count, chunk)
                         if first > x0 or end < x0 + count:
                             keep_within(first, end, x0, chunk)
-                        _tally(chunk, levels, counts, count)
+                        tally(chunk, levels, counts, count)
             for x in range(columns, width):
                 for plane in range(3):
                     lines[plane, x] = lines[plane, columns - 1]
-            _shrink(lines, subsample, unit, fine, low_row)
+            shrink(lines, subsample, unit, fine[0, low_row], fine[1, low_row])
             totals += chunk[TOTAL]
         for low_row in range(block * BLOCK // 2, min((last + 1) // 2, coarse.shape[1])):
-            _pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
+            pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
         chroma[block] = totals.sum()
         for level in range(BINS):
             histograms[block, level] = (
@@ -86,7 +86,7 @@ def first_pass(
 
 
 @njit(inline="always")
-def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.float32]) -> None:
+def gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.float32]) -> None:
     """Of each column of a block: its first V, and the sum and the squares of what the others differ by.
 
     Differences to a value that occurs keep a small variance exact to float32.
@@ -105,7 +105,7 @@ def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np
 
 
 @njit(inline="always")
-def _tally(
+def tally(
     chunk: NDArray[np.float32], levels: NDArray[np.uint16], counts: NDArray[np.int32], count: int
 ) -> None:
     """Add the chunk's S and V to the sums; four histograms in turn, as equal neighbours would wait."""
@@ -120,21 +120,25 @@ def _tally(
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
-def _shrink(
-    lines: NDArray[np.float32], subsample: int, unit: np.float32, fine: NDArray[np.float32], row: int
+def shrink(
+    lines: NDArray[np.float32],
+    subsample: int,
+    unit: np.float32,
+    mean: NDArray[np.float32],
+    variance: NDArray[np.float32],
 ) -> None:
     """A row of blocks from their columns."""
     if subsample == 1:
-        for x in range(fine.shape[2]):
-            fine[0, row, x], fine[1, row, x] = lines[0, x] * unit, ZERO
+        for x in range(len(mean)):
+            mean[x], variance[x] = lines[0, x] * unit, ZERO
     elif subsample == 2:
-        _shrink_by(lines, 2, unit, fine[0, row], fine[1, row])
+        _shrink_by(lines, 2, unit, mean, variance)
     elif subsample == 4:
-        _shrink_by(lines, 4, unit, fine[0, row], fine[1, row])
+        _shrink_by(lines, 4, unit, mean, variance)
     elif subsample == 8:
-        _shrink_by(lines, 8, unit, fine[0, row], fine[1, row])
+        _shrink_by(lines, 8, unit, mean, variance)
     else:
-        _shrink_by(lines, subsample, unit, fine[0, row], fine[1, row])
+        _shrink_by(lines, subsample, unit, mean, variance)
 
 
 @njit(inline="always")
@@ -166,7 +170,7 @@ def _shrink_by(
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
-def _pool(fine: NDArray[np.float32], first: int, second: int, coarse: NDArray[np.float32]) -> None:
+def pool(fine: NDArray[np.float32], first: int, second: int, coarse: NDArray[np.float32]) -> None:
     """A row of the coarse grid from two of the fine one."""
     last = fine.shape[2] - 1
     above, below = fine[:, first], fine[:, second]

@@ -39,6 +39,7 @@ from enhance.pixel_block import (
     load_keep,
 )
 from enhance.powers import exp2, log2, rounded
+from enhance.upscale import bring_up
 
 FLOOR = np.float32(1 / 255)
 BLACK = np.float32(24 / 255)
@@ -96,7 +97,7 @@ def render(
                 if filtered[scale]:
                     models = coarse[scale] if is_coarse[scale] else fine[scale]
                     grid = 2 * subsample if is_coarse[scale] else subsample
-                    weights[scale] = _bring_up(models, y, grid, lines[scale], held[scale])
+                    weights[scale] = bring_up(models, y, grid, lines[scale], held[scale])
             for step in range(first // CHUNK, (end + CHUNK - 1) // CHUNK if end > first else 0):
                 x0 = step * CHUNK
                 count = min(CHUNK, columns - x0)
@@ -116,14 +117,14 @@ def render(
                     for scale in range(scales):
                         p = exponents[scale]
                         if filtered[scale]:
-                            _filter(lines[scale], x0, weights[scale], chunk)
+                            filter_row(lines[scale], x0, weights[scale], chunk)
                             if measured[scale]:
-                                _add_moments(chunk, pivot, moments[scale, 0], moments[scale, 1])
+                                add_moments(chunk, pivot, moments[scale, 0], moments[scale, 1])
                         if p >= ZERO:
                             if p == HALF and stages[scale] == NOTHING:
-                                _add_by_root(chunk)
+                                add_by_root(chunk)
                             else:
-                                _raise(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
+                                raise_to(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
                                 for i in range(CHUNK):
                                     chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
                     _mean(chunk, exponents)
@@ -132,7 +133,7 @@ def render(
                 _recolor(chunk, pull, color, full)
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)
-                _store(chunk, full, apart, out[y, x0 : x0 + count])
+                store(chunk, full, apart, out[y, x0 : x0 + count])
             out[y, :first] = image[y, :first]
             out[y, end:] = image[y, end:]
             totals += moments
@@ -141,63 +142,8 @@ def render(
             sums[block, scale, 1] = totals[scale, 1].sum()
 
 
-@njit(error_model="numpy")
-def _bring_up(
-    models: NDArray[np.float32],  # (2, h, w)
-    y: int,
-    grid: int,
-    lines: NDArray[np.float32],  # (2, 2, W), in and out: an even row and an odd one
-    held: NDArray[np.int64],  # (2,), in and out: which rows these are
-) -> np.float32:
-    """See that the rows of the models around `y` are there; how much of the odd one there is at y."""
-    rows = models.shape[1]
-    at = (np.float32(y) + HALF) / np.float32(grid) - HALF
-    at = min(max(at, ZERO), np.float32(rows - 1))
-    first = min(int(at), max(rows - 2, 0))
-    for row in range(first, min(first + 2, rows)):
-        if held[row % 2] != row:
-            held[row % 2] = row
-            for plane in range(2):
-                _widen(models[plane, row], grid, lines[row % 2, plane])
-    below = at - np.float32(first)
-    return below if first % 2 == 0 else ONE - below
-
-
-@njit(error_model="numpy")
-def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
-    """Bring a row up linearly, pixel centres aligned; the border repeats to the left and right."""
-    if grid == 1:
-        line[: len(row)] = row
-    elif grid == 2:
-        _widen_by(row, 2, line)
-    elif grid == 4:
-        _widen_by(row, 4, line)
-    else:
-        _widen_by(row, grid, line)
-
-
 @njit(inline="always")
-def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
-    """Where `grid` is a constant, this becomes vector code."""
-    last = len(row) - 1
-    _spread(row[0], row[0], row[min(1, last)], grid, 0, line)
-    for x in range(1, last):
-        _spread(row[x - 1], row[x], row[x + 1], grid, x * grid, line)
-    _spread(row[max(last - 1, 0)], row[last], row[last], grid, last * grid, line)
-
-
-@njit(inline="always")
-def _spread(
-    left: np.float32, middle: np.float32, right: np.float32, grid: int, at: int, line: NDArray[np.float32]
-) -> None:
-    for k in range(grid):
-        offset = (np.float32(k) + HALF) / np.float32(grid) - HALF
-        near = left if offset < ZERO else right
-        line[at + k] = middle + abs(offset) * (near - middle)
-
-
-@njit(inline="always")
-def _filter(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: NDArray[np.float32]) -> None:
+def filter_row(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: NDArray[np.float32]) -> None:
     """Q of Eq 6, into SLOPE, between two rows of a and b."""
     a, a_odd = lines[0, 0, x0 : x0 + CHUNK], lines[1, 0, x0 : x0 + CHUNK]
     b, b_odd = lines[0, 1, x0 : x0 + CHUNK], lines[1, 1, x0 : x0 + CHUNK]
@@ -219,11 +165,11 @@ def _brighten(
         for i in range(CHUNK):
             chunk[LOG, i] = log2(chunk[VALUE, i])
     else:
-        _brighten_directly(chunk, z)
+        brighten_directly(chunk, z)
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
-def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
+def brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
     for i in range(CHUNK):
         value = chunk[VALUE, i]
         log = log2(value)
@@ -233,7 +179,7 @@ def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
 
 
 @njit(inline="always")
-def _add_moments(
+def add_moments(
     chunk: NDArray[np.float32], pivot: np.float32, drift: NDArray[np.float32], spread: NDArray[np.float32]
 ) -> None:
     for i in range(CHUNK):
@@ -243,7 +189,24 @@ def _add_moments(
 
 
 @njit(inline="always")
-def _add_by_root(chunk: NDArray[np.float32]) -> None:
+def add_scale(
+    chunk: NDArray[np.float32],
+    p: np.float32,
+    pivot: np.float32,
+    sums: NDArray[np.float32],  # (2, CHUNK), in and out: of Q - pivot and its square over the kept pixels
+) -> None:
+    """Vn^E of Eq 8 from Q in SLOPE, onto TOTAL, and Q onto its sums."""
+    add_moments(chunk, pivot, sums[0], sums[1])
+    if p == HALF:
+        add_by_root(chunk)
+    else:
+        for i in range(CHUNK):
+            power = exp2(p * log2((chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]))
+            chunk[TOTAL, i] += exp2(power * chunk[LOG, i])
+
+
+@njit(inline="always")
+def add_by_root(chunk: NDArray[np.float32]) -> None:
     """Vn^E of Eq 8 from Q for P = 1/2, nearly every image's, in one go; onto TOTAL."""
     for i in range(CHUNK):
         ratio = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
@@ -251,7 +214,7 @@ def _add_by_root(chunk: NDArray[np.float32]) -> None:
 
 
 @njit(inline="always")
-def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
+def raise_to(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
     """E of Eq 7 from Q, or as far as needed from what is kept of an earlier pass; into SLOPE."""
     if stage in (FROM_LOGARITHM, FROM_POWER):
         for i in range(len(kept)):
@@ -328,13 +291,19 @@ def _is_dark(chunk: NDArray[np.float32]) -> bool:
     return bool(darkest < 24)
 
 
+@njit(inline="always")
+def faded_to_black(value: np.float32) -> np.float32:
+    """`keep_black`: a smoothstep of V that is 0 at V = 0 and 1 from V = 24/255 on."""
+    t = value * (ONE / BLACK)
+    t = t if t < ONE else ONE
+    return t * t * (THREE - TWO * t)
+
+
 @njit(fastmath={"contract"}, error_model="numpy")
 def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
     """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
     for i in range(CHUNK):
-        t = chunk[VALUE, i] * (ONE / BLACK)
-        t = t if t < ONE else ONE
-        chunk[OFFSET, i] = t * t * (THREE - TWO * t)
+        chunk[OFFSET, i] = faded_to_black(chunk[VALUE, i])
     for plane in range(3):
         for i in range(CHUNK):
             weight = chunk[OFFSET, i]
@@ -342,7 +311,7 @@ def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
 
 
 @njit(inline="always")
-def _store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
+def store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
     if full > ONE:
         for plane in range(3):
             for i in range(CHUNK):

@@ -6,31 +6,38 @@ reddens narrow dark structures as more blood would, whether or not they are vess
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass as plain_dataclass
-from typing import Annotated, Any, Final
+from dataclasses import replace
+from typing import Annotated, Final
 
-import cv2
 import numpy as np
 from annotated_types import Interval, Unit
-from numpy.typing import NDArray
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from enhance import vessel_kernels
-from enhance.brightness import level, z_from_level
-from enhance.enhancer import Enhancer
-from enhance.image import AnyImage, Float32Image, ImageError, full_scale
-from enhance.morphology import opening
+from enhance import morphology
+from enhance.brightness import z_from_level
+from enhance.guided_filter import Grids, WindowModels, Windows, window
+from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
+from enhance.pixel_block import BINS
 from enhance.result import EnhanceResult
+from enhance.rows import sums_of
 from enhance.saturation import pull
 from enhance.shown import Pixels, Shown
 from enhance.statistics import Statistics
+from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
+from enhance.upscale import at_places
+from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
+from enhance.vessel_second_pass import second_pass
 
 ABSORPTION: Final = np.array([0.15, 1.0, 0.8], dtype=np.float32)
 """Of haemoglobin in the red, green and blue of a camera, relative to green (coarse: sensors differ)."""
 GREY: Final = np.ones(3, dtype=np.float32)
 """For grey images."""
+SAMPLES: Final = 1 << 14
+"""Pixels, or up to twice as many, whose median is taken."""
 
 
 @dataclass(
@@ -118,47 +125,36 @@ def enhance_vessels(
 
 
 @plain_dataclass(frozen=True, eq=False)
-class _Planes:
-    """Memory for what follows from an image of one size alone."""
+class _Found:
+    """Of one image and one shading: what the first pass finds."""
 
-    sharp: NDArray[np.float32]
-    """(3, H, W): R, G and B in [0, 1]."""
-    smooth: NDArray[np.float32]
-    """(3, H, W), blurred; then red and green blurred more."""
-    calm: NDArray[np.float32]
-    """(H, W, 3) without noise of colour."""
-    fade: Float32Image
+    shading: float
+    step: int
+    survey: Survey
     absorbed: Float32Image
-
-    @classmethod
-    def of(cls, shape: tuple[int, ...]) -> _Planes:
-        apart, single = (3, *shape[:2]), shape[:2]
-        return cls(
-            sharp=np.empty(apart, np.float32),
-            smooth=np.empty(apart, np.float32),
-            calm=np.empty((*single, 3), np.float32),
-            fade=np.empty(single, np.float32),
-            absorbed=np.empty(single, np.float32),
-        )
+    """(H, W) natural logarithm of what green lacks beside red; of grey images, of all that is dark."""
+    small: Float32Image
+    """Its means over blocks of `step` pixels."""
 
 
 @plain_dataclass(frozen=True, eq=False)
-class _Found:
-    """Structures that absorb green, by what they were looked for with."""
+class _Ground:
+    """What structures stand out from, of one radius."""
 
-    asked: tuple[int, float]
-    """Radius and shading."""
+    radius: int
+    step: int
     opened: Float32Image
-    """(H, W), the background of `_Planes.absorbed`."""
+    """(h, w) background of what is absorbed, in blocks of `step` pixels."""
     middle: float
-    """Median of the density."""
+    """Median of the density before coring."""
 
 
 class VesselEnhancer:
     """Show it an image, then enhance it as often as the parameters change; see `enhance_vessels`.
 
-    A new strength, coring, gamma, d-factor or colour limit neither filters nor detects structures
-    again. Working memory is reused from image to image. Not thread-safe.
+    A new strength, coring, lift, gamma, d-factor or colour limit neither filters nor looks for structures
+    again.
+    Working memory is reused from image to image. Not thread-safe.
 
     Example:
         >>> import numpy as np
@@ -170,13 +166,12 @@ class VesselEnhancer:
     """
 
     def __init__(self) -> None:
-        self._paper = Enhancer()
-        self._planes = _Planes.of((0, 0))
         self._shown: Shown | None = None
-        self._calmed: Shown | None = None
-        self._level = 0
+        self._seen: Shown | None = None
         self._found: _Found | None = None
-        self._toned: tuple[EnhanceParams, Statistics | None, EnhanceResult] | None = None
+        self._ground: _Ground | None = None
+        self._models = WindowModels()
+        self._moments: tuple[Moments, ...] = ()
 
     def show(
         self, image: AnyImage, tissue_mask: AnyImage | None = None, *, pixels: Pixels = "automatic"
@@ -188,32 +183,6 @@ class VesselEnhancer:
         """
         self._shown = Shown.of(image, tissue_mask, pixels)
 
-    def _look_within(self, statistics: Statistics | None) -> Shown:
-        """The shown image within its field of view, or that of the statistics, calmed."""
-        if self._shown is None:
-            raise ImageError("expected an image to be shown before it is enhanced")
-        self._shown = now = self._shown.within(statistics)
-        if now is not self._calmed:
-            if self._planes.calm.shape != now.pixels.shape:
-                self._planes = _Planes.of(now.pixels.shape)
-            keep = now.kept()
-            self._level = level(self._calm(now.pixels, keep))
-            self._paper.show(self._planes.calm, keep if len(keep) else None, pixels=now.field or "all")
-            self._found, self._toned, self._calmed = None, None, now
-        return now
-
-    def _calm(self, pixels: NDArray[Any], keep: NDArray[np.uint8]) -> NDArray[np.int64]:
-        """Fill all planes but `absorbed`; the histogram of V."""
-        planes = self._planes
-        vessel_kernels.split(pixels, np.float32(full_scale(pixels.dtype)), planes.sharp)
-        for sharp, smooth in zip(planes.sharp, planes.smooth, strict=True):
-            cv2.GaussianBlur(sharp, (0, 0), 0.8, dst=smooth)
-        histograms = np.empty((-(-len(pixels) // vessel_kernels.BLOCK), vessel_kernels.BINS), np.int64)
-        vessel_kernels.calm(planes.sharp, planes.smooth, keep, planes.calm, planes.fade, histograms)
-        for sharp, smooth in zip(planes.sharp[:2], planes.smooth[:2], strict=True):
-            cv2.GaussianBlur(sharp, (0, 0), 1.0, dst=smooth)
-        return np.asarray(histograms.sum(axis=0))
-
     def enhance(
         self, params: VesselParams = VESSEL, *, statistics: Statistics | None = None
     ) -> EnhanceResult:
@@ -223,43 +192,126 @@ class VesselEnhancer:
             ImageError: statistics that cannot be used, no pixel to measure, or no image shown.
         """
         now = self._look_within(statistics)
-        toned, found = self._tone(params, statistics), self._find(now, params)
-        out = np.empty_like(now.pixels)
-        vessel_kernels.finish(
-            np.asarray(toned.image),
-            self._planes.fade,
-            self._planes.absorbed,
-            found.opened,
-            np.float32(params.gamma),
-            np.float32(pull(toned.statistics.saturation_mean, params.d_factor)),
-            np.float32(params.most_color),
-            np.float32(params.strength),
-            np.float32(params.coring * found.middle),
-            GREY if now.is_grey else ABSORPTION,
-            np.float32(now.full),
-            now.pixels,
-            now.spans,
-            out,
-        )
-        return EnhanceResult(now.finished(out), toned.statistics, ())
+        found = self._find(now, params)
+        dark = found.survey.level if statistics is None else statistics.level
+        tone = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
+        if statistics is not None:
+            used = statistics.resolved(tone)
+            return EnhanceResult(self._draw(now, params, tone, used), used, ())
+        likely = self._statistics(now, tone)
+        drawn = self._draw(now, params, tone, likely)
+        used = self._statistics(now, tone)
+        return EnhanceResult(drawn if used.p == likely.p else self._draw(now, params, tone, used), used, ())
 
-    def _tone(self, params: VesselParams, statistics: Statistics | None) -> EnhanceResult:
-        """V of the paper with part of its brightening, hue and S as they are."""
-        dark = self._level if statistics is None else statistics.level
-        paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
-        if self._toned is None or self._toned[:2] != (paper, statistics):
-            self._toned = paper, statistics, self._paper.enhance(paper, statistics=statistics)
-        return self._toned[2]
+    def _look_within(self, statistics: Statistics | None) -> Shown:
+        """The shown image within its field of view, or that of the statistics."""
+        if self._shown is None:
+            raise ImageError("expected an image to be shown before it is enhanced")
+        self._shown = now = self._shown.within(statistics)
+        if now is not self._seen:
+            self._seen, self._moments, self._ground = now, (), None
+            self._models.forget()
+            if self._found is not None:
+                self._found = replace(self._found, shading=math.nan)
+        return now
 
     def _find(self, now: Shown, params: VesselParams) -> _Found:
         """What is narrow and absorbs green more than red; of grey pictures, what is narrow and dark."""
-        asked = params.radius, 0.0 if now.is_grey else params.shading
-        if self._found is None or self._found.asked != asked:
-            red, green = self._planes.smooth[:2]
-            absorbed = self._planes.absorbed
-            vessel_kernels.absorb(red, green, np.float32(asked[1]), absorbed)
-            background = opening(absorbed, params.radius)
-            sparse = np.maximum(absorbed[::3, ::3] - background[::3, ::3], 0)
-            seen = sparse if now.field is None or now.field.is_whole else sparse[now.field.mask()[::3, ::3]]
-            self._found = _Found(asked, background, float(np.median(seen)) if seen.size else 0.0)
-        return self._found
+        shading, step = 0.0 if now.is_grey else params.shading, morphology.step_of(params.radius)
+        found = self._found
+        if found is None or (found.shading, found.step) != (shading, step):
+            found = self._found = _survey(now, shading, step, found)
+            self._ground = None
+        if self._ground is None or self._ground.radius != params.radius:
+            opened = morphology.opened(found.small, params.radius // step)
+            self._ground = _Ground(params.radius, step, opened, _median(now, found.absorbed, opened, step))
+        return found
+
+    def _statistics(self, now: Shown, tone: EnhanceParams) -> Statistics:
+        """Of the shown image; likely sigmas where Q is not measured."""
+        assert self._found is not None
+        survey = self._found.survey
+        sigmas = tuple(one.sigma(survey.count) for one in self._moments)
+        return statistics_of(tone, survey, sigmas or (LIKELY_SIGMA,) * len(tone.radii), None, now)
+
+    def _draw(self, now: Shown, params: VesselParams, tone: EnhanceParams, used: Statistics) -> AnyImage:
+        """The second pass; measures Q on the way."""
+        assert self._found is not None
+        assert self._ground is not None
+        found, ground = self._found, self._ground
+        windows = _windows(tone)
+        out = np.empty_like(now.pixels)
+        moments = np.empty((-(-len(out) // TASK), len(windows), 2))
+        second_pass(
+            now.pixels,
+            now.keep,
+            now.spans,
+            np.float32(now.full),
+            sums_of(now.pixels),
+            *self._models.of(found.survey.low, windows, (True,) * len(windows)),
+            np.array([one.coarse for one in windows]),
+            np.array(used.p, np.float32),
+            np.float32(used.z),
+            np.float32(found.survey.mean),
+            found.absorbed,
+            ground.opened[None],
+            ground.step,
+            np.float32(params.gamma),
+            np.float32(pull(used.saturation_mean, params.d_factor)),
+            np.float32(params.most_color),
+            np.float32(params.strength),
+            np.float32(params.coring * ground.middle),
+            GREY if now.is_grey else ABSORPTION,
+            moments,
+            out,
+        )
+        sums = moments.sum(axis=0)
+        self._moments = tuple(Moments.of(sums[scale], found.survey) for scale in range(len(windows)))
+        return now.finished(out)
+
+
+def _windows(tone: EnhanceParams) -> Windows:
+    return tuple(window(radius, tone.eps, tone.subsample) for radius in tone.radii)
+
+
+def _survey(now: Shown, shading: float, step: int, before: _Found | None) -> _Found:
+    """The first pass, into the memory of the one before where that fits."""
+    height, width = now.pixels.shape[:2]
+    low = -(-height // SUBSAMPLE), -(-width // SUBSAMPLE)
+    small = -(-height // step), -(-width // step)
+    if before is not None and before.absorbed.shape == (height, width) and before.small.shape == small:
+        grids, absorbed, blocks = before.survey.low, before.absorbed, before.small
+    else:
+        half = -(-low[0] // 2), -(-low[1] // 2)
+        grids = Grids(np.empty((2, *low), np.float32), np.empty((2, *half), np.float32))
+        absorbed, blocks = np.empty((height, width), np.float32), np.empty(small, np.float32)
+    tasks = -(-height // TASK)
+    histograms, chroma = np.empty((tasks, BINS), np.int64), np.empty(tasks)
+    first_pass(
+        now.pixels,
+        now.keep,
+        now.spans,
+        np.float32(now.full),
+        sums_of(now.pixels),
+        np.float32(shading),
+        step,
+        *grids,
+        histograms,
+        chroma,
+        absorbed,
+        blocks,
+    )
+    survey = Survey(SUBSAMPLE, grids, histograms.sum(axis=0), float(chroma.sum()))
+    return _Found(shading, step, survey, absorbed, blocks)
+
+
+def _median(now: Shown, absorbed: Float32Image, opened: Float32Image, step: int) -> float:
+    """Of the density within the field of view, at evenly spread places."""
+    apart = max(3, math.isqrt(absorbed.size // SAMPLES))
+    height, width = absorbed.shape
+    y, x = np.arange(0, height, apart), np.arange(0, width, apart)
+    density = np.maximum(absorbed[::apart, ::apart] - at_places(opened, y, x, step), 0)
+    if now.field is not None and not now.field.is_whole:
+        spans = now.spans[::apart]
+        density = density[(x >= spans[:, :1]) & (x < spans[:, 1:])]
+    return float(np.median(density)) if density.size else 0.0

@@ -21,7 +21,7 @@ from enhance.metrics import (
 )
 from enhance.ridges import field_of_view, vessel_mask
 from enhance.vessel import ABSORPTION, VESSEL, VesselEnhancer, VesselParams, enhance_vessels
-from enhance.vessel_kernels import MOST
+from enhance.vessel_second_pass import BOUND
 from tests.enhance.pictures import DTYPES, as_type, images, vessels
 from tests.enhance.test_real_images import DATA, FRAMES, read
 from tests.enhance.vessel_oracle import vessels_of
@@ -162,8 +162,8 @@ def test_density_hardly_shows_at_a_step_between_tissues() -> None:
 def test_density_is_bounded() -> None:
     noise = np.random.default_rng(1).random((50, 60, 3))
     strongest = [density(image, VesselParams(coring=0)).max() for image in (noise, np.round(noise))]
-    assert max(strongest) <= MOST + 1e-6
-    assert min(strongest) > 0.8 * MOST
+    assert max(strongest) <= BOUND + 1e-6
+    assert min(strongest) > 0.8 * BOUND
     for constant in (np.zeros_like(noise), np.ones_like(noise)):
         assert not density(constant, VesselParams(coring=0)).any()
 

@@ -9,7 +9,7 @@ import numpy as np
 from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replaced
 
 KERNELS, FILTER, FIRST_PASS = "enhance.second_pass", "enhance.guided_filter", "enhance.first_pass"
-ENHANCER, POWERS = "enhance.enhancer", "enhance.powers"
+ENHANCER, SURVEY, POWERS = "enhance.enhancer", "enhance.survey", "enhance.powers"
 
 
 def parts_of(*names: str) -> tuple[str, ...]:
@@ -42,9 +42,9 @@ def _statistics() -> list[Fault]:
     return [
         edit("sign", "of z", "enhance.brightness", "(level - 50) / 100", "(50 - level) / 100", quick=True),
         edit("other", "L at another share", "enhance.brightness", "10 * cumulative", "4 * cumulative"),
-        edit("dropped", "the mean of Q", ENHANCER, "float(sums[1] - count * drift**2)", "float(sums[1])"),
+        edit("dropped", "the mean of Q", SURVEY, "float(sums[1] - count * drift**2)", "float(sums[1])"),
         edit(
-            "swapped", "sums and squares of Q", ENHANCER, "drift = sums[0] / count", "drift = sums[1] / count"
+            "swapped", "sums and squares of Q", SURVEY, "drift = sums[0] / count", "drift = sums[1] / count"
         ),
         edit(
             "float16",
@@ -61,7 +61,7 @@ def _statistics() -> list[Fault]:
             "other",
             "sigma in another unit",
             parts_of("statistics"),
-            edited(ENHANCER, "255 * math.sqrt(self.squares", "256 * math.sqrt(self.squares"),
+            edited(SURVEY, "255 * math.sqrt(self.squares", "256 * math.sqrt(self.squares"),
         ),
     ]
 

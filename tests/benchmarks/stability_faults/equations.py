@@ -125,7 +125,12 @@ def _equations() -> list[Fault]:
         ),
         edit("dropped", "a scale's share", KERNELS, "ONE / np.float32(len(exponents)), ", "HALF, ", "bytes"),
         edit(
-            "swapped", "rows of models", KERNELS, "below if first % 2 == 0 else ONE - below", "below", "bytes"
+            "swapped",
+            "rows of models",
+            "enhance.upscale",
+            "below if first % 2 == 0 else ONE - below",
+            "below",
+            "bytes",
         ),
         # Eqs 11 and 12.
         edit("sign", "of Eq 12", "enhance.saturation", "(3 - 2 * mean)", "(3 + 2 * mean)", "saturation"),
@@ -214,7 +219,7 @@ def _fields() -> list[Fault]:
             "enhance.field_tracker",
         ),
         edit("other", "the surround is enhanced", outside, "out[y, end:] = 255", KERNELS),
-        edit("other", "vessel in the surround", outside, "out[y, end:] = 255", "enhance.vessel_kernels"),
+        edit("other", "vessel in the surround", outside, "out[y, end:] = 255", "enhance.vessel_second_pass"),
         Fault("edges", "other", "a small field everywhere", parts, replaced(find, _everywhere(_small_field))),
         Fault("edges", "other", "no surround anywhere", parts, replaced(find, _everywhere(FieldOfView))),
     ]

@@ -1,0 +1,98 @@
+"""Rows of an image that come in from above and are smoothed on the way.
+
+Each row is read once, with what lies beside it; the border reflects, without the pixel at the border itself.
+Weights are binomial, (1 2 1) / 4 for narrow and (1 4 6 4 1) / 16 for wide, nearly Gaussians of 0.7 and 1
+pixel: sums of 8-bit pixels stay whole numbers below 2^16, and twice as many as of floats are added at once.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from enhance.interleave import deinterleave
+from enhance.pixel_block import CHUNK
+
+REACH: Final = 2
+"""Pixels on either side that count."""
+ROWS: Final = 8
+"""That are held, row y at place y % ROWS; a power of two that is at least 2 REACH + 1."""
+READ: Final = CHUNK + 32
+"""Columns of a chunk and those beside it, and some that nobody counts; a multiple of 32."""
+NARROW, BROAD = np.float32(1 / 16), np.float32(1 / 256)
+"""One over the sums of the weights."""
+
+
+def sums_of(image: NDArray[Any]) -> NDArray[Any]:
+    """Empty, of the type that weighted sums of an image's pixels have."""
+    return np.empty(0, np.uint16 if image.dtype == np.uint8 else np.float32)
+
+
+@njit(inline="always", error_model="numpy")
+def held_width(columns: int) -> int:
+    """Of the rows that are held: whole chunks, and what is read beside the last."""
+    return (columns + CHUNK - 1) // CHUNK * CHUNK + READ - CHUNK
+
+
+@njit(inline="always", error_model="numpy")
+def reflected(at: int, size: int) -> int:
+    """The place in [0, size) that stands for one outside."""
+    while size > 1 and not 0 <= at < size:
+        at = -at if at < 0 else 2 * (size - 1) - at
+    return at if size > 1 else 0
+
+
+@njit(error_model="numpy")
+def read_row(
+    image: NDArray[Any],  # (H, W, 3)
+    y: int,  # may lie outside
+    line: NDArray[Any],  # (3, `held_width`), for use here
+    across: NDArray[Any],  # (ROWS, 3, `held_width`), in and out
+) -> None:
+    """Sums of three neighbours in row y, the middle one twice: those around column x are at place x + 1."""
+    columns = image.shape[1]
+    deinterleave(image[reflected(y, image.shape[0])], line)
+    for color in range(3):
+        pixels, sums = line[color], across[y % ROWS, color]
+        _add_across(pixels, sums[2:], columns - 2)
+        for x in (0, columns - 1):
+            beside = pixels[reflected(x - 1, columns)] + pixels[reflected(x + 1, columns)]
+            sums[x + 1] = beside + pixels[x] + pixels[x]
+        sums[0] = sums[1 + reflected(-1, columns)]
+        sums[columns + 1] = sums[1 + reflected(columns, columns)]
+
+
+@njit(error_model="numpy")
+def _add_across(left: NDArray[Any], sums: NDArray[Any], count: int) -> None:
+    middle, right = left[1:], left[2:]
+    for i in range(count):
+        sums[i] = left[i] + right[i] + (middle[i] + middle[i])
+
+
+@njit(error_model="numpy")
+def add_down_narrowly(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[Any]) -> None:
+    """Weighted (1 2 1) of the rows around y: (CHUNK,) sums of the pixels from column x0 on."""
+    row, up, down = (
+        across[y % ROWS, color, x0 + 1 :],
+        across[(y - 1) % ROWS, color, x0 + 1 :],
+        across[(y + 1) % ROWS, color, x0 + 1 :],
+    )
+    for i in range(CHUNK):
+        sums[i] = up[i] + down[i] + (row[i] + row[i])
+
+
+@njit(error_model="numpy")
+def add_down_widely(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[Any]) -> None:
+    """Weighted (1 4 6 4 1) of the rows around y: (READ,), those of column x0 at place 1."""
+    row, up, down = (
+        across[y % ROWS, color, x0:],
+        across[(y - 1) % ROWS, color, x0:],
+        across[(y + 1) % ROWS, color, x0:],
+    )
+    far_up, far_down = across[(y - 2) % ROWS, color, x0:], across[(y + 2) % ROWS, color, x0:]
+    for i in range(READ):
+        middle, near = row[i] + row[i] + row[i], up[i] + down[i]
+        sums[i] = far_up[i] + far_down[i] + (near + near) + (near + near) + (middle + middle)

@@ -1,0 +1,78 @@
+"""What the passes over one image find, and its statistics from that."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance import brightness
+from enhance.guided_filter import Grids
+from enhance.params import EnhanceParams
+from enhance.pixel_block import BINS
+from enhance.shown import Shown
+from enhance.statistics import Statistics, from_sums
+
+LIKELY_SIGMA: Final = 64.0
+"""Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """What a first pass finds."""
+
+    subsample: int
+    low: Grids
+    """(2, h, w) mean and variance of V in each block."""
+    histogram: NDArray[np.int64]
+    """(256,) of V over the kept pixels."""
+    chroma: float
+    """Sum of S over the kept pixels."""
+
+    @cached_property
+    def count(self) -> int:
+        return int(self.histogram.sum())
+
+    @cached_property
+    def level(self) -> int:
+        return brightness.level(self.histogram)
+
+    @cached_property
+    def mean(self) -> float:
+        """Of V, in [0, 1]."""
+        return float(self.histogram @ np.arange(BINS)) / (255 * max(self.count, 1))
+
+    def range(self, rounding: float) -> tuple[float, float]:
+        """Darkest and brightest V counted, widened by what rounding hides, in grey levels."""
+        levels = np.flatnonzero(self.histogram)
+        return max(levels[0] - rounding, 0) / 255, min(levels[-1] + rounding, 255) / 255
+
+
+class Moments(NamedTuple):
+    """Of a scale's Q over the kept pixels, as in Tally."""
+
+    mean: float
+    squares: float
+
+    @classmethod
+    def of(cls, sums: NDArray[np.float64], seen: Survey) -> Moments:
+        """From the sums of Q - the mean of V, and of its square."""
+        count = max(seen.count, 1)
+        drift = sums[0] / count
+        return cls(float(np.float32(seen.mean) + drift), max(float(sums[1] - count * drift**2), 0.0))
+
+    def sigma(self, count: int) -> float:
+        """In grey levels, over so many pixels."""
+        return 255 * math.sqrt(self.squares / max(count, 1))
+
+
+def statistics_of(
+    params: EnhanceParams, seen: Survey, sigmas: tuple[float, ...], snr: float | None, shown: Shown
+) -> Statistics:
+    """Of one image, from what a first pass and the sums of Q tell."""
+    measured = from_sums(params, "image", seen.count, seen.level, seen.chroma, sigmas, snr)
+    return replace(measured, field=shown.field)

@@ -1,0 +1,82 @@
+"""Rows of a grid brought up to the size of the image."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from enhance.image import Float32Image
+from enhance.pixel_block import HALF, ONE, ZERO
+
+
+@njit(error_model="numpy")
+def bring_up(
+    models: NDArray[np.float32],  # (n, h, w), each pixel a block of the image
+    y: int,
+    grid: int,
+    lines: NDArray[np.float32],  # (2, n, W), in and out: an even row and an odd one
+    held: NDArray[np.int64],  # (2,), in and out: which rows these are
+) -> np.float32:
+    """See that the rows of the models around `y` are there; how much of the odd one there is at y.
+
+    Linear, pixel centres aligned; the border repeats.
+    """
+    rows = models.shape[1]
+    at = (np.float32(y) + HALF) / np.float32(grid) - HALF
+    at = min(max(at, ZERO), np.float32(rows - 1))
+    first = min(int(at), max(rows - 2, 0))
+    for row in range(first, min(first + 2, rows)):
+        if held[row % 2] != row:
+            held[row % 2] = row
+            for plane in range(len(models)):
+                _widen(models[plane, row], grid, lines[row % 2, plane])
+    below = at - np.float32(first)
+    return below if first % 2 == 0 else ONE - below
+
+
+@njit(error_model="numpy")
+def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
+    """Bring a row up linearly, pixel centres aligned; the border repeats to the left and right."""
+    if grid == 1:
+        line[: len(row)] = row
+    elif grid == 2:
+        _widen_by(row, 2, line)
+    elif grid == 4:
+        _widen_by(row, 4, line)
+    else:
+        _widen_by(row, grid, line)
+
+
+@njit(inline="always")
+def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
+    """Where `grid` is a constant, this becomes vector code."""
+    last = len(row) - 1
+    _spread(row[0], row[0], row[min(1, last)], grid, 0, line)
+    for x in range(1, last):
+        _spread(row[x - 1], row[x], row[x + 1], grid, x * grid, line)
+    _spread(row[max(last - 1, 0)], row[last], row[last], grid, last * grid, line)
+
+
+@njit(inline="always")
+def _spread(
+    left: np.float32, middle: np.float32, right: np.float32, grid: int, at: int, line: NDArray[np.float32]
+) -> None:
+    for k in range(grid):
+        offset = (np.float32(k) + HALF) / np.float32(grid) - HALF
+        near = left if offset < ZERO else right
+        line[at + k] = middle + abs(offset) * (near - middle)
+
+
+def at_places(
+    blocks: Float32Image, rows: NDArray[np.intp], columns: NDArray[np.intp], grid: int
+) -> Float32Image:
+    """(n, m) what `bring_up` gives of (h, w) blocks of `grid` pixels at these rows and columns."""
+    for axis, places in ((0, rows), (1, columns)):
+        last = blocks.shape[axis] - 1
+        at = np.clip((places.astype(np.float32) + HALF) / np.float32(grid) - HALF, ZERO, np.float32(last))
+        first = np.minimum(at.astype(np.intp), max(last - 1, 0))
+        beyond = np.expand_dims(at - first.astype(np.float32), 1 - axis)
+        near, far = blocks.take(first, axis), blocks.take(np.minimum(first + 1, last), axis)
+        blocks = near + beyond * (far - near)
+    return blocks
