@@ -16,7 +16,7 @@ from annotated_types import Interval, Unit
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from enhance import morphology
+from enhance import morphology, vessel_curves
 from enhance.brightness import z_from_level
 from enhance.guided_filter import Grids, WindowModels, Windows, window
 from enhance.image import AnyImage, Float32Image, ImageError
@@ -251,12 +251,12 @@ class VesselEnhancer:
             *self._models.of(found.survey.low, windows, (True,) * len(windows)),
             np.array([one.coarse for one in windows]),
             np.array(used.p, np.float32),
-            np.float32(used.z),
+            vessel_curves.logarithms(used.z),
             np.float32(found.survey.mean),
             found.absorbed,
             ground.opened[None],
             ground.step,
-            np.float32(params.gamma),
+            vessel_curves.powers(params.gamma),
             np.float32(pull(used.saturation_mean, params.d_factor)),
             np.float32(params.most_color),
             np.float32(params.strength),

@@ -12,12 +12,14 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance import vessel_curves
 from enhance.pixel_block import (
     BLUE,
     CHUNK,
     GREEN,
     INVERSE,
     LEAST_COLOR,
+    LOG,
     MOST,
     OFFSET,
     ONE,
@@ -32,14 +34,16 @@ from enhance.pixel_block import (
 )
 from enhance.powers import exp2, log2
 from enhance.rows import REACH, ROWS, held_width, read_row
-from enhance.second_pass import FLOOR, add_scale, brighten_directly, faded_to_black, filter_row, store
+from enhance.second_pass import FLOOR, add_scale, faded_to_black, filter_row, store
 from enhance.upscale import bring_up
+from enhance.vessel_curves import unpacked, value_of
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, calm
 
 BOUND = np.float32(0.5)
 """On the density that is found, a natural logarithm: at strength 1, green falls to 61 % at most."""
-DIM, LIT = np.float32(0.15), np.float32(0.4)
-"""V between which `gamma` and the layer fade in: dark vessels do not become black."""
+LOWEST, DIM, LIT = np.float32(vessel_curves.LOWEST), np.float32(vessel_curves.DIM), np.float32(0.4)
+"""log2 V as of `vessel_curves`; V between which `gamma` and the layer fade in: dark vessels do not become
+black."""
 TWO, THREE = np.float32(2.0), np.float32(3.0)
 TINY = np.float32(1e-6)
 LEAST_SQUARE = np.float32(1e-12)
@@ -58,12 +62,12 @@ def second_pass(
     coarse: NDArray[np.float32],  # (n, 2, h / 2, w / 2): of each on the coarse one
     is_coarse: NDArray[np.bool_],  # (n,)
     exponents: NDArray[np.float32],  # (n,) P of each scale
-    z: np.float32,
+    logarithms: NDArray[np.float32],  # of log2 Vn by log2 V, see `vessel_curves`
     pivot: np.float32,  # near the mean of Q
     absorbed: NDArray[np.float32],  # (H, W) of the first pass
     opened: NDArray[np.float32],  # (1, h, w): its background, in blocks of `step`
     step: int,
-    gamma: np.float32,  # exponent of V
+    powers: NDArray[np.float32],  # of V^gamma by V
     pull: np.float32,  # k B / A of Eq 11; negative: S stays
     most_color: np.float32,  # bound on the gain of S
     strength: np.float32,
@@ -106,14 +110,14 @@ def second_pass(
                 load_keep(keep, y, x0, count, chunk)
                 if first > x0 or end < x0 + count:
                     keep_within(first, end, x0, chunk)
-                brighten_directly(chunk, z)
+                _brighten(chunk, logarithms)
                 for i in range(CHUNK):
                     chunk[TOTAL, i] = ZERO
                     chunk[INVERSE, i] = ONE / (chunk[VALUE, i] + FLOOR)
                 for scale in range(scales):
                     filter_row(lines[scale], x0, weights[scale], chunk)
                     add_scale(chunk, exponents[scale], pivot, sums[scale])
-                _deepen(chunk, gamma, ONE / np.float32(scales))
+                _deepen(chunk, powers, ONE / np.float32(scales))
                 _color(chunk, pull, most_color)
                 for i in range(count):
                     chunk[OFFSET, i] = absorbed[y, x0 + i]
@@ -138,14 +142,25 @@ def _faded(value: np.float32) -> np.float32:
 
 
 @njit(inline="always")
-def _deepen(chunk: NDArray[np.float32], gamma: np.float32, share: np.float32) -> None:
+def _brighten(chunk: NDArray[np.float32], logarithms: NDArray[np.float32]) -> None:
+    """log2 of Vn of Eq 1."""
+    terms = unpacked(logarithms)
+    for i in range(CHUNK):
+        log = log2(chunk[VALUE, i])
+        chunk[LOG, i] = value_of(terms, (log if log > LOWEST else LOWEST) * (-TWO / LOWEST) + ONE)
+
+
+@njit(inline="always")
+def _deepen(chunk: NDArray[np.float32], powers: NDArray[np.float32], share: np.float32) -> None:
     """V* of the sum over scales in TOTAL, black kept, and `gamma` where it is not dark; into TOTAL."""
+    terms = unpacked(powers)
     for i in range(CHUNK):
         value = chunk[VALUE, i]
         bright = chunk[TOTAL, i] * share
         bright = value + faded_to_black(value) * (bright - value)
         bright = bright if bright < ONE else ONE
-        chunk[TOTAL, i] = bright + _faded(bright) * (exp2(gamma * log2(bright)) - bright)
+        deep = value_of(terms, (bright - DIM) * (TWO / (ONE - DIM)) - ONE)
+        chunk[TOTAL, i] = bright + _faded(bright) * (deep - bright)
 
 
 @njit(inline="always")
