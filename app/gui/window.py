@@ -94,12 +94,10 @@ class Window:
         state.source.known = load_clips(state.places.config)
         self._make_job = make_job
         self._channels = Channels()
-        apart = self._channels.apart
-        in_turn = [channel for channel in self._channels.all if channel not in apart]
-        beside = [channel for channel in self._channels.beside if channel not in apart]
         self._workers: tuple[Worker | Apart, ...] = (
-            *(Worker(channels, hello_imgui.request_refresh) for channels in (in_turn, beside)),
-            *(Apart(channel, hello_imgui.request_refresh) for channel in apart),
+            Worker(self._channels.of("first"), hello_imgui.request_refresh),
+            Worker(self._channels.of("second"), hello_imgui.request_refresh),
+            *(Apart(channel, hello_imgui.request_refresh) for channel in self._channels.of("apart")),
         )
         self._dialogs = Dialogs(Path.home())
         self._commands: tuple[Section, ...] = ()

@@ -7,9 +7,11 @@ from dataclasses import replace
 from app.enhancement.frame_enhancer import Pictures
 from app.gui.actions import actions, edit_actions, path_actions
 from app.gui.state.app_state import AppState
+from app.gui.state.comparison import SIDES
 from app.gui.update.channels import Channels
 from app.gui.update.job_events import follow_job
 from app.gui.update.playing import onward
+from app.gui.update.wishes import side_wish
 
 PROMPT = 0.012
 """Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the
@@ -23,13 +25,11 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     elapsed, state.window.now = now - state.window.now, now
     if state.window.toast is not None and now > state.window.toast.until:
         state.window.toast = None
-    channels.opening.take(state)
-    take_pictures(state, channels)
-    for group in (channels.compare, channels.queue, channels.bakes):
-        group.take(state)
-    edit_actions.follow(state)
     for row in channels.rows:
         row.answer(state)
+        # Another model may have come: what comes after is to be of that one.
+        edit_actions.follow(state)
+    take_pictures(state, channels)
     follow_job(state)
     _play(state, elapsed)
     path_actions.advance_path(state, elapsed)
@@ -96,11 +96,9 @@ def _play(state: AppState, elapsed: float) -> None:
 
 
 def _ask(state: AppState, channels: Channels) -> None:
-    channels.opening.ask(state)
     _ask_for_pictures(state, channels)
-    # Whether the panes wait for their pictures is known before others are asked for.
-    for group in (channels.compare, channels.queue, channels.bakes):
-        group.ask(state)
+    # Known before others are asked for.
+    state.comparing.waits = any(side_wish(state, side) is not None for side in SIDES)
     for row in channels.rows:
         row.ask(state)
     state.runs.is_listed = False

@@ -44,7 +44,7 @@ def drifting(state: AppState, model: DynamicGaussians) -> AppState:
 def settle(state: AppState, channels: Channels) -> None:
     for _ in range(20):
         update(state, channels, 0.0)
-        while any(channel.run_waiting() for channel in channels.bakes.all):
+        while any(channel.run_waiting() for channel in (channels.bakes, channels.second_bakes)):
             pass
 
 
@@ -70,7 +70,7 @@ def test_what_needs_no_keyframes_gets_none(drifting: AppState, model: DynamicGau
     drifting.scene.model = replace(drifting.scene.model, model=shown, live=why == "live")
     channels = Channels()
     settle(drifting, channels)
-    assert channels.bakes.first.asked is None
+    assert channels.bakes.asked is None
 
 
 def test_a_model_that_cannot_be_baked_is_drawn_without(

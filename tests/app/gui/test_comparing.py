@@ -149,7 +149,7 @@ def test_a_failing_source_is_told_once(state: AppState, channels: Channels) -> N
     def fails(request: OtherRequest) -> None:
         raise ValueError("no such thing")
 
-    channels.compare.sides["right"] = Channel(fails)  # type: ignore[arg-type]
+    channels.others["right"] = Channel(fails)  # type: ignore[arg-type]
     comparing.choose_source(state, "right", "clahe")
     settle(state, channels)
     assert state.window.banner is not None

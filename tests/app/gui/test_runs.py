@@ -250,7 +250,7 @@ def test_a_run_that_was_killed_is_looked_at_and_not_edited(opened: AppState) -> 
     channels = Channels()
     for step in range(3):
         update(opened, channels, 0.1 * step)
-        channels.opening.first.run_waiting()
+        channels.opening.run_waiting()
     assert opened.scene.model is not None
     assert (opened.scene.model.live, opened.scene.model.iteration) == (True, 8)
     assert opened.editing.base is None

@@ -49,6 +49,7 @@ from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views
 from tests.app.gui.kept_session import places_in
+from tests.app.gui.settling import served
 from tests.app.gui.test_opening import make_run
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
@@ -57,7 +58,7 @@ from tests.app.gui.ui import Ui
 def turn(state: AppState, channels: Channels, seconds: float = 2.0) -> None:
     """One frame, and the worker's share of it."""
     update(state, channels, state.window.now + seconds)
-    for channel in channels.all:
+    for channel in served(channels):
         channel.run_waiting()
 
 

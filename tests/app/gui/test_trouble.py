@@ -26,6 +26,7 @@ from assets import phantom_path
 from enhance import EnhanceParams
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
+from tests.app.gui.settling import served
 
 SECONDS = 120.0
 
@@ -41,7 +42,7 @@ class App:
     def turn(self, frames: int = 3) -> None:
         for _ in range(frames):
             update(self.state, self.channels, self.state.window.now + 0.6)
-            for channel in self.channels.all:
+            for channel in served(self.channels):
                 channel.run_waiting()
 
     def wait(self, until: Callable[[], bool]) -> None:

@@ -21,6 +21,7 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
 from tests.app.gui.conftest import make_clip
+from tests.app.gui.settling import served
 from tests.app.gui.test_window import Driver, wait
 from tests.app.gui.ui import Ui
 
@@ -33,7 +34,7 @@ def channels() -> Channels:
 def turn(state: AppState, channels: Channels) -> None:
     """One frame, with the worker's share done in between."""
     update(state, channels, state.window.now + 0.01)
-    for channel in channels.all:
+    for channel in served(channels):
         channel.run_waiting()
 
 
