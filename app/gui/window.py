@@ -102,7 +102,7 @@ class Window:
         self._dialogs = Dialogs(Path.home())
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
-        self._window_shots = WindowShots(state, self._channels.windows)
+        self._window_shots = WindowShots(state, self._channels.saving)
         self._worn: tuple[Theme, int] | None = None
         self._dropped: list[str] = []
         self._textures: Textures | None = None

@@ -288,7 +288,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     yield "export"
     state.exports.supersampling = FACTORS[-1]
     person.click("//Export/###video through time")
-    person.wait(lambda: state.exports.under_way is not None and state.exports.under_way.done > 0, "a frame")
+    person.wait(lambda: state.exports.under_way is not None and state.exports.done > 0, "a frame")
     yield "export under way"
     export_actions.cancelled(person.state)
     person.wait(lambda: not state.exports.is_busy, "the end of the export")

@@ -308,7 +308,7 @@ def export(person: Person) -> None:
         person.wait(lambda: person.state.exports.under_way is None, "the export")
     person.click("//Export/###video of both panes")
     exports = person.state.exports
-    person.wait(lambda: exports.under_way is None or exports.under_way.done > 3, "a few frames")
+    person.wait(lambda: exports.under_way is None or exports.done > 3, "a few frames")
     export_actions.cancelled(person.state)
     person.wait(lambda: person.state.exports.under_way is None, "the cancelled export")
     person.press(chord("Ctrl+Shift+E"))

@@ -7,8 +7,7 @@ import moderngl
 import numpy as np
 from imgui_bundle import glfw_utils
 
-from app.exports.exporting import Step
-from app.exports.window_shot import WindowRequest
+from app.exports.exporting import ExportRequest, Step
 from app.gui.actions import window_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Channel
@@ -18,7 +17,7 @@ from renderer.clip import ByteImage
 class WindowShots:
     """Asks `channel` to write what it has read."""
 
-    def __init__(self, state: AppState, channel: Channel[WindowRequest, Step]) -> None:
+    def __init__(self, state: AppState, channel: Channel[ExportRequest, Step]) -> None:
         self._state, self._channel = state, channel
         self._ctx: moderngl.Context | None = None
 

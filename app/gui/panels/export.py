@@ -135,8 +135,8 @@ def _draw_progress(state: AppState) -> None:
         note(f"Saved to {legible(str(state.places.pictures))}")
         note(REPLAY)
         return
-    total = max(under_way.request.steps, 1)
-    imgui.progress_bar(under_way.done / total, ImVec2(-em(7), 0), f"{under_way.done} of {total}")
+    total, done = max(under_way.steps, 1), state.exports.done
+    imgui.progress_bar(done / total, ImVec2(-em(7), 0), f"{done} of {total}")
     imgui.same_line()
     button("Cancel", lambda: export_actions.cancelled(state), width=6)
     explain("No file is left incomplete.")

@@ -9,14 +9,6 @@ from app.exports.sizing import Sizing
 
 
 @dataclass
-class Exporting:
-    """The export that is under way."""
-
-    request: ExportRequest
-    done: int = 0
-
-
-@dataclass
 class Exports:
     """Export actions change it; drawing reads it."""
 
@@ -30,7 +22,9 @@ class Exports:
     """Of the 3D view in files, one of FACTORS."""
     settling: int = 0
     """Frames until the whole window is saved as it then is; 0: that is not asked for."""
-    under_way: Exporting | None = None
+    under_way: ExportRequest | None = None
+    done: int = 0
+    """Steps of it."""
 
     @property
     def is_busy(self) -> bool:

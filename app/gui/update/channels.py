@@ -10,7 +10,6 @@ from typing import Any, Final, Generic, Literal
 from app.enhancement.frame_enhancer import PictureMaker, Pictures
 from app.exports.comparison_images import OtherMaker, heat_map
 from app.exports.exporting import ExportRequest, export
-from app.exports.window_shot import save_window
 from app.gui.actions import (
     actions,
     batch_actions,
@@ -114,7 +113,6 @@ class Channels:
         self.bakes, self.second_bakes = Channel(bake), Channel(bake)
         self.thumbnails = Channel(make_thumbnails)
         self.saving = Channel(export, depth=16)
-        self.windows = Channel(save_window, depth=4)
         self.cells = Channel(CellMaker().make)
         self.sessions = Channel(write, depth=4)
         self.exports, self.batches = SteppedChannel(export), SteppedChannel(batch)
@@ -173,11 +171,9 @@ class Channels:
                 SECOND, forgets=False),
             Row(self.tidying, taking.take_nothing, wishes.to_tidy, SECOND, forgets=False),
             Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
-            Row(self.saving, taking.take_saved),
-            Row(self.windows, taking.take_saved),
+            Row(self.saving, export_actions.take_saved),
             Row(self.sessions, session_actions.take_written),
-            Row(self.exports, export_actions.take_step,
-                lambda s: s.exports.under_way.request if s.exports.under_way is not None else None),
+            Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
             Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
             Row(self.files, taking.take_written, server=SECOND),
             Row(self.presets, preset_actions.take_kept, server=SECOND),

@@ -7,9 +7,8 @@ from pathlib import Path
 
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
-from app.exports.exporting import Step
 from app.files.legible import located
-from app.gui.actions import actions, edit_actions, export_actions, path_actions, session_actions
+from app.gui.actions import actions, edit_actions, path_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.comparison import Side
 from app.gui.state.panes import other_request
@@ -144,10 +143,6 @@ def _baked(state: AppState, answer: Baked | Failure, view: str) -> Baked | None:
 
 def take_nothing(state: AppState, request: object, answer: object) -> None:
     """It has been done."""
-
-
-def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:
-    export_actions.take_saved(state, answer)
 
 
 def take_written(state: AppState, request: WriteRequest, answer: Path | Failure) -> None:
