@@ -67,7 +67,7 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    sources = Opened(scenes=(scene,))
+    sources = Opened(model=scene)
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             record = extended(Splats, scene.record, frame=moment.frame, time=moment.time, sh_degree=degree)

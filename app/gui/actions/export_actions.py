@@ -175,13 +175,11 @@ def shown_request(state: AppState) -> ExportRequest | None:
 def _request(state: AppState, offer: Offer) -> ExportRequest:
     clip, moments = state.source.clip, _moments(state, offer)
     views = tuple(view for views in moments for view in views)
-    panes, model = _panes(state, offer), state.scene.model
+    panes = _panes(state, offer)
     stem = clip.path.stem if clip is not None and panes.panes else views[0].scene.name
     rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
     record = _record(state, offer.form, panes, moments, rate or FRAMES_PER_SECOND)
-    return ExportRequest(
-        state.places.pictures, stem, record, Opened(views, clip, (model,) if model is not None else ())
-    )
+    return ExportRequest(state.places.pictures, stem, record, Opened(views, clip, state.scene.model))
 
 
 def _record(
@@ -301,7 +299,7 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         state.exports.done = answer.done
 
 
-def take_saved(state: AppState, request: ExportRequest, answer: Step | Failure) -> None:
+def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:
     """The picture of what is shown has been written, or has not."""
     if isinstance(answer, Failure):
         actions.fail(state, f"the image was not saved: {answer.message}")

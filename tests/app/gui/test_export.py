@@ -41,7 +41,7 @@ def test_it_is_said_where_a_picture_lies(
 ) -> None:
     monkeypatch.setattr(Path, "home", lambda: tmp_path if home else tmp_path / "elsewhere")
     folder = tmp_path / "Pictures" / "VesselSplat"
-    export_actions.take_saved(state, Step(1, folder / "clip.png"))
+    export_actions.take_saved(state, None, Step(1, folder / "clip.png"))
     assert state.window.toast is not None
     said = "Pictures/VesselSplat/" if home else str(folder)
     assert state.window.toast.message == f"saved clip.png in {said}"
