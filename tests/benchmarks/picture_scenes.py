@@ -20,7 +20,7 @@ from app.gui.actions import (
 )
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
-from app.gui.work.tuning import Choice
+from app.gui.session_file import Choice
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
 from app.scenes.supersampling import FACTORS

@@ -27,8 +27,8 @@ from app.files.legible import located
 from app.files.records import extended
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import other_request, shown_mode, why_not
+from app.gui.views.comparison import SIDES, Side, label_of
 from app.gui.work.background import Failure
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.photos import PhotoRequest

@@ -16,10 +16,10 @@ from app.gui.panels.fainter import draw_fainter
 from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES, Side, label_of
 from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
 from app.gui.style import theme
 from app.gui.style.widgets import beside, beside_of, button, centered, em, explain
+from app.gui.views.comparison import SIDES, Side, label_of
 
 MODE_LABELS = [mode.capitalize() for mode in MODES]
 MODE_TEXT = (

@@ -12,10 +12,10 @@ from app.exports.comparison_images import heat_colors
 from app.gui.actions import clip_actions, laid_out, picture_actions
 from app.gui.drawing.textures import Marks, ShowsPictures
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Side
 from app.gui.state.panes import Pane, Tag, pixel, tinted
 from app.gui.style import theme
 from app.gui.style.widgets import em, fill_around, stack_tags, tag, tag_height
+from app.gui.views.comparison import Side
 from app.gui.views.picture_view import Placement
 from renderer.clip import ByteImage
 

@@ -15,10 +15,11 @@ from app.enhancement.settable import MOST_VALUES
 from app.gui.actions import tuning_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.enhancement import VESSEL_SLIDERS
+from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import beside_of, button, centered, declared, em, explain, tag
-from app.gui.work.tuning import Choice, GridCell
+from app.gui.work.tuning import GridCell
 from enhance import EnhanceParams
 from renderer.clip import ByteImage
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from app.exports.comparison_images import Difference, Other
-from app.gui.state.comparison import Comparison, Side
+from app.gui.views.comparison import Comparison, Side
 
 
 @dataclass

@@ -7,7 +7,7 @@ from typing import Final
 
 from app.enhancement.settable import ENHANCED
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES
+from app.gui.views.comparison import SIDES
 
 LEAST: Final = 0.02
 """Share of the original's colour difference: less is nobody's loss."""

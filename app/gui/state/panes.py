@@ -14,7 +14,7 @@ from app.exports.comparison_images import Difference, DifferenceRequest, Other, 
 from app.exports.page import describe
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES, Side
+from app.gui.views.comparison import SIDES, Side
 from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -7,7 +7,7 @@ from typing import Final
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import InputKind, Pixels, Scope
-from app.gui.state.comparison import Comparison
+from app.gui.views.comparison import Comparison
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams

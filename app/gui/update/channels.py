@@ -25,12 +25,12 @@ from app.gui.actions import (
     tuning_actions,
 )
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES
 from app.gui.state.panes import difference_request
 from app.gui.state.window import Wish
 from app.gui.update import taking, wishes
 from app.gui.update.patience import Patience
 from app.gui.update.taking import told
+from app.gui.views.comparison import SIDES
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch

@@ -10,8 +10,8 @@ from app.exports.comparison_images import Difference, DifferenceRequest, Other, 
 from app.files.legible import located
 from app.gui.actions import actions, edit_actions, path_actions, session_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Side
 from app.gui.state.panes import other_request
+from app.gui.views.comparison import Side
 from app.gui.work.background import Answer, Failure, Request
 from app.gui.work.baking import Baked, BakeRequest
 from app.gui.work.file_writing import WriteRequest

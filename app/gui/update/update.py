@@ -7,11 +7,11 @@ from dataclasses import replace
 from app.enhancement.frame_enhancer import Pictures
 from app.gui.actions import actions, edit_actions, path_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES
 from app.gui.update.channels import Channels
 from app.gui.update.job_events import follow_job
 from app.gui.update.playing import onward
 from app.gui.update.wishes import side_wish
+from app.gui.views.comparison import SIDES
 
 PROMPT = 0.012
 """Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the

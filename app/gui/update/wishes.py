@@ -6,8 +6,8 @@ from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import OtherRequest
 from app.gui.actions import queue_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Side
 from app.gui.state.panes import other_request
+from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
 from app.gui.work.presets import presets_with
 from app.gui.work.queue_keeping import KeepRequest, TakeUpRequest

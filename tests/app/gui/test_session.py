@@ -22,6 +22,7 @@ from app.gui.actions import actions, clip_actions, comparing, edit_actions, hist
 from app.gui.actions.session_actions import snapshot
 from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.session_file import (
+    Choice,
     Session,
     UnsavedEdits,
     autosave_path,
@@ -30,14 +31,13 @@ from app.gui.session_file import (
     write_session,
 )
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Comparison
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.views.comparison import Comparison
 from app.gui.views.picture_view import PictureView
 from app.gui.work import session_writing
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
-from app.gui.work.tuning import Choice
 from app.runs.clip_selection import WHOLE
 from app.scenes.free_camera import FreeView
 from assets import phantom_path

@@ -27,8 +27,8 @@ from app.gui.actions.export_actions import OFFERS
 from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES
 from app.gui.state.panes import pane
+from app.gui.views.comparison import SIDES
 from app.gui.work.settings import Places, Settings
 from app.runs.clip_selection import ClipPart
 from app.scenes.color_bar import LEAST_HEIGHT

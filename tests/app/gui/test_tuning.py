@@ -11,12 +11,12 @@ from app.enhancement.parameter_grid import METRICS
 from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
+from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, Settings
-from app.gui.work.tuning import Choice
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
