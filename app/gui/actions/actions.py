@@ -12,10 +12,8 @@ from typing import TypeVar
 from app.enhancement.methods import EnhancementSettings
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
-from app.gui.state.camera_list import CameraList
 from app.gui.state.reconstruction import Reconstruction
-from app.gui.state.second import Second
-from app.gui.state.viewer import Viewer
+from app.gui.state.scene import CameraList, Second, Viewer
 from app.gui.state.window import Banner, Choosing, Kind, Toast
 from app.gui.views.picture_view import PictureView
 from app.gui.work.file_writing import WriteRequest

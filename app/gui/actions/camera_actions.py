@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.gui.state.app_state import AppState
-from app.gui.state.viewer import MAX_SPEED, MIN_SPEED
+from app.gui.state.scene import MAX_SPEED, MIN_SPEED
 from app.gui.state.window import Toast
 from app.gui.views.measurement import Measurement
 from app.gui.work.picking import PickRequest, Purpose

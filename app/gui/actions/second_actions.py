@@ -6,7 +6,7 @@ from pathlib import Path
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.second import Second
+from app.gui.state.scene import Second
 from app.gui.work.background import Failure
 from app.gui.work.opening import Opened, OpenRequest
 

@@ -12,8 +12,7 @@ from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import draft_actions, job_actions, laid_out, run_actions
 from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
-from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
-from app.gui.state.reconstruction import Reconstruction
+from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style import theme
 from app.gui.style.widgets import (
     button,

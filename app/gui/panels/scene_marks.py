@@ -7,7 +7,7 @@ import math
 import numpy as np
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.state.viewer import Viewer
+from app.gui.state.scene import Viewer
 from app.gui.style import theme
 from app.gui.style.widgets import em, tag
 from app.gui.views.picture_view import PictureView, Placement

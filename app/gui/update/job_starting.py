@@ -6,10 +6,11 @@ from collections.abc import Callable
 
 from app.gui.actions import actions, queue_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.reconstruction import Job, Reconstruction
+from app.gui.state.reconstruction import Reconstruction
+from app.runs.job import TrainingJob
 from app.runs.train_run import TrainRequest
 
-MakeJob = Callable[[TrainRequest], Job]
+MakeJob = Callable[[TrainRequest], TrainingJob]
 
 
 def start_due(state: AppState, make_job: MakeJob) -> None:
