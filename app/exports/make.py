@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -29,13 +29,11 @@ from app.exports.records import (
     Splats,
     ViewVideo,
 )
-from app.exports.scene_splats import write_splats
 from app.exports.sources import Sources
-from app.exports.view_pages import Views, drawn_panel, steady, view_pages
-from app.files.atomic import together
+from app.files.atomic import together, write_bytes
 from app.files.image_files import write_image
 from app.files.image_series import Series, timing_of
-from app.files.provenance import write_png, write_sidecar
+from app.files.provenance import comments, write_png, write_sidecar
 from app.files.records import Source
 from app.files.stepping import map_steps
 from app.files.timing import Timing
@@ -43,13 +41,18 @@ from app.files.video import write_frames
 from app.scenes import view_request
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import colored_depth
-from app.scenes.records import DrawnRecord, MomentRecord
+from app.scenes.drawer import Drawer
+from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
 from enhance.surround import inside
+from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.splat_files.inria_ply import ply_bytes
 
 Steps = Generator[int, None, None]
+Views = tuple[ViewRequest, ...]
+"""Of one moment: the 3D view, and the second one where there is one."""
 
 
 def make(record: Export, sources: Sources, target: Path) -> Steps:
@@ -75,7 +78,7 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
         case RenderVideo():
             yield from _render_video(record, sources, target)
         case Splats():
-            write_splats(target, sources.scene(record), record)
+            _splats(record, sources, target)
         case PanesPicture(kind="panes"):
             _page(record, sources, target)
         case PanesPicture():
@@ -169,6 +172,20 @@ def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
         write_sidecar(place, said.signed)
 
 
+def _splats(record: Splats, sources: Sources, target: Path) -> None:
+    """A PLY file of the Gaussians where they are at the time of the record, which it holds; their spherical
+    harmonics are filled up with zeros to its degree. Raises UserError for one that would lose colours."""
+    scene, degree = sources.scene(record), record.sh_degree
+    raw = scene.model.raw
+    try:
+        raw = raw if degree is None else raw.of_degree(degree)
+    except ValueError as error:
+        got = f"{degree} for {error}"
+        raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
+    moved = scene.model.motion.moved(raw, record.time)
+    write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+
+
 def _view_video(record: ViewVideo, sources: Sources, target: Path) -> Steps:
     if not (record.views and record.moments):
         raise UserError("expected at least one 3D view and one frame, got none")
@@ -211,6 +228,34 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
     )
 
 
+def drawn_panel(wanted: ViewRequest, drawer: Drawer) -> Panel:
+    """By the name of its run or file, with its scale where it has one. Raises UserError or ClipError."""
+    shows = "" if wanted.kind == "color" else f"   {wanted.kind}"
+    return Panel(f"Reconstruction   {wanted.scene.name}{shows}", with_bar(drawer.picture(wanted)))
+
+
+def view_pages(moments: Iterable[Views], drawer: Drawer) -> Iterator[ByteImage]:
+    """A page a moment: one view as it is; two beside each other, each with what it is.
+
+    Raises UserError or ClipError.
+    """
+    for views in moments:
+        panels = [drawn_panel(wanted, drawer) for wanted in views]
+        yield panels[0].image if len(panels) == 1 else sheet(panels)
+
+
+def steady(moments: Sequence[Views], drawer: Drawer) -> Generator[int, None, tuple[Views, ...]]:
+    """The same with one scale for all moments of a view, so that they can be compared.
+
+    Yields 0, the pages made so far, after each picture that is looked at for it. Raises ClipError.
+    """
+    columns = []
+    for column in zip(*moments, strict=True):
+        held = yield from map_steps(view_request.steady(column, drawer.draw), lambda view: 0)
+        columns.append(held)
+    return tuple(zip(*columns, strict=True))
+
+
 def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
     """Panes, the 3D view, or both."""
     panels: list[Panel] = []
@@ -220,14 +265,14 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
         pairs = zip(record.panes, made, strict=True)
         said = tuple(replace(pane, statistics=one.statistics) for pane, one in pairs)
         record = replace(record, panes=said)
-    drawers = [sources.drawer(view.renderer) for view in record.views]
-    for one, drawer in zip(record.views, drawers, strict=True):
+    views: list[ViewRecord] = []
+    for one in record.views:
+        drawer = sources.drawer(one.renderer)
         panels.append(drawn_panel(_view(one, one, sources, trained=False), drawer))
+        views.append(replace(one, renderer=drawer.name))
     if not panels:
         raise UserError("expected panes or a 3D view, got neither")
-    pairs_of_views = zip(record.views, drawers, strict=True)
-    views = tuple(replace(view, renderer=drawer.name) for view, drawer in pairs_of_views)
-    write_png(target, sheet(panels), replace(record, views=views).signed)
+    write_png(target, sheet(panels), replace(record, views=tuple(views)).signed)
 
 
 def _panes_video(record: PanesVideo, sources: Sources, target: Path) -> Steps:

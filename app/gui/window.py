@@ -50,8 +50,7 @@ from app.gui.update.channels import Channels
 from app.gui.update.job_starting import MakeJob, start_due
 from app.gui.update.update import take_pictures, update
 from app.gui.work.background import Apart, Worker
-from app.gui.work.clip_settings import load_clips
-from app.gui.work.settings import Places, Theme, load_settings
+from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.runs.job import TrainingJob
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

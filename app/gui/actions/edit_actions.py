@@ -258,3 +258,18 @@ def answer(state: AppState, reply: str) -> None:
     editing.history = History(editing.saved)
     _show(state)
     go()
+
+
+def choose_how(state: AppState, how: Combination) -> None:
+    """What a new selection does to the one that is there."""
+    state.editing.how = how
+
+
+def choose_radius(state: AppState, radius: float) -> None:
+    """Of the sphere or half of the box, in scene distances."""
+    state.editing.radius = radius
+
+
+def move_range(state: AppState, trait: Trait, limits: Limits) -> None:
+    """Live, while it is dragged; `edit_actions.select_range` selects with it."""
+    state.editing.ranges[trait] = limits

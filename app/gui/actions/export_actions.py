@@ -9,6 +9,7 @@ from typing import Literal
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED
 from app.exports.exporting import ExportRequest, Step
+from app.exports.make import Views
 from app.exports.panes import pane_record
 from app.exports.records import (
     MEASURES,
@@ -21,8 +22,8 @@ from app.exports.records import (
     PanesVideo,
     ViewVideo,
 )
+from app.exports.sizing import Sizing
 from app.exports.sources import Opened
-from app.exports.view_pages import Views
 from app.files.legible import located
 from app.files.records import extended
 from app.gui.actions import actions
@@ -311,3 +312,23 @@ def cancelled(state: AppState) -> None:
     """Nothing has been written."""
     state.exports.under_way = None
     actions.announce(state, "export cancelled")
+
+
+def show_exports(state: AppState, shown: bool) -> None:
+    """The panel."""
+    state.exports.shown = shown
+
+
+def choose_sizing(state: AppState, sizing: Sizing) -> None:
+    """Of the panes."""
+    state.exports.sizing = sizing
+
+
+def choose_view_size(state: AppState, size: tuple[int, int] | None) -> None:
+    """Pixels of the 3D view in files; None: its shape on screen."""
+    state.exports.view_size = size
+
+
+def choose_supersampling(state: AppState, factor: int) -> None:
+    """How often finer the 3D view is drawn, one of FACTORS."""
+    state.exports.supersampling = factor

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import actions, camera_actions, path_actions, second_actions, view_actions
+from app.gui.actions import actions, camera_actions, path_actions, second_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
@@ -24,7 +24,7 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
                 applies=lambda s: s.scene.viewer.snapped, repeats=True),
         Command("More of the frame", lambda s: _blend(s, BLEND_STEP), ("]",),
                 applies=lambda s: s.scene.viewer.snapped, repeats=True),
-        Command("Next kind of view", view_actions.next_view, ("N",),
+        Command("Next kind of view", camera_actions.next_view, ("N",),
                 text="3D view: colour, depth, normals and others", applies=_has_model),
         Command("Measure", camera_actions.toggle_measuring, ("M",),
                 text="measure between two clicks on the 3D view",

@@ -7,7 +7,7 @@ from typing import get_args
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import grouped
-from app.gui.actions import edit_actions, edit_choices
+from app.gui.actions import edit_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
@@ -65,7 +65,7 @@ def _draw_tools(state: AppState, editing: Editing) -> None:
     imgui.set_next_item_width(-em(0.1))
     _, index = imgui.combo("##how", HOWS.index(editing.how), [how.capitalize() for how in HOWS])
     explain(HOW_TEXT)
-    edit_choices.choose_how(state, HOWS[index])
+    edit_actions.choose_how(state, HOWS[index])
     if editing.tool in ("sphere", "box"):
         _draw_radius(state, editing)
 
@@ -80,7 +80,7 @@ def _draw_radius(state: AppState, editing: Editing) -> None:
     changed, radius = imgui.slider_float("##radius", shown, 1e-3 * distance, distance, "%.3g", flags)
     explain(text)
     if changed:
-        edit_choices.choose_radius(state, radius / distance)
+        edit_actions.choose_radius(state, radius / distance)
     if imgui.is_item_deactivated_after_edit():
         edit_actions.select_again(state)
 
@@ -165,7 +165,7 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
     imgui.end_disabled()
     explain(f"{text} Drag either end, or double click to type; release to select." if enabled else text)
     if changed:
-        edit_choices.move_range(state, trait, (low, high))
+        edit_actions.move_range(state, trait, (low, high))
     if ended:
         edit_actions.select_range(state, trait, (low, high))
 

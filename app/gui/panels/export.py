@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.legible import legible
-from app.gui.actions import export_actions, export_choices, window_actions
+from app.gui.actions import export_actions, window_actions
 from app.gui.actions.export_actions import OFFERS, Offer, What
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -43,7 +43,7 @@ def draw_export(state: AppState) -> None:
         imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
         imgui_ctx.begin("Export", True, beside) as window,
     ):
-        export_choices.show_exports(state, bool(window.opened))
+        export_actions.show_exports(state, bool(window.opened))
         if not window:
             return
         _draw_picture_size(state)
@@ -84,13 +84,13 @@ def _draw_picture_size(state: AppState) -> None:
     explain(SCALE_TEXT)
     if changed:
         chosen = Sizing(SCALES[index]) if index < len(SCALES) else Sizing(width=FIRST_WIDTH)
-        export_choices.choose_sizing(state, chosen)
+        export_actions.choose_sizing(state, chosen)
     if state.exports.sizing.width is not None:
         imgui.same_line()
         width = _pixels("##width", state.exports.sizing.width, "Width of each pane, in pixels.")
         imgui.same_line()
         imgui.text_colored(theme.now().muted, "pixels")
-        export_choices.choose_sizing(state, Sizing(width=width))
+        export_actions.choose_sizing(state, Sizing(width=width))
 
 
 def _draw_view_size(state: AppState) -> None:
@@ -103,7 +103,7 @@ def _draw_view_size(state: AppState) -> None:
     explain(VIEW_TEXT)
     if changed:
         wanted = None if index == 0 else (*VIEW_SIZES, (1024, 1024))[index - 1]
-        export_choices.choose_view_size(state, wanted)
+        export_actions.choose_view_size(state, wanted)
     if now == len(labels) - 1 and state.exports.view_size is not None:
         width, height = state.exports.view_size
         imgui.same_line()
@@ -112,13 +112,13 @@ def _draw_view_size(state: AppState) -> None:
         imgui.text("×")
         imgui.same_line()
         height = _pixels("##view height", height, "Height in pixels.")
-        export_choices.choose_view_size(state, (width, height))
+        export_actions.choose_view_size(state, (width, height))
     imgui.same_line()
     imgui.set_next_item_width(em(10))
     labels = ["No supersampling" if factor == 1 else f"{factor}× supersampling" for factor in FACTORS]
     _, index = imgui.combo("##supersampling", FACTORS.index(state.exports.supersampling), labels)
     explain(FACTOR_TEXT)
-    export_choices.choose_supersampling(state, FACTORS[index])
+    export_actions.choose_supersampling(state, FACTORS[index])
 
 
 def _pixels(label: str, value: int, text: str) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.frame_enhancer import Pictures
-from app.exports.comparison_images import heat_colors
+from app.exports.comparison_images import heat_scale
 from app.gui.actions import clip_actions, laid_out, picture_actions
 from app.gui.drawing.textures import Marks, ShowsPictures
 from app.gui.state.app_state import AppState
@@ -101,7 +101,7 @@ def draw_divider(
 
 def draw_bar(top: int, area: Area) -> None:
     """The colours of the heat map and the grey levels that they stand for."""
-    draw, colors = imgui.get_window_draw_list(), heat_colors()
+    draw, colors = imgui.get_window_draw_list(), heat_scale(top).table
     width, height = em(0.9), min(em(12), 0.6 * area.size.y)
     left, bottom = area.end.x - em(4.2), area.corner.y + (area.size.y + height) / 2
     ground = (

@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
-from app.gui.actions import draft_actions, job_actions, laid_out, run_actions
+from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
@@ -90,20 +90,20 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
         "runs two reconstructions to compare."
     )
     chosen = choose_row("Frames", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
-    draft_actions.choose_input(state, INPUTS[chosen])
+    job_actions.choose_input(state, INPUTS[chosen])
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "For the frames to reconstruct; the paper uses 0.5. " + about.text)
         imgui.set_next_item_width(-em(0.1))
         _, d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
-        draft_actions.choose_d_factor(state, d_factor)
+        job_actions.choose_d_factor(state, d_factor)
     iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (METHODS.index(config.method), config.iterations):
-        draft_actions.choose_method(state, METHODS[method], iterations)
+        job_actions.choose_method(state, METHODS[method], iterations)
     row("Name", "Folder of the run; if empty, the clip's name and the time.")
     imgui.set_next_item_width(-em(0.1))
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
-    draft_actions.name_run(state, name)
+    job_actions.name_run(state, name)
 
 
 def _draw_part(state: AppState) -> None:

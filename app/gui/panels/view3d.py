@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import grouped, legible, named
-from app.gui.actions import actions, camera_actions, laid_out, view_actions
+from app.gui.actions import actions, camera_actions, laid_out
 from app.gui.commands.camera_commands import second_commands
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.color_bar import draw_color_bar
@@ -155,7 +155,7 @@ def _draw_snap(state: AppState) -> None:
 
 
 def _draw_kind(state: AppState) -> None:
-    kinds = view_actions.choices(state)
+    kinds = camera_actions.choices(state)
     beside_of(em(7.2))
     imgui.set_next_item_width(em(7.2))
     labels = [kind.capitalize().replace("Color", "Colour") for kind in kinds]
@@ -163,7 +163,7 @@ def _draw_kind(state: AppState) -> None:
     changed, chosen = imgui.combo("##kind", now, labels)
     explain(f"N: next view. {EXPLAINED[kinds[now]]}")
     if changed:
-        view_actions.choose_view(state, kinds[chosen])
+        camera_actions.choose_view(state, kinds[chosen])
 
 
 def _draw_time(state: AppState) -> None:

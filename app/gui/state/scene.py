@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from app.gui.views.measurement import Measurement
 from app.gui.work.baking import Baked
 from app.gui.work.opening import OpenRequest
-from app.gui.work.picking import PickRequest
+from app.gui.work.selecting import PickRequest
 from app.scenes.free_camera import FreeView, Vector
 from app.scenes.photos import Photo
 from app.scenes.scene import Scene

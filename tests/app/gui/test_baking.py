@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, view_actions
+from app.gui.actions import actions, camera_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, keyframes_of
 from app.gui.state.app_state import AppState
@@ -95,7 +95,7 @@ def test_scrubbing_and_turning_upload_an_order_and_no_more(
     """In both 3D views and all kinds of view, and they show what the rasteriser shows of the model."""
     assert drifting.scene.model is not None
     drifting.scene.second.shown = replace(drifting.scene.model)
-    view_actions.choose_view(drifting, kind)
+    camera_actions.choose_view(drifting, kind)
     graphics, requests = GraphicsViewport(ctx, Textures(ctx), watch), []
     for index, angle in ((2, 0.0), (5, 0.0), (5, 0.2)):
         actions.seek(drifting, index)
@@ -136,7 +136,7 @@ def test_a_model_that_stands_still_is_uploaded_once(
     graphics.show(drifting)
     monkeypatch.setattr(splat_view, "Storage", None)
     for index, kind in ((1, "color"), (2, "normals"), (3, "depth")):
-        view_actions.choose_view(drifting, kind)
+        camera_actions.choose_view(drifting, kind)
         actions.seek(drifting, index)
         assert graphics.show(drifting) is not None
     graphics.release()

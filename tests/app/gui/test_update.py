@@ -12,8 +12,7 @@ from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.job_starting import start_due
-from app.gui.update.playing import onward
-from app.gui.update.update import PATIENCE, PROMPT, take_pictures, update
+from app.gui.update.update import PATIENCE, PROMPT, onward, take_pictures, update
 from app.gui.update.wishes import SLOW_VIEW, view_wish
 from app.gui.work.background import Channel, Worker
 from app.gui.work.opening import Opened

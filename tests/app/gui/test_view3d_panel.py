@@ -13,7 +13,7 @@ from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import bounds
 from app.gui.panels.view3d import photo_over, view_tags
 from app.gui.state.app_state import AppState
-from app.gui.work.picking import pick
+from app.gui.work.selecting import pick
 from app.scenes.photos import read_photo
 from app.scenes.viewing import draw_view
 from renderer.clip import ByteImage

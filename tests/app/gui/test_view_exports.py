@@ -8,9 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from app.exports.make import view_moments
+from app.exports.make import steady, view_moments, view_pages
 from app.exports.records import ViewVideo
-from app.exports.view_pages import steady, view_pages
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_sidecar
 from app.files.stepping import run_to_end

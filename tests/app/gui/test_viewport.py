@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, job_actions, view_actions
+from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
 from app.gui.state.app_state import AppState
@@ -112,7 +112,7 @@ def test_both_ways_of_drawing_show_the_same_views(
     textures = Textures(ctx)
     graphics, processor = GraphicsViewport(ctx, textures), ProcessorViewport(Textures(ctx))
     camera_actions.reset_view(live)
-    view_actions.choose_view(live, kind)
+    camera_actions.choose_view(live, kind)
     assert live.photo_request is not None or kind != "difference"
     if live.photo_request is not None:
         (live.scene.viewer.photo,) = read_photo(live.photo_request)
@@ -134,7 +134,7 @@ def test_both_ways_of_drawing_show_the_same_views(
 
 
 def test_a_difference_needs_the_clips_camera_and_its_photo(live: AppState) -> None:
-    view_actions.choose_view(live, "difference")
+    camera_actions.choose_view(live, "difference")
     assert live.scene.viewer.snapped
     assert live.view_request is not None
     assert live.view_request.kind == "color"
@@ -144,12 +144,12 @@ def test_a_difference_needs_the_clips_camera_and_its_photo(live: AppState) -> No
     camera_actions.turn(live, 0.1, 0.0)
     assert live.view_request.kind == "color"
     live.source.clip = None
-    assert "difference" not in view_actions.choices(live)
+    assert "difference" not in camera_actions.choices(live)
 
 
 def test_the_key_goes_through_all_views_and_back(live: AppState) -> None:
     seen = []
     for _ in EXPLAINED:
         seen.append(live.scene.kind)
-        view_actions.next_view(live)
+        camera_actions.next_view(live)
     assert (tuple(seen), live.scene.kind) == (tuple(EXPLAINED), "color")
