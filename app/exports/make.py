@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Generator, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from app.enhancement.contact_sheet import contact_sheet, tile
 from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
 from app.enhancement.methods import METHODS, MethodEnhancer
-from app.enhancement.parameter_grid import Setting, tried
+from app.enhancement.parameter_grid import DEFINITIONS, Setting, measured, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import drawn
 from app.errors import UserError
-from app.exports.measure_table import Row, rows_at, write_measures
 from app.exports.page import Panel, sheet
 from app.exports.panes import PaneMaker, arranged
 from app.exports.records import (
@@ -29,6 +31,7 @@ from app.exports.records import (
     Splats,
     ViewVideo,
 )
+from app.exports.sizing import Sizing
 from app.exports.sources import Sources
 from app.files.atomic import together, write_bytes
 from app.files.image_files import write_image
@@ -45,6 +48,7 @@ from app.scenes.drawer import Drawer
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
+from enhance.ridges import field_of_view, vessel_mask
 from enhance.surround import inside
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -301,3 +305,37 @@ def _spanning(record: SpanRecord, sources: Sources) -> PaneMaker:
         got = f"{record.first_frame} to {record.last_frame}"
         raise UserError(f"expected frames from 0 to {count - 1}, got {got}")
     return maker
+
+
+Row = dict[str, Any]
+
+
+def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
+    """At a frame a row a pane, of its picture in its own size. Raises ClipError or ImageError."""
+    photo, label = maker.clip.read_image(frame), maker.clip.labels[frame]
+    view = field_of_view(photo)
+    vessels = vessel_mask(photo, tissue_mask=view)
+    rows = []
+    for pane, one in zip(record.panes, maker.made(frame, Sizing()), strict=True):
+        found = asdict(measured(one.panel.image, photo, vessels, view, 0.0))
+        chosen = {name: found[name] for name in record.measures}
+        rows.append({"frame": frame, "label": label, "pane": pane.title} | chosen)
+    return rows
+
+
+def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
+    """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
+    definitions = {name: text for name, text in DEFINITIONS.items() if name in record.measures}
+    with together(path) as place:
+        write_bytes(place, _table(rows, record.measures))
+        write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})
+
+
+def _table(rows: list[Row], measures: Sequence[str]) -> bytes:
+    """CSV; an empty field is what could not be measured."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, ["frame", "label", "pane", *measures])
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: "" if value != value else value for name, value in row.items()})
+    return text.getvalue().encode()

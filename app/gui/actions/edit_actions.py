@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
@@ -166,33 +167,17 @@ def change(state: AppState, how: Change) -> None:
     _show(state)
 
 
-def delete(state: AppState) -> None:
-    change(state, Edits.deleting)
-
-
 def crop(state: AppState) -> None:
     """Without a selection nothing would be left: then nothing happens."""
     change(state, lambda edits: edits.cropping() if len(edits.selected) else edits)
 
 
-def hide(state: AppState) -> None:
-    change(state, Edits.hiding)
-
-
-def show_hidden(state: AppState) -> None:
-    change(state, Edits.showing)
-
-
-def select_all(state: AppState) -> None:
-    change(state, Edits.selecting_all)
-
-
-def select_none(state: AppState) -> None:
-    change(state, Edits.selecting_none)
-
-
-def invert(state: AppState) -> None:
-    change(state, Edits.inverted)
+delete = partial(change, how=Edits.deleting)
+hide = partial(change, how=Edits.hiding)
+show_hidden = partial(change, how=Edits.showing)
+select_all = partial(change, how=Edits.selecting_all)
+select_none = partial(change, how=Edits.selecting_none)
+invert = partial(change, how=Edits.inverted)
 
 
 def undo(state: AppState) -> None:

@@ -24,7 +24,7 @@ from app.gui.session_file import (
 )
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
-from app.gui.work.session_writing import SessionRequest
+from app.gui.work.writing import SessionRequest
 from app.runs.run_edits import packed, unpacked
 
 AUTOSAVE_SECONDS = 1.0

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Literal
 
 from app.exports.exporting import ExportRequest
-from app.gui.work.file_writing import WriteRequest
 from app.gui.work.presets import KeepPresets
-from app.gui.work.session_writing import SessionRequest
+from app.gui.work.writing import SessionRequest, WriteRequest
 
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""

@@ -34,21 +34,19 @@ from app.gui.views.comparison import SIDES
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
-from app.gui.work.file_writing import WriteRequest, write_file
 from app.gui.work.measuring import Measurer
 from app.gui.work.omissions import look
-from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
-from app.gui.work.queue_keeping import TakeUpRequest, keep, take_up
 from app.gui.work.run_list import RunFinder
 from app.gui.work.run_models import left_of, run_model
 from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
-from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.strip import left_out, make_strip
 from app.gui.work.thumbnails import make_thumbnails
 from app.gui.work.tidying import clear_places, tidy
 from app.gui.work.tuning import CellMaker
+from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
 from app.scenes.photos import read_photo
 from app.scenes.viewing import draw_view
 

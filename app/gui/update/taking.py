@@ -14,12 +14,12 @@ from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.background import Answer, Failure, Request
 from app.gui.work.baking import Baked, BakeRequest
-from app.gui.work.file_writing import WriteRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest
 from app.gui.work.selecting import Selected, SelectRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
+from app.gui.work.writing import WriteRequest
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.view_request import ViewRequest
 from app.scenes.viewing import View

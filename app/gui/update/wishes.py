@@ -9,11 +9,12 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
+from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
-from app.gui.work.queue_keeping import KeepRequest, TakeUpRequest
 from app.gui.work.strip import LeftOutRequest, StripRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tidying import OnScreen
+from app.gui.work.writing import KeepRequest
 from app.runs.queue_file import queue_file
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest

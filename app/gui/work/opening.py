@@ -202,3 +202,28 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
         return clip, clip.notices
     except ClipError as error:
         return None, (f"the run's clip cannot be opened; only its model is shown: {error}",)
+
+
+@dataclass(frozen=True)
+class TakeUpRequest:
+    """Which one is to be made; `attempt` grows when a person tries again."""
+
+    request: TrainRequest
+    attempt: int
+
+
+@dataclass(frozen=True, eq=False)
+class TakenUp:
+    """What the window needs beside the request."""
+
+    clip: Clip
+    told: TrainingLog
+    """Of a run that goes on: what it has said so far."""
+
+
+def take_up(request: TakeUpRequest) -> Iterator[TakenUp]:
+    """Raises ClipError or UserError: the clip cannot be opened any more, or has no such part."""
+    wanted = request.request
+    clip = open_clip(wanted.clip_path, wanted.clip_options)
+    wanted.part.of(clip)
+    yield TakenUp(clip, told(RunFolder(wanted.run_path)))

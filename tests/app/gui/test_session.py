@@ -35,7 +35,7 @@ from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.views.comparison import Comparison
 from app.gui.views.picture_view import PictureView
-from app.gui.work import session_writing
+from app.gui.work import writing
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
 from app.runs.clip_selection import WHOLE
@@ -145,7 +145,7 @@ def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_pa
     state.session.path = folder / "a.vesselsplat"
     request = session_actions.save_request(state)
     assert request is not None
-    list(session_writing.write(request))
+    list(writing.write(request))
     shutil.move(state.source.path, folder / "liver")
     (opened,) = open_path(OpenRequest(request.path))
     assert opened.path == folder / "liver"

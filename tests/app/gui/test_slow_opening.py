@@ -25,8 +25,8 @@ from app.gui.update.patience import LONG
 from app.gui.update.update import update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
-from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.settings import Places, Settings
+from app.gui.work.writing import SessionRequest, write
 from app.runs.train_run import TrainRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
