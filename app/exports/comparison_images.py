@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import EnhancementSettings
+from app.scenes.drawer import draw_view
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import Scale
 from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import draw_view
 from enhance.baselines import BASELINES
 from renderer.clip import ByteImage
 

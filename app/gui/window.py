@@ -47,7 +47,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.style import theme
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import MakeJob, start_due
+from app.gui.update.jobs import MakeJob, start_due
 from app.gui.update.update import take_pictures, update
 from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings

@@ -97,26 +97,25 @@ def end_stroke(state: AppState, how: Combination) -> None:
     elif editing.tool == "lasso" and len(stroke) > 2:
         _ask(state, Lasso(stroke), how)
     elif editing.tool in ("sphere", "box"):
-        pixel = int(stroke[0][0]), int(stroke[0][1])
-        kind: Tool = editing.tool
-        _ask(state, Around(pixel, "box" if kind == "box" else "sphere", _radius(state)), how)
+        _ask(state, _around(state, (int(stroke[0][0]), int(stroke[0][1]))), how)
 
 
 def _apart(one: tuple[float, float], other: tuple[float, float]) -> float:
     return max(abs(one[0] - other[0]), abs(one[1] - other[1]))
 
 
-def _radius(state: AppState) -> float:
+def _around(state: AppState, pixel: tuple[int, int]) -> Around:
+    """The sphere or the box behind a pixel, with its present size."""
     base = state.editing.base
-    return state.editing.radius * (base.distance if base else 1.0)
+    radius = state.editing.radius * (base.distance if base else 1.0)
+    return Around(pixel, "box" if state.editing.tool == "box" else "sphere", radius)
 
 
 def select_again(state: AppState) -> None:
     """The last sphere or box with its present size."""
     editing = state.editing
     if editing.center is not None and editing.tool in ("sphere", "box"):
-        around = Around((0, 0), "box" if editing.tool == "box" else "sphere", _radius(state))
-        _ask(state, around.region(editing.center), editing.how)
+        _ask(state, _around(state, (0, 0)).region(editing.center), editing.how)
 
 
 def select_range(state: AppState, trait: Trait, limits: Limits) -> None:
@@ -129,9 +128,13 @@ def _ask(state: AppState, wish: Region | Around | None, how: Combination) -> Non
         editing.wish = SelectRequest(editing.base, view, wish, how)
 
 
-def take_selected(state: AppState, request: SelectRequest, answer: Selected) -> None:
+def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
     """The answer to a wish, and then what was asked for while it was on its way."""
     editing = state.editing
+    if isinstance(answer, Failure):
+        editing.wish = None
+        actions.fail(state, f"nothing was selected: {answer.message}")
+        return
     if request is not editing.wish:
         return
     editing.wish, editing.limits = None, answer.limits

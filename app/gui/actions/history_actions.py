@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings_snapshot import SettingsSnapshot, step_name
+from app.gui.state.enhancement import SettingsSnapshot, step_name
 
 
 def undo(state: AppState) -> None:

@@ -8,7 +8,7 @@ from app.gui.actions import actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, OnScreen, ProcessorViewport
 from app.gui.state.app_state import AppState
-from app.scenes.viewing import View
+from app.scenes.drawer import View
 from renderer.draw.context import is_software, renderer_name
 
 VIEWS = 4

@@ -14,11 +14,11 @@ from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
 from app.gui.work.baking import Baked
 from app.scenes.cpu_rendering import Drawn
+from app.scenes.drawer import View
 from app.scenes.records import BACKGROUND
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
 from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import View
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers

@@ -8,7 +8,7 @@ from app.enhancement.methods import preset_of
 from app.files.legible import named
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.fainter import fainter
+from app.gui.state.panes import fainter
 from app.gui.style import theme
 from app.gui.style.widgets import beside, button, explain
 from enhance import EnhanceParams, VesselParams

@@ -6,15 +6,13 @@ from dataclasses import dataclass, field, replace
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.gui.state.editing import Editing
-from app.gui.state.enhancement import Enhancement
+from app.gui.state.enhancement import Enhancement, SettingsSnapshot
 from app.gui.state.exports import Batches, Exports
 from app.gui.state.picture import Comparing, Picture
 from app.gui.state.reconstruction import Runs
-from app.gui.state.reports import Reports
 from app.gui.state.scene import ShownScene
 from app.gui.state.session import KeptSession
-from app.gui.state.settings_snapshot import SettingsSnapshot
-from app.gui.state.source import Source, Timeline
+from app.gui.state.source import Reports, Source, Timeline
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
 from app.gui.work.omissions import OmissionsRequest

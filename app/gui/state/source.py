@@ -1,5 +1,5 @@
-"""What is open: a clip, a run or a file of splats; what of the clip counts, and where it stands. A part of
-the state."""
+"""What is open: a clip, a run or a file of splats; what of the clip counts, and where it stands; a report. A
+part of the state."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from app.gui.work.opening import OpenRequest
+from app.gui.work.reported import Reported
 from app.gui.work.strip import Strip
 from app.runs.clip_selection import WHOLE, ClipPart
 from renderer.clip import Clip
@@ -61,3 +62,14 @@ class Timeline:
     def shown_index(self) -> int:
         """Frame of the two pictures."""
         return self.frame_index if self.frozen_index is None else self.frozen_index
+
+
+@dataclass
+class Reports:
+    """The report that is shown. Actions change it; drawing reads it."""
+
+    shown: Reported | None = None
+    place: int = 0
+    """Which diagram of it is shown."""
+    asked: bool = False
+    """Its panel is to come to the front."""

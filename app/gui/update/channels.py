@@ -47,8 +47,8 @@ from app.gui.work.thumbnails import make_thumbnails
 from app.gui.work.tidying import clear_places, tidy
 from app.gui.work.tuning import CellMaker
 from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
+from app.scenes.drawer import draw_view
 from app.scenes.photos import read_photo
-from app.scenes.viewing import draw_view
 
 Server = Literal["first", "second", "apart"]
 """The first worker, with numba, which pictures wait for; the second, for work without numba that no picture
@@ -146,7 +146,7 @@ class Channels:
                 lambda s: s.runs.reconstruction.ended),
             Row(self.picks, told("the point cannot be located", camera_actions.take_point),
                 lambda s: s.scene.viewer.pick),
-            Row(self.selecting, taking.take_selected, lambda s: s.editing.wish),
+            Row(self.selecting, edit_actions.take_selected, lambda s: s.editing.wish),
             Row(self.photos, told("the frame cannot be read", taking.take_photo), lambda s: s.photo_request),
             Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
                 lambda s: s.omissions_request, SECOND),

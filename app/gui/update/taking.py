@@ -8,7 +8,7 @@ from pathlib import Path
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.files.legible import located
-from app.gui.actions import actions, edit_actions, path_actions, session_actions
+from app.gui.actions import actions, path_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
@@ -17,12 +17,11 @@ from app.gui.work.baking import Baked, BakeRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest
-from app.gui.work.selecting import Selected, SelectRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
 from app.gui.work.writing import WriteRequest
+from app.scenes.drawer import View
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import View
 
 Take = Callable[[AppState, Request, Answer | Failure], None]
 
@@ -65,14 +64,6 @@ def take_strip(state: AppState, request: StripRequest, strip: Strip) -> None:
 
 def take_left_out(state: AppState, request: LeftOutRequest, left_out: LeftOut) -> None:
     state.picture.left_out = left_out
-
-
-def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
-    if isinstance(answer, Failure):
-        state.editing.wish = None
-        actions.fail(state, f"nothing was selected: {answer.message}")
-    else:
-        edit_actions.take_selected(state, request, answer)
 
 
 def take_view(state: AppState, request: ViewRequest, answer: View | Failure) -> None:

@@ -9,7 +9,7 @@ from app.enhancement.frame_enhancer import Pictures
 from app.gui.actions import actions, edit_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_events import follow_job
+from app.gui.update.jobs import follow_job
 from app.gui.update.wishes import side_wish
 from app.gui.views.comparison import SIDES
 from app.scenes.view_selection import FRAMES_PER_SECOND

@@ -16,9 +16,9 @@ from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tidying import OnScreen
 from app.gui.work.writing import KeepRequest
 from app.runs.queue_file import queue_file
+from app.scenes.drawer import View
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import View
 
 REST = 0.25
 """Seconds without a new picture before what can wait is done: measuring, small pictures, tidying."""

@@ -14,8 +14,8 @@ from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, key
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.scenes.drawer import draw_view
 from app.scenes.view_kinds import EXPLAINED, ViewKind
-from app.scenes.viewing import draw_view
 from renderer.draw import splat_view
 from renderer.draw.offscreen import read_image
 from renderer.draw.storage import Storage

@@ -16,7 +16,7 @@ from app.files.provenance import digest, read_provenance
 from app.gui.actions import actions, export_actions, job_actions
 from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path

@@ -11,7 +11,7 @@ from app.gui.actions import actions, clip_actions, job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import why_not
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import RunFinder

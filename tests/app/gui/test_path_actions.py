@@ -10,7 +10,7 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from renderer.camera import Camera

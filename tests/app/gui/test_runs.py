@@ -16,7 +16,7 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest

@@ -11,12 +11,12 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.update.wishes import SLOW_VIEW, second_wish, view_wish
+from app.scenes.drawer import View
 from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.view_kinds import ViewKind
-from app.scenes.viewing import View
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob

@@ -17,7 +17,7 @@ from app.gui.actions import actions, export_actions, job_actions, session_action
 from app.gui.session_file import autosave_path, mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob

@@ -11,14 +11,14 @@ from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import PATIENCE, PROMPT, onward, take_pictures, update
 from app.gui.update.wishes import SLOW_VIEW, view_wish
 from app.gui.work.background import Channel, Worker
 from app.gui.work.opening import Opened
 from app.runs.job import Cancelled, Failed, Paused, Resumed
 from app.runs.progress_log import TrainingLog
-from app.scenes.viewing import View
+from app.scenes.drawer import View
 from enhance import EnhanceParams
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians

@@ -10,11 +10,11 @@ from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
 from app.gui.state.app_state import AppState
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
+from app.scenes.drawer import draw_view
 from app.scenes.photos import read_photo
 from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
 from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import draw_view
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import show_live
