@@ -6,7 +6,7 @@ from functools import partial
 
 from app.gui.actions import actions, camera_actions, path_actions, second_actions
 from app.gui.commands import recent_commands
-from app.gui.commands.command import Command, Section
+from app.gui.commands.command import Command, Section, menu
 from app.gui.state.app_state import AppState
 
 BLEND_STEP = 0.1
@@ -50,12 +50,7 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
         Command("Export the path's cameras", path_actions.export_path_cameras,
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes)),
     )  # fmt: skip
-    return (
-        Section("Camera", views),
-        Section("Camera", path),
-        Section("Camera", files),
-        Section("Camera", second_commands(state), "Second view"),
-    )
+    return *menu("Camera", views, path, files), Section("Camera", second_commands(state), "Second view")
 
 
 def second_commands(state: AppState) -> tuple[Command, ...]:
@@ -65,12 +60,9 @@ def second_commands(state: AppState) -> tuple[Command, ...]:
         Command("Run folder beside…", partial(choose, kind="folder"), applies=_has_model),
         Command("Splat file beside…", partial(choose, kind="file"), applies=_has_model),
         *recent_commands.beside(state),
-        Command(
-            "Close the second view",
-            second_actions.close_second,
-            applies=lambda s: s.scene.second.shown is not None,
-        ),
-    )
+        Command("Close the second view", second_actions.close_second,
+                applies=lambda s: s.scene.second.shown is not None),
+    )  # fmt: skip
 
 
 def _blend(state: AppState, by: float) -> None:

@@ -55,6 +55,11 @@ class Section:
     submenu: str = ""
 
 
+def menu(name: str, *groups: tuple[Command, ...]) -> tuple[Section, ...]:
+    """The sections of a menu, or some of them."""
+    return tuple(Section(name, commands) for commands in groups)
+
+
 @dataclass(frozen=True)
 class WindowServices:
     """What the runner alone can do."""
