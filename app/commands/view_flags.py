@@ -8,10 +8,9 @@ from collections.abc import Sequence
 from app.errors import UserError
 from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_folder import RunFolder
-from app.scenes.photos import PhotoRequest
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import PhotoRequest, ViewRequest
 from app.scenes.view_selection import Moment
 from renderer.clip import Clip
 from renderer.near_plane import near_plane

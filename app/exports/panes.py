@@ -18,11 +18,11 @@ from app.exports.comparison_images import (
     heat_map,
     heat_scale,
 )
-from app.exports.page import INK, Panel, describe
+from app.exports.page import Panel, describe
 from app.exports.records import Arrangement, PaneRecord, PanesRecord
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
-from app.scenes.color_bar import with_bar
+from app.scenes.color_bar import INK, with_bar
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.records import ViewRecord
 from app.scenes.scene import Scene

@@ -11,10 +11,9 @@ from app.errors import UserError
 from app.files.image_series import Series
 from app.files.records import Source
 from app.scenes.drawer import Drawer
-from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.records import SceneRecord
 from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
 

@@ -14,10 +14,10 @@ from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import unpacked
 from app.runs.run_folder import RunFolder
 from app.scenes.drawer import Drawer
-from app.scenes.photos import PhotoRequest
 from app.scenes.records import RunSource, SceneRecord
 from app.scenes.renderers import Renderer, drawer
 from app.scenes.scene import Scene, open_scene
+from app.scenes.view_request import PhotoRequest
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions

@@ -32,9 +32,8 @@ from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.views.comparison import SIDES, Side, label_of
 from app.gui.work.background import Failure
 from app.scenes.cpu_rendering import ON_CPU
-from app.scenes.photos import PhotoRequest
 from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest, drawn_record, moment_record, view_record
+from app.scenes.view_request import PhotoRequest, ViewRequest, drawn_record, moment_record, view_record
 from app.scenes.view_selection import FRAMES_PER_SECOND
 
 What = Literal[

@@ -11,11 +11,6 @@ Act = Callable[[AppState], object]
 Asks = Callable[[AppState], bool]
 
 
-def start(ask: Callable[[], None]) -> Act:
-    """An action that needs nothing of the state."""
-    return lambda state: ask()
-
-
 def always(state: AppState) -> bool:
     return True
 

@@ -21,7 +21,7 @@ from app.gui.actions import (
 )
 from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
-from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu, start
+from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu
 from app.gui.commands.edit_commands import edit_sections
 from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
@@ -84,7 +84,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
                 text="save the open files, settings, views and notes; open it like a clip",
                 applies=lambda s: s.source.path is not None),
     )  # fmt: skip
-    quitting = (Command("Quit", start(outside.quit), ("Ctrl+Q",)),)
+    quitting = (Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",)),)
     return (
         Section("File", opening),
         Section("File", recent_commands.opening(state), "Open recent"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from app.gui.actions import actions, path_actions
-from app.gui.commands.command import Command, Section, WindowServices, menu, start
+from app.gui.commands.command import Command, Section, WindowServices, menu
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 
 
@@ -29,8 +29,9 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
                 ticked=lambda s: s.scene.cameras.path_shown),
     )  # fmt: skip
     layout = (
-        Command("Standard layout", start(outside.layout), text="all panels back to their standard places"),
-    )
+        Command("Standard layout", lambda s: outside.layout(),
+                text="all panels back to their standard places"),
+    )  # fmt: skip
     return menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
 
 

@@ -19,10 +19,9 @@ from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import beside, beside_of, button, centered, em, explain, stack_tags
-from app.scenes.photos import Photo
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, ViewRequest
 from renderer.clip import ByteImage
 
 TURN = 2.2

@@ -18,9 +18,8 @@ from app.gui.state.window import WindowFrame
 from app.gui.work.omissions import OmissionsRequest
 from app.gui.work.run_list import RunsRequest
 from app.gui.work.settings import Places, Settings
-from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 from renderer.train.config import TrainConfig
 
 LOOK_AGAIN = 4.0

@@ -10,10 +10,9 @@ from app.gui.work.opening import OpenRequest
 from app.gui.work.selecting import PickRequest
 from app.scenes.drawer import View
 from app.scenes.free_camera import FreeView, Vector
-from app.scenes.photos import Photo
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import ViewKind
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, ViewRequest
 from renderer.view_files import Views
 
 MIN_SPEED, MAX_SPEED = 0.02, 4.0

@@ -48,7 +48,7 @@ from app.gui.work.tidying import clear_places, tidy
 from app.gui.work.tuning import CellMaker
 from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
 from app.scenes.drawer import draw_view
-from app.scenes.photos import read_photo
+from app.scenes.view_request import read_photo
 
 Server = Literal["first", "second", "apart"]
 """The first worker, with numba, which pictures wait for; the second, for work without numba that no picture

@@ -20,8 +20,7 @@ from app.gui.work.opening import Opened, OpenRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
 from app.gui.work.writing import WriteRequest
 from app.scenes.drawer import View
-from app.scenes.photos import Photo, PhotoRequest
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 
 Take = Callable[[AppState, Request, Answer | Failure], None]
 

@@ -15,8 +15,8 @@ from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.update.wishes import SLOW_VIEW, second_wish, view_wish
 from app.scenes.drawer import View
-from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.view_kinds import ViewKind
+from app.scenes.view_request import Photo, PhotoRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob

@@ -15,7 +15,7 @@ from app.gui.panels.view3d import photo_over, view_tags
 from app.gui.state.app_state import AppState
 from app.gui.work.selecting import pick
 from app.scenes.drawer import draw_view
-from app.scenes.photos import read_photo
+from app.scenes.view_request import read_photo
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live

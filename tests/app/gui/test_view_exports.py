@@ -17,8 +17,7 @@ from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
 from app.scenes.drawer import Drawer, draw_view
 from app.scenes.free_camera import FreeView
-from app.scenes.photos import Photo, PhotoRequest
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 from renderer.camera_path import CameraPath, Keyframe
 from tests.app.gui.exporting import Exporter, same, shape_of, sidecar
 

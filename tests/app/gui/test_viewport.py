@@ -12,9 +12,8 @@ from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
 from app.scenes.drawer import draw_view
-from app.scenes.photos import read_photo
 from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import ViewRequest, read_photo
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import show_live
