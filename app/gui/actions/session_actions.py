@@ -139,21 +139,16 @@ def write_notes(state: AppState, text: str) -> None:
     state.session.notes = text[:LONGEST_NOTES]
 
 
-def save_request(state: AppState) -> SessionRequest | None:
-    """A file with the pictures, or the one that was opened or saved before; None: nothing is open."""
+def save(state: AppState) -> None:
+    """A session file of what is open and how it is set, written in the background: among the pictures, or
+    where it was opened or saved before."""
     if state.source.path is None:
-        return None
+        return
     if state.session.path is None:
         stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
         state.session.path = state.places.pictures / f"{state.source.path.stem}-{stamp}{SUFFIX}"
     path = state.session.path
-    return SessionRequest(path, snapshot(state, path.parent), in_passing=False)
-
-
-def save(state: AppState) -> None:
-    """A session file of what is open and how it is set, written in the background."""
-    if (request := save_request(state)) is not None:
-        state.window.wishes += (request,)
+    state.window.wishes += (SessionRequest(path, snapshot(state, path.parent), in_passing=False),)
 
 
 def autosave_request(state: AppState) -> SessionRequest | None:

@@ -38,6 +38,7 @@ from app.gui.views.picture_view import PictureView
 from app.gui.work import writing
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
+from app.gui.work.writing import SessionRequest
 from app.runs.clip_selection import WHOLE
 from app.scenes.free_camera import FreeView
 from assets import phantom_path
@@ -107,9 +108,9 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
 
 def test_all_of_it_comes_back(worked: tuple[AppState, Channels], places: Places) -> None:
     state, channels = worked
-    request = session_actions.save_request(state)
-    assert request is not None
-    channels.sessions.ask(request)
+    session_actions.save(state)
+    *_, request = state.window.wishes
+    assert isinstance(request, SessionRequest)
     turn(state, channels)
     turn(state, channels)
     assert state.window.toast is not None
@@ -143,8 +144,9 @@ def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_pa
     folder = tmp_path / "elsewhere"
     folder.mkdir()
     state.session.path = folder / "a.vesselsplat"
-    request = session_actions.save_request(state)
-    assert request is not None
+    session_actions.save(state)
+    *_, request = state.window.wishes
+    assert isinstance(request, SessionRequest)
     list(writing.write(request))
     shutil.move(state.source.path, folder / "liver")
     (opened,) = open_path(OpenRequest(request.path))

@@ -96,9 +96,8 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
         patch.setattr("app.files.atomic.os.fsync", full)
         app.save()
         assert app.trouble().startswith("the image was not saved: No space left on device: clip-")
-        request = session_actions.save_request(app.state)
-        assert request is not None
-        app.channels.sessions.ask(request)
+        session_actions.save(app.state)
+        assert len(app.state.window.wishes) == 1
         app.state.session.notes = "full"
         app.turn()
         assert "No space left on device" in app.trouble()
