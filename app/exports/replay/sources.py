@@ -99,8 +99,7 @@ class Found:
         if not candidates:
             raise UserError(
                 f"expected the source {name} beside {self.file.name}, in the current folder or "
-                "given with --source, "
-                "found none"
+                "given with --source, found none"
             )
         shown = candidates[0]
         raise UserError(

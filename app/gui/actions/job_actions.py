@@ -12,7 +12,7 @@ from app.files.legible import capital, legible
 from app.gui.actions.actions import latest, leave
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.gui.work.run_models import ModelRequest
+from app.gui.work.runs import ModelRequest
 from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene, Training

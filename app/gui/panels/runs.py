@@ -13,7 +13,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain, note
-from app.gui.work.run_list import ListedRun
+from app.gui.work.runs import ListedRun
 
 
 def draw_runs(state: AppState) -> None:

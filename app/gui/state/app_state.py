@@ -16,7 +16,7 @@ from app.gui.state.source import Reports, Source, Timeline
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
 from app.gui.work.omissions import OmissionsRequest
-from app.gui.work.run_list import RunsRequest
+from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
 from app.scenes.scene import Scene
 from app.scenes.view_request import Photo, PhotoRequest, ViewRequest

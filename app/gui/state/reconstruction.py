@@ -9,8 +9,7 @@ from typing import Literal
 
 from app.enhancement.settable import InputKind
 from app.gui.work.omissions import Omissions
-from app.gui.work.run_list import FoundRuns
-from app.gui.work.run_models import LeftRequest, ModelRequest
+from app.gui.work.runs import FoundRuns, LeftRequest, ModelRequest
 from app.runs.job import TrainingJob
 from app.runs.progress_log import EMPTY_LOG, TrainingLog
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest

@@ -38,8 +38,7 @@ from app.gui.work.measuring import Measurer
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
-from app.gui.work.run_list import RunFinder
-from app.gui.work.run_models import left_of, run_model
+from app.gui.work.runs import RunFinder, left_of, run_model
 from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
 from app.gui.work.strip import left_out, make_strip

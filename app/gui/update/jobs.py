@@ -8,7 +8,7 @@ from dataclasses import replace
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Reconstruction
-from app.gui.work.run_models import LeftRequest
+from app.gui.work.runs import LeftRequest
 from app.runs.job import Cancelled, Failed, Paused, Resumed, TrainingJob
 from app.runs.resource_check import told
 from app.runs.train_run import TrainRequest

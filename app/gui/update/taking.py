@@ -89,11 +89,10 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
     """Show it; what nobody waits for any longer is dropped."""
     if request is not state.source.opening:
         return
+    state.source.opening = None
     if isinstance(answer, Failure):
-        state.source.opening = None
         actions.fail(state, answer.message)
     elif answer.views is not None:
-        state.source.opening = None
         path_actions.add_views(state, answer.views, request.path)
     else:
         actions.show_opened(state, request.path, answer)

@@ -14,7 +14,7 @@ from app.gui.state.panes import why_not
 from app.gui.update.jobs import start_due
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.run_list import RunFinder
+from app.gui.work.runs import RunFinder
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.view_request import ViewRequest

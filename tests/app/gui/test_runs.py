@@ -19,7 +19,7 @@ from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
+from app.gui.work.runs import FoundRuns, ListedRun, RunFinder, RunsRequest
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
