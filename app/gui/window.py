@@ -18,8 +18,7 @@ from app.gui.actions import actions, preset_actions, queue_actions, session_acti
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
-from app.gui.drawing.chosen_viewport import ChosenViewport
-from app.gui.drawing.second_viewport import SecondViewport
+from app.gui.drawing.chosen_viewport import ChosenViewport, SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
 from app.gui.frame import dockings, kept_layout, starting

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations, product
 
-from imgui_bundle import ImVec2, ImVec2Like, imgui
+from imgui_bundle import ImVec2, ImVec2Like, imgui, imgui_ctx
 
 from app.files.legible import grouped
 from app.gui.actions import edit_actions
-from app.gui.panels.scene_marks import on_screen, placement
+from app.gui.panels.scene_marks import Sight
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import em, tag
+from app.gui.style.widgets import Area, em, tag
 from app.scenes.free_camera import Vector
-from renderer.camera import Camera
 from renderer.editing.edits import Combination
 
 LINE = theme.MARK
@@ -28,13 +27,11 @@ def draw_edit_tools(state: AppState) -> None:
         tag(text, ImVec2(low.x + em(0.4), high.y - em(1.9)), theme.TAG_CAUTION)
     if not state.editing.active or request is None:
         return
-    size = ImVec2(high.x - low.x, high.y - low.y)
-    _follow_mouse(state, request.camera, low, size)
-    draw = imgui.get_window_draw_list()
-    draw.push_clip_rect(low, high, True)
-    _draw_stroke(state, request.camera, low, size)
-    _draw_solid(state, request.camera, low, size)
-    draw.pop_clip_rect()
+    sight = Sight(request.camera, Area(low, high - low))
+    _follow_mouse(state, sight)
+    with imgui_ctx.push_clip_rect(low, high, True):
+        _draw_stroke(state, sight)
+        _draw_solid(state, sight)
 
 
 def said(state: AppState) -> str:
@@ -57,22 +54,16 @@ def combination(chosen: Combination) -> Combination:
     return chosen
 
 
-def _follow_mouse(state: AppState, camera: Camera, corner: ImVec2, size: ImVec2) -> None:
+def _follow_mouse(state: AppState, sight: Sight) -> None:
     if imgui.is_item_active() and imgui.is_mouse_down(imgui.MouseButton_.left):
         if state.editing.takes_drags and not imgui.get_io().key_alt:
-            mouse = imgui.get_mouse_pos()
-            at = placement(camera, size).picture_at(mouse.x - corner.x, mouse.y - corner.y)
-            edit_actions.draw_on(state, (float(at[0]), float(at[1])))
+            edit_actions.draw_on(state, sight.mouse())
     elif state.editing.stroke:
         edit_actions.end_stroke(state, combination(state.editing.how))
 
 
-def _draw_stroke(state: AppState, camera: Camera, corner: ImVec2, size: ImVec2) -> None:
-    place, stroke = placement(camera, size), state.editing.stroke
-    points: list[ImVec2Like] = [
-        ImVec2(corner.x + place.offset_x + place.zoom * x, corner.y + place.offset_y + place.zoom * y)
-        for x, y in stroke
-    ]
+def _draw_stroke(state: AppState, sight: Sight) -> None:
+    points: list[ImVec2Like] = [sight.at(x, y) for x, y in state.editing.stroke]
     draw, line = imgui.get_window_draw_list(), imgui.get_color_u32(LINE)
     if state.editing.tool == "rectangle" and len(points) == 2:
         draw.add_rect_filled(*_ends(points), imgui.get_color_u32(theme.grey(1.0, 0.08)))
@@ -87,36 +78,32 @@ def _ends(points: Sequence[ImVec2Like]) -> tuple[ImVec2, ImVec2]:
     return low, ImVec2(max(one.x, other.x), max(one.y, other.y))
 
 
-def _draw_solid(state: AppState, camera: Camera, corner: ImVec2, size: ImVec2) -> None:
+def _draw_solid(state: AppState, sight: Sight) -> None:
     """The outline of the last sphere or box, where it is in space."""
     editing = state.editing
     if editing.center is None or editing.base is None or editing.tool not in ("sphere", "box"):
         return
     radius = editing.radius * editing.base.distance
-    draw, line = imgui.get_window_draw_list(), imgui.get_color_u32(LINE)
-    at = on_screen(camera, editing.center, corner, size)
+    draw, line, at = imgui.get_window_draw_list(), imgui.get_color_u32(LINE), sight.point(editing.center)
     if at is None:
         return
     if editing.tool == "sphere":
-        pose = camera.camera_from_world
+        pose = sight.camera.camera_from_world
         depth = float(pose[2, :3] @ editing.center + pose[2, 3])
-        draw.add_circle(
-            at, placement(camera, size).zoom * camera.fx * radius / depth, line, thickness=em(0.1)
-        )
+        draw.add_circle(at, sight.place.zoom * sight.camera.fx * radius / depth, line, thickness=em(0.1))
         return
-    ends = {
-        signs: on_screen(camera, _moved(editing.center, radius, signs), corner, size) for signs in CORNERS
-    }
     for one, other in EDGES:
-        start, end = ends[one], ends[other]
+        start, end = (sight.point(_moved(editing.center, radius, signs)) for signs in (one, other))
         if start is not None and end is not None:
             draw.add_line(start, end, line, em(0.1))
 
 
-CORNERS = tuple(product((-1, 1), repeat=3))
 EDGES = tuple(
-    pair for pair in combinations(CORNERS, 2) if sum(a != b for a, b in zip(*pair, strict=True)) == 1
+    (one, other)
+    for one, other in combinations(product((-1, 1), repeat=3), 2)
+    if sum(a != b for a, b in zip(one, other, strict=True)) == 1
 )
+"""Of a box, between its corners."""
 
 
 def _moved(center: Vector, radius: float, signs: tuple[int, ...]) -> Vector:

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import get_args
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import imgui
 
 from app.files.legible import grouped
 from app.gui.actions import edit_actions, edit_choices
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, question, row
+from app.gui.style.widgets import ask, button, choose_row, em, explain, muted, row, share
 from app.gui.work.selecting import TRAITS, Limits
 from renderer.editing.edits import Combination
 from renderer.editing.sight import Trait
 
 PANEL = "Edit"
-HOWS: tuple[Combination, ...] = get_args(Combination)
+HOWS: dict[Combination, str] = {how: how.capitalize() for how in get_args(Combination)}
 TOOL_TEXTS: dict[Tool, str] = {
     "look": "Shift+V: dragging turns the view, as outside edit mode. Alt+drag turns it with any tool.",
     "rectangle": "Shift+R: drag a rectangle. Selects the Gaussians whose centres are inside, at any depth.",
@@ -35,13 +36,16 @@ HOW_TEXT = (
     "What a tool does to the selection. Shift adds, Ctrl subtracts, Shift+Ctrl intersects, "
     "whatever is set here."
 )
+HIDE_TEXT = "H: hide the selection; it is neither rendered, exported nor edited until shown again."
+UNDO_TEXT = "Ctrl+Z in edit mode: undo an edit or selection."
+REDO_TEXT = "Ctrl+Y in edit mode: redo an edit or selection."
 
 
 def draw_editing(state: AppState) -> None:
     """Everything that has a key has a button here."""
     editing = state.editing
     if editing.base is None:
-        imgui.text_colored(theme.now().muted, "No finished reconstruction to edit.")
+        muted("No finished reconstruction to edit.")
         return
     _draw_tools(state, editing)
     _draw_counts(editing)
@@ -52,20 +56,14 @@ def draw_editing(state: AppState) -> None:
 
 
 def _draw_tools(state: AppState, editing: Editing) -> None:
-    width = _share(len(TOOLS), 0.25)
+    width = share(len(TOOLS), 0.25)
     for place, tool in enumerate(TOOLS):
         if place:
             imgui.same_line(0, em(0.25))
-        chosen = tool == editing.tool
-        with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(chosen)):
-            label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
-            button(f"{label}###tool {tool}", lambda t=tool: edit_actions.choose_tool(state, t), width=width)  # type: ignore[misc]
-        explain(TOOL_TEXTS[tool])
-    row("Result", HOW_TEXT)
-    imgui.set_next_item_width(-em(0.1))
-    _, index = imgui.combo("##how", HOWS.index(editing.how), [how.capitalize() for how in HOWS])
-    explain(HOW_TEXT)
-    edit_choices.choose_how(state, HOWS[index])
+        label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
+        choose, color = partial(edit_actions.choose_tool, state, tool), theme.switch(tool == editing.tool)
+        button(f"{label}###tool {tool}", choose, TOOL_TEXTS[tool], color=color, width=width)
+    edit_choices.choose_how(state, choose_row("Result", editing.how, HOWS, HOW_TEXT))
     if editing.tool in ("sphere", "box"):
         _draw_radius(state, editing)
 
@@ -88,17 +86,15 @@ def _draw_radius(state: AppState, editing: Editing) -> None:
 def _draw_counts(editing: Editing) -> None:
     edits = editing.edits
     chosen, seen = len(edits.selected), len(edits.visible)
-    imgui.text_colored(
-        theme.now().warning if chosen else theme.now().text, f"{grouped(chosen)} of {grouped(seen)} selected"
-    )
-    gone = f"{grouped(len(edits.deleted))} deleted, {grouped(len(edits.hidden - edits.deleted))} hidden"
+    color = theme.now().warning if chosen else theme.now().text
+    imgui.text_colored(color, f"{grouped(chosen)} of {grouped(seen)} selected")
     imgui.same_line(em(11))
-    imgui.text_colored(theme.now().muted, gone)
+    muted(f"{grouped(len(edits.deleted))} deleted, {grouped(len(edits.hidden - edits.deleted))} hidden")
 
 
 def _draw_changes(state: AppState, editing: Editing) -> None:
     some, history = len(editing.edits.selected) > 0, editing.history
-    hidden = len(editing.edits.hidden) > 0
+    kept = "beside the run; the trained model is not changed" if editing.is_of_run else "as a new PLY file"
     rows = (
         (
             ("All", edit_actions.select_all, True, "Ctrl+A: select everything visible."),
@@ -108,43 +104,27 @@ def _draw_changes(state: AppState, editing: Editing) -> None:
         (
             ("Delete", edit_actions.delete, some, "Del: delete the selected Gaussians, at all times."),
             ("Crop", edit_actions.crop, some, "Shift+Del: delete everything visible that is not selected."),
+            ("Hide", edit_actions.hide, some, HIDE_TEXT),
             (
-                "Hide",
-                edit_actions.hide,
-                some,
-                "H: hide the selection; it is neither rendered, exported nor edited until shown again.",
+                "Show",
+                edit_actions.show_hidden,
+                bool(editing.edits.hidden),
+                "Shift+H: show everything hidden.",
             ),
-            ("Show", edit_actions.show_hidden, hidden, "Shift+H: show everything hidden."),
         ),
         (
-            (
-                "Undo",
-                edit_actions.undo,
-                bool(history.past),
-                "Ctrl+Z in edit mode: undo an edit or selection.",
-            ),
-            (
-                "Redo",
-                edit_actions.redo,
-                bool(history.future),
-                "Ctrl+Y in edit mode: redo an edit or selection.",
-            ),
-            (
-                "Save",
-                edit_actions.save,
-                editing.is_unsaved,
-                f"Ctrl+Shift+S: save the edits {_kept(editing)}.",
-            ),
+            ("Undo", edit_actions.undo, bool(history.past), UNDO_TEXT),
+            ("Redo", edit_actions.redo, bool(history.future), REDO_TEXT),
+            ("Save", edit_actions.save, editing.is_unsaved, f"Ctrl+Shift+S: save the edits {kept}."),
             ("Done", edit_actions.toggle, True, "Ctrl+E: leave edit mode. Edits stay, saved or not."),
         ),
     )
     for line in rows:
-        width = _share(len(line), 0.25)
+        width = share(len(line), 0.25)
         for place, (label, act, enabled, text) in enumerate(line):
             if place:
                 imgui.same_line(0, em(0.25))
-            button(f"{label}###edit {label}", lambda act=act: act(state), enabled=enabled, width=width)  # type: ignore[misc]
-            explain(text)
+            button(f"{label}###edit {label}", partial(act, state), text, enabled=enabled, width=width)
 
 
 def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
@@ -170,35 +150,12 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
         edit_actions.select_range(state, trait, (low, high))
 
 
-def _kept(editing: Editing) -> str:
-    return "beside the run; the trained model is not changed" if editing.is_of_run else "as a new PLY file"
-
-
-def _share(parts: int, gap: float) -> float:
-    """Width in em of one of so many equal controls in what is left of the line."""
-    return (imgui.get_content_region_avail().x / em() - gap * (parts - 1)) / parts
-
-
 def draw_question(state: AppState) -> None:
     """Before unsaved edits are lost."""
     if state.editing.leaving is None:
         return
-    with question("Unsaved edits", 27) as opened:
-        if not opened:
-            return
-        edits = state.editing.edits
-        with imgui_ctx.push_text_wrap_pos(0):
-            left_out = grouped(edits.count - len(edits.visible))
-            imgui.text_unformatted(
-                f"{left_out} of {grouped(edits.count)} Gaussians are removed, and this is not saved."
-            )
-        imgui.spacing()
-        width, reply = _share(3, 0.5), ""
-        for place, (label, said) in enumerate((("Save", "save"), ("Discard", "discard"), ("Stay", "stay"))):
-            if place:
-                imgui.same_line(0, em(0.5))
-            if imgui.button(label, ImVec2(width * em(), em(2))):
-                reply = said
-        if reply or imgui.is_key_pressed(imgui.Key.escape):
-            imgui.close_current_popup()
-            edit_actions.answer(state, reply or "stay")
+    edits = state.editing.edits
+    left_out = grouped(edits.count - len(edits.visible))
+    said = f"{left_out} of {grouped(edits.count)} Gaussians are removed, and this is not saved."
+    if reply := ask("Unsaved edits", (said,), ("Save", "Discard", "Stay")):
+        edit_actions.answer(state, reply.lower())

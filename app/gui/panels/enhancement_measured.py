@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
+from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import Pictures
@@ -14,7 +14,7 @@ from app.enhancement.parameter_grid import DEFINITIONS, Measures
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import em, explain
+from app.gui.style.widgets import cell, em, explain, in_table, muted
 from app.gui.work.measuring import BINS, Measured, curves
 from enhance import Statistics
 
@@ -64,7 +64,7 @@ def draw_curves(state: AppState) -> None:
     """V and S before and after, over their histograms, with L and S_m marked."""
     pictures = state.picture.pictures
     if pictures is None or pictures.statistics is None or pictures.request.params is None:
-        imgui.text_colored(theme.now().muted, "—")
+        muted("—")
         return
     used, made = pictures.statistics, curves(pictures.request.params, pictures.statistics)
     space = imgui.get_content_region_avail()
@@ -82,11 +82,11 @@ def draw_curves(state: AppState) -> None:
 
 def _captions(used: Statistics, width: float) -> None:
     start = imgui.get_cursor_pos_x()
-    imgui.text_colored(theme.now().muted, "V to Vn")
+    muted("V to Vn")
     imgui.same_line(0, em(0.6))
     imgui.text_colored(theme.now().warning, f"L {used.level:.0f}")
     imgui.same_line(start + width + em(0.5))
-    imgui.text_colored(theme.now().muted, "S to S*")
+    muted("S to S*")
     imgui.same_line(0, em(0.6))
     imgui.text_colored(theme.now().warning, f"S_m {used.saturation_mean:.2f}")
 
@@ -121,7 +121,7 @@ def draw_measures(state: AppState) -> None:
     """Photo and enhanced picture in numbers, greyed while they are of an earlier setting."""
     seen, pictures = state.picture.measured, state.picture.pictures
     if seen is None or pictures is None:
-        imgui.text_colored(theme.now().muted, "Not measured yet.")
+        muted("Not measured yet.")
     else:
         imgui.begin_disabled(seen.pictures is not pictures)
         _draw_table(seen)
@@ -132,22 +132,14 @@ def draw_measures(state: AppState) -> None:
 
 
 def _draw_table(seen: Measured) -> None:
-    with imgui_ctx.begin_table("measures", 3, imgui.TableFlags_.row_bg) as table:
-        if not table:
-            return
-        for column, width in enumerate((8.0, 4.4, 4.4)):
-            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        _row("inferred definition:", "original", "enhanced", DV_TEXT, theme.now().muted)
-        for name, key, text in ROWS:
-            why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
-            _row(name, text(seen.before), text(seen.after), why, theme.now().text)
-
-
-def _row(name: str, before: str, after: str, why: str, color: ImVec4) -> None:
-    for text, ink in ((name, theme.now().muted), (before, theme.now().muted), (after, color)):
-        imgui.table_next_column()
-        imgui.text_colored(ink, text)
-        explain(why)
+    rows = [("inferred definition:", "original", "enhanced", DV_TEXT)]
+    for name, key, text in ROWS:
+        why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
+        rows.append((name, text(seen.before), text(seen.after), why))
+    for name, before, after, why in in_table("measures", (8.0, 4.4, 4.4), rows, imgui.TableFlags_.row_bg):
+        cell(name, tooltip=why)
+        cell(before, tooltip=why)
+        cell(after, None if after == "enhanced" else theme.now().text, why)
 
 
 def _draw_omitted(pictures: Pictures) -> None:
@@ -155,9 +147,7 @@ def _draw_omitted(pictures: Pictures) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for omission in pictures.omitted:
             bound = f"at most {omission.error:.2f} levels" if omission.error else "changes nothing"
-            imgui.text_colored(
-                theme.now().muted, legible(f"Left out: {omission.what} ({omission.why}; {bound})")
-            )
+            muted(legible(f"Left out: {omission.what} ({omission.why}; {bound})"))
 
 
 def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str], ...]:
@@ -176,15 +166,6 @@ def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str
 
 
 def _draw_facts(used: Statistics, milliseconds: float) -> None:
-    with imgui_ctx.begin_table("measured", 4) as table:
-        if not table:
-            return
-        for column, width in enumerate((3.6, 4.5, 2.6, 6.5)):
-            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        for name, value, text in facts_of(used, milliseconds):
-            imgui.table_next_column()
-            imgui.text_colored(theme.now().muted, name)
-            explain(text)
-            imgui.table_next_column()
-            imgui.text_colored(theme.now().muted if value == UNUSED else theme.now().text, value)
-            explain(text)
+    for name, value, text in in_table("measured", (3.6, 4.5, 2.6, 6.5), facts_of(used, milliseconds)):
+        cell(name, tooltip=text)
+        cell(value, None if value == UNUSED else theme.now().text, text)

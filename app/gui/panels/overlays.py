@@ -14,7 +14,7 @@ from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, note, question, within
+from app.gui.style.widgets import button, cell, em, in_table, muted, note, question, within
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
@@ -40,7 +40,7 @@ def draw_notice(state: AppState) -> None:
             imgui.spacing()
             imgui.text_unformatted(LONG_NOTICE)
             imgui.spacing()
-            imgui.text_colored(theme.now().muted, DETAILS)
+            muted(DETAILS)
         imgui.spacing()
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             understood = imgui.button("I understand", ImVec2(-1, em(2)))
@@ -70,8 +70,7 @@ def draw_banner(state: AppState) -> None:
             imgui.text_unformatted(message)
         imgui.same_line(0, em(1))
         can_stop = state.window.banner.can_stop
-        if imgui.button("Dismiss"):
-            actions.dismiss(state)
+        button("Dismiss", lambda: actions.dismiss(state))
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
@@ -118,24 +117,19 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
 
 def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
     imgui.separator_text(title)
-    with imgui_ctx.begin_table(title, 2, imgui.TableFlags_.row_bg) as table_shown:
-        if not table_shown:
-            return
-        imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, em(11))
-        for keys, text in rows:
-            imgui.table_next_column()
-            imgui.text_colored(theme.now().accent, keys)
-            imgui.table_next_column()
-            imgui.text_wrapped(f"{text[:1].upper()}{text[1:]}")
+    for keys, text in in_table(title, (11.0, None), rows, imgui.TableFlags_.row_bg):
+        cell(keys, theme.now().accent)
+        imgui.table_next_column()
+        imgui.text_wrapped(f"{text[:1].upper()}{text[1:]}")
 
 
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
     """What happened in this session, newest last; the newest stays in sight unless one scrolls back."""
-    button("Copy all", lambda: copy("\n".join(state.window.log)), enabled=bool(state.window.log))
-    explain("Copy all lines to the clipboard. Click a line to copy it alone.")
+    text = "Copy all lines to the clipboard. Click a line to copy it alone."
+    button("Copy all", lambda: copy("\n".join(state.window.log)), text, enabled=bool(state.window.log))
     with imgui_ctx.begin_child("lines"):
         if not state.window.log:
-            imgui.text_colored(theme.now().muted, "No messages yet.")
+            muted("No messages yet.")
         with imgui_ctx.push_text_wrap_pos(0):
             for line in state.window.log:
                 imgui.text_unformatted(capital(line))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import legible
 from app.gui.actions import preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import em, explain, row
+from app.gui.style.widgets import button, em, row
 from app.gui.work.presets import BUILT_IN, preset_name
 from renderer.clip import ByteImage
 
@@ -31,10 +32,11 @@ def draw_presets(state: AppState, texture: Texture) -> None:
         _draw_own(state, shown, texture)
         imgui.end_combo()
     imgui.same_line()
-    if imgui.button("Save…", ImVec2(-1, 0)):
-        imgui.open_popup("keep preset")
-    explain("Save under a name of yours, for later sessions.")
-    _draw_keep(state)
+    name_it = partial(imgui.open_popup, "keep preset")
+    button("Save…", name_it, "Save under a name of yours, for later sessions.", width=-1)
+    with imgui_ctx.begin_popup("keep preset") as popup:
+        if popup:
+            _draw_keep(state)
 
 
 def _draw_own(state: AppState, shown: str, texture: Texture) -> None:
@@ -44,9 +46,8 @@ def _draw_own(state: AppState, shown: str, texture: Texture) -> None:
         with imgui_ctx.push_id(name):
             _draw_preset(state, name, shown, texture, beside=em(2))
             imgui.same_line(0, 0)
-            if imgui.small_button("×"):
-                preset_actions.forget(state, name)
-            explain(f"Delete {legible(name)}.")
+            forget = partial(preset_actions.forget, state, name)
+            button("×", forget, f"Delete {legible(name)}.", small=True)
 
 
 def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, beside: float = 0.0) -> None:
@@ -73,16 +74,13 @@ def _draw_thumbnail(state: AppState, name: str, texture: Texture) -> bool:
     imgui.dummy(room)
     clicked = imgui.is_item_clicked()
     if made is not None and made.request.pictures.photo is pictures.photo and name in made.images:
-        left, top = corner.x + (room.x - scale * width) / 2, corner.y + (room.y - scale * height) / 2
-        end = ImVec2(left + scale * width, top + scale * height)
-        drawn = texture(f"preset {name}", made.images[name])
-        imgui.get_window_draw_list().add_image(drawn, ImVec2(left, top), end)
+        size = ImVec2(scale * width, scale * height)
+        low, drawn = corner + (room - size) / 2, texture(f"preset {name}", made.images[name])
+        imgui.get_window_draw_list().add_image(drawn, low, low + size)
     return clicked
 
 
 def _draw_keep(state: AppState) -> None:
-    if not imgui.begin_popup("keep preset"):
-        return
     if imgui.is_window_appearing():
         preset_actions.type_name(state, "")
         imgui.set_keyboard_focus_here()
@@ -98,4 +96,3 @@ def _draw_keep(state: AppState) -> None:
     if entered and named:
         preset_actions.keep(state, state.enhancement.preset_draft)
         imgui.close_current_popup()
-    imgui.end_popup()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import get_args
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
@@ -15,25 +16,20 @@ from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.style import theme
-from app.gui.style.widgets import (
-    button,
-    choose_row,
-    declared,
-    em,
-    explain,
-    note,
-    row,
-    seconds,
-    slider,
-    wants_default,
-)
+from app.gui.style.fields import declared, slider, wants_default
+from app.gui.style.widgets import button, choose_row, em, explain, in_table, muted, note, row, seconds, share
 from app.runs.wall_clock import in_all
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Omission, Preparing
 
-METHODS: tuple[Method, ...] = get_args(Method)
-INPUTS: tuple[InputKind, ...] = get_args(InputKind)
+METHODS: dict[Method, str] = {method: named(method) for method in get_args(Method)}
+INPUTS: dict[InputKind, str] = {kind: named(kind) for kind in get_args(InputKind)}
+INPUTS_TEXT = (
+    "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
+    "runs two reconstructions to compare."
+)
+LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 STATUS = {
     "none": "",
     "starting": "Starting…",
@@ -84,14 +80,8 @@ def _draw_next(state: AppState, run: Reconstruction) -> None:
 
 def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
-    text = declared(TrainConfig, "method").text
-    method = choose_row("Method", METHODS.index(config.method), [*map(named, METHODS)], text)
-    frames = (
-        "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
-        "runs two reconstructions to compare."
-    )
-    chosen = choose_row("Frames", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
-    draft_actions.choose_input(state, INPUTS[chosen])
+    method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
+    draft_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "For the frames to reconstruct; the paper uses 0.5. " + about.text)
@@ -99,8 +89,8 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
         _, d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
         draft_actions.choose_d_factor(state, d_factor)
     iterations = _steps(replace(config, iterations=_quality(run)))
-    if (method, iterations) != (METHODS.index(config.method), config.iterations):
-        draft_actions.choose_method(state, METHODS[method], iterations)
+    if (method, iterations) != (config.method, config.iterations):
+        draft_actions.choose_method(state, method, iterations)
     row("Name", "Folder of the run; if empty, the clip's name and the time.")
     imgui.set_next_item_width(-em(0.1))
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
@@ -117,16 +107,15 @@ def _draw_part(state: AppState) -> None:
 
 def _quality(run: Reconstruction) -> int:
     """The iterations that are chosen by a word, and what they will take where that is known."""
-    now, names = quality_of(run.config.iterations), [*QUALITIES]
-    choices = names if now in names else [*names, now]
+    now, took = quality_of(run.config.iterations), expected_seconds(run)
     steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
     text = f"Number of iterations: {steps}. More are slower and better."
-    took = expected_seconds(run)
     if took is not None:
         text += f" About {seconds(took)} at the speed of the run shown."
-    shown = [f"{name}, about {seconds(took)}" if took and name == now else name for name in choices]
-    index = choose_row("Quality", choices.index(now), shown, text)
-    return QUALITIES.get(choices[index], run.config.iterations)
+    shown = {name: name for name in (*QUALITIES, now)} | {
+        now: f"{now}, about {seconds(took)}" if took else now
+    }
+    return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
 
 
 def _steps(config: TrainConfig) -> int:
@@ -142,14 +131,12 @@ def _steps(config: TrainConfig) -> int:
 
 
 def _draw_start(state: AppState) -> None:
-    run = state.runs.reconstruction
-    reason = job_actions.why_not_reconstruct(state)
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-        start = lambda: job_actions.start_reconstruction(state)  # noqa: E731
-        label = "Add to the queue" if run.is_alive else "Reconstruct"
-        button(f"{label}###start", start, enabled=not reason, width=-1.0)
-    soon = "Starts with the current settings when the runs before it have ended." if run.is_alive else ""
-    explain(reason or soon or "Runs in the background; the window stays usable.")
+    start, reason = partial(job_actions.start_reconstruction, state), job_actions.why_not_reconstruct(state)
+    label, text = "Reconstruct", "Runs in the background; the window stays usable."
+    if state.runs.reconstruction.is_alive:
+        label = "Add to the queue"
+        text = "Starts with the current settings when the runs before it have ended."
+    button(f"{label}###start", start, text, reason=reason, color=theme.now().lit, width=-1.0)
     if reason and state.source.clip is not None:
         note(reason)
 
@@ -159,33 +146,25 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
     if run.failure:
         note(f"{capital(legible(run.failure))}.", theme.now().danger)
         note(run.way_out)
-    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
-    onward = lambda: job_actions.continue_reconstruction(state)  # noqa: E731
-    again = job_actions.can_continue(state)
-    button("Continue", onward, enabled=again, width=half)
-    explain(
-        "From the run's last checkpoint."
-        if again
-        else "It can continue only on its own clip: open that first."
-    )
+    half, onward = share(2), partial(job_actions.continue_reconstruction, state)
+    own = "" if job_actions.can_continue(state) else "It can continue only on its own clip: open that first."
+    button("Continue", onward, "From the run's last checkpoint.", reason=own, width=half)
     imgui.same_line(0, em(0.5))
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
-    button("View model", lambda: run_actions.look_at_present(state), enabled=not reason, width=half)
-    explain(reason or "The model as last shown, or at the last checkpoint, before the interruption.")
+    look = partial(run_actions.look_at_present, state)
+    button("View model", look, LOOK_TEXT, reason=reason, width=half)
     imgui.separator()
 
 
 def _draw_hold(state: AppState) -> None:
-    run = state.runs.reconstruction
-    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
+    run, half = state.runs.reconstruction, share(2)
+    label, act, enabled = "Pause", job_actions.pause, run.can_pause
     if run.status == "paused":
-        button("Resume###pause", lambda: job_actions.resume(state), enabled=run.can_resume, width=half)
-    else:
-        button("Pause###pause", lambda: job_actions.pause(state), enabled=run.can_pause, width=half)
-    explain("Paused; the queue waits.")
+        label, act, enabled = "Resume", job_actions.resume, run.can_resume
+    button(f"{label}###pause", partial(act, state), "Paused; the queue waits.", enabled=enabled, width=half)
     imgui.same_line(0, em(0.5))
-    button("Cancel", lambda: job_actions.cancel(state), width=half)
-    explain("The last checkpoint is kept: Continue resumes from it.")
+    text = "The last checkpoint is kept: Continue resumes from it."
+    button("Cancel", partial(job_actions.cancel, state), text, width=half)
 
 
 def status_of(run: Reconstruction) -> str:
@@ -210,10 +189,9 @@ def _draw_status(run: Reconstruction) -> None:
     imgui.same_line()
     wall = progress.wall_seconds
     shown = f"{seconds(progress.seconds)} training" if wall is None else f"{seconds(wall)} in total"
-    imgui.text_colored(theme.now().muted, f"{shown}{left}")
+    muted(f"{shown}{left}")
     explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses are not counted.")
-    done = f"{grouped(progress.iteration)} / {grouped(progress.iterations)}"
-    imgui.progress_bar(progress.iteration / progress.iterations, ImVec2(-1, em(1.25)), done)
+    _draw_bar(progress.iteration, progress.iterations)
 
 
 def _draw_preparing(stage: Preparing) -> None:
@@ -221,8 +199,11 @@ def _draw_preparing(stage: Preparing) -> None:
     left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
     note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
     if stage.total:
-        done = f"{grouped(stage.done)} / {grouped(stage.total)}"
-        imgui.progress_bar(stage.done / stage.total, ImVec2(-1, em(1.25)), done)
+        _draw_bar(stage.done, stage.total)
+
+
+def _draw_bar(done: int, total: int) -> None:
+    imgui.progress_bar(done / total, ImVec2(-1, em(1.25)), f"{grouped(done)} / {grouped(total)}")
 
 
 def _draw_omissions(state: AppState) -> None:
@@ -234,16 +215,12 @@ def _draw_omissions(state: AppState) -> None:
     found, request = state.runs.omissions, state.omissions_request
     # While a part that was just kept or let go is looked at, the lines stay under the hand.
     if found is None or request is None or found.request.unkept != request.unkept:
-        imgui.text_colored(theme.now().muted, "Analysing the clip…")
+        muted("Analysing the clip…")
     elif not found.lines:
-        imgui.text_colored(theme.now().muted, "Nothing: this clip needs every part.")
+        muted("Nothing: this clip needs every part.")
     else:
-        with imgui_ctx.begin_table("omissions", 2) as table:
-            if table:
-                imgui.table_setup_column("what", imgui.TableColumnFlags_.width_stretch)
-                imgui.table_setup_column("keep", imgui.TableColumnFlags_.width_fixed)
-                for omission in found.lines:
-                    _draw_omission(state, omission)
+        for omission in in_table("omissions", (None, 0.0), found.lines):
+            _draw_omission(state, omission)
     imgui.tree_pop()
 
 
@@ -268,5 +245,5 @@ def _draw_messages(run: Reconstruction) -> None:
         for warning in run.warnings[-3:]:
             imgui.text_colored(theme.now().warning, capital(legible(warning)))
         for omission in run.omitted:
-            imgui.text_colored(theme.now().muted, f"Left out: {omission.what}")
+            muted(f"Left out: {omission.what}")
             explain(f"{omission.why} Saves {omission.saves}.")

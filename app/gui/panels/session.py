@@ -14,9 +14,8 @@ OFFER = "An earlier session ended unexpectedly"
 def draw_notes(state: AppState) -> None:
     """What a person writes down; kept with the session."""
     space = imgui.get_content_region_avail()
-    changed, text = imgui.input_text_multiline(
-        "##notes", state.session.notes, ImVec2(-1, max(space.y, em(3)))
-    )
+    size = ImVec2(-1, max(space.y, em(3)))
+    changed, text = imgui.input_text_multiline("##notes", state.session.notes, size)
     explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
     if changed:
         session_actions.write_notes(state, text)

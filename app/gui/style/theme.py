@@ -15,6 +15,11 @@ def grey(level: float, alpha: float = 1.0) -> ImVec4:
     return ImVec4(level, level, level, alpha)
 
 
+def packed(red: int, green: int, blue: int) -> int:
+    """As draw lists take a colour, 0 to 255 each."""
+    return imgui.get_color_u32(ImVec4(red / 255, green / 255, blue / 255, 1.0))
+
+
 @dataclass(frozen=True)
 class Colors:
     """Of one theme."""
