@@ -25,13 +25,12 @@ from app.gui.frame import dockings, kept_layout, starting
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
-from app.gui.frame.window_shots import WindowShots
+from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
 from app.gui.panels.batches import draw_batches
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
-from app.gui.panels.edit_view import draw_edit_tools
-from app.gui.panels.editing import PANEL, draw_editing, draw_question
+from app.gui.panels.editing import PANEL, draw_edit_tools, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
 from app.gui.panels.palette import draw_palette
@@ -103,7 +102,6 @@ class Window:
         self._dialogs = Dialogs(Path.home())
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
-        self._window_shots = WindowShots(state, self._channels.windows)
         self._worn: tuple[Theme, int] | None = None
         self._dropped: list[str] = []
         self._textures: Textures | None = None
@@ -182,7 +180,6 @@ class Window:
         calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
-        calls.before_swap = self._window_shots.follow
         calls.before_exit = self.close
         self._add_timeline(params)
 
@@ -227,7 +224,8 @@ class Window:
         """The OpenGL context is there."""
         theme.apply_plot_style()
         ctx = starting.attach()
-        self._window_shots.begin(ctx)
+        shoot = partial(shoot_window, ctx, self.state, self._channels.windows)
+        hello_imgui.get_runner_params().callbacks.before_swap = shoot
         self._textures = Textures(ctx)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
         self._second_viewport = SecondViewport(ctx, self._textures)

@@ -60,9 +60,8 @@ class ChosenViewport:
         own = min(one.milliseconds for one in alike)
         state.scene.processor_draws = own <= card
         faster = "the numba rasteriser" if state.scene.processor_draws else "OpenGL"
-        self._say(
-            state, f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms an image: {faster} draws"
-        )
+        both = f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms an image"
+        self._say(state, f"{both}: {faster} draws")
 
     def _give_up(self, state: AppState, error: Exception) -> None:
         state.scene.processor_draws, self._compares = True, False

@@ -148,13 +148,10 @@ def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> 
     if changed:
         path_actions.retime_keyframe(state, index, model.time_of(number))
     imgui.table_next_column()
+    replace = partial(path_actions.replace_keyframe, state, index)
     acts: tuple[tuple[str, str, Callable[[], None]], ...] = (
         (icons.ICON_FA_EYE, "Go to it", partial(path_actions.seek_path, state, key.seconds)),
-        (
-            icons.ICON_FA_SYNC,
-            "Set to this view and time",
-            partial(path_actions.replace_keyframe, state, index),
-        ),
+        (icons.ICON_FA_SYNC, "Set to this view and time", replace),
         (icons.ICON_FA_TRASH, "Delete", partial(path_actions.delete_keyframe, state, index)),
     )
     for icon, text, act in acts:

@@ -10,17 +10,18 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import Pixels, Scope
-from app.files.legible import named
-from app.gui.actions import actions, picture_actions
+from app.files.legible import legible, named
+from app.gui.actions import actions, picture_actions, preset_actions
 from app.gui.actions import history_actions as history
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
-from app.gui.panels.presets import Texture, draw_presets
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.style.fields import declared, slide, slide_auto, slider
 from app.gui.style.widgets import NAMES, button, choose_row, em, explain, muted, row, share
+from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
+from renderer.clip import ByteImage
 
 __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
@@ -35,6 +36,9 @@ VESSEL_SLIDERS = {
     "d_factor": "Colour d",
     "most_color": "Most colour",
 }
+Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
+HEIGHT, WIDEST = 3.4, 6.0
+"""Em of a small picture."""
 MAIN_VESSEL = ("strength", "radius", "lift", "d_factor")
 SCOPES: dict[Scope, str] = {"image": "Of each frame", "clip": "Of the whole clip"}
 PIXELS: dict[Pixels, str] = {"automatic": "Automatic", "all": "All", "tissue": "Tissue only"}
@@ -70,6 +74,84 @@ def draw_enhancement(state: AppState, texture: Texture) -> None:
             _draw_tab(f"{first}###windows", partial(_draw_settings, state, used))
             _draw_tab("Curves", partial(draw_curves, state))
             _draw_tab("Measures", partial(draw_measures, state))
+
+
+def draw_presets(state: AppState, texture: Texture) -> None:
+    row("Preset", "Named settings. Save stores the current ones under a name of yours.")
+    imgui.set_next_item_width(-em(4.0))
+    shown = preset_name(state.enhancement.params, state.enhancement.presets) or "custom"
+    is_open = imgui.begin_combo("##preset", legible(shown), imgui.ComboFlags_.height_largest)
+    preset_actions.look_at(state, is_open)
+    if is_open:
+        for name in BUILT_IN:
+            _draw_preset(state, name, shown, texture)
+        _draw_own(state, shown, texture)
+        imgui.end_combo()
+    imgui.same_line()
+    name_it = partial(imgui.open_popup, "keep preset")
+    button("Save…", name_it, "Save under a name of yours, for later sessions.", width=-1)
+    with imgui_ctx.begin_popup("keep preset") as popup:
+        if popup:
+            _draw_keep(state)
+
+
+def _draw_own(state: AppState, shown: str, texture: Texture) -> None:
+    if state.enhancement.presets:
+        imgui.separator()
+    for name in sorted(state.enhancement.presets):
+        with imgui_ctx.push_id(name):
+            _draw_preset(state, name, shown, texture, beside=em(2))
+            imgui.same_line(0, 0)
+            forget = partial(preset_actions.forget, state, name)
+            button("×", forget, f"Delete {legible(name)}.", small=True)
+
+
+def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, beside: float = 0.0) -> None:
+    """A line of the menu; `beside` it is room for a button."""
+    chosen = _draw_thumbnail(state, name, texture)
+    imgui.same_line()
+    size = ImVec2(max(em(9), imgui.get_content_region_avail().x - beside), em(HEIGHT))
+    with imgui_ctx.push_style_var(imgui.StyleVar_.selectable_text_align, ImVec2(0, 0.5)):
+        chosen = imgui.selectable(legible(name), name == shown, size=size)[0] or chosen
+    if chosen:
+        preset_actions.choose(state, name)
+        imgui.close_current_popup()
+
+
+def _draw_thumbnail(state: AppState, name: str, texture: Texture) -> bool:
+    """Room for one where it is not made yet; whether it is clicked."""
+    pictures, made = state.picture.pictures, state.enhancement.thumbnails
+    if pictures is None:
+        imgui.dummy(ImVec2(0, em(HEIGHT)))
+        return False
+    height, width = pictures.photo.shape[:2]
+    scale = min(em(HEIGHT) / height, em(WIDEST) / width)
+    corner, room = imgui.get_cursor_screen_pos(), ImVec2(em(WIDEST), em(HEIGHT))
+    imgui.dummy(room)
+    clicked = imgui.is_item_clicked()
+    if made is not None and made.request.pictures.photo is pictures.photo and name in made.images:
+        size = ImVec2(scale * width, scale * height)
+        low, drawn = corner + (room - size) / 2, texture(f"preset {name}", made.images[name])
+        imgui.get_window_draw_list().add_image(drawn, low, low + size)
+    return clicked
+
+
+def _draw_keep(state: AppState) -> None:
+    if imgui.is_window_appearing():
+        preset_actions.type_name(state, "")
+        imgui.set_keyboard_focus_here()
+    imgui.set_next_item_width(em(14))
+    flags = imgui.InputTextFlags_.enter_returns_true
+    entered, name = imgui.input_text_with_hint("##name", "name", state.enhancement.preset_draft, flags)
+    preset_actions.type_name(state, name)
+    imgui.same_line()
+    named = bool(state.enhancement.preset_draft.strip())
+    imgui.begin_disabled(not named)
+    entered |= imgui.button("Save")
+    imgui.end_disabled()
+    if entered and named:
+        preset_actions.keep(state, state.enhancement.preset_draft)
+        imgui.close_current_popup()
 
 
 def _draw_tab(label: str, draw: Callable[[], None]) -> None:

@@ -18,14 +18,6 @@ from app.gui.style.widgets import cell, em, explain, in_table, muted
 from app.gui.work.measuring import BINS, Measured, curves
 from enhance import Statistics
 
-PLOT_FLAGS = (
-    implot.Flags_.no_title
-    | implot.Flags_.no_menus
-    | implot.Flags_.no_box_select
-    | implot.Flags_.no_mouse_text
-    | implot.Flags_.no_legend
-    | implot.Flags_.no_inputs
-)
 AXIS_FLAGS = (
     implot.AxisFlags_.no_tick_labels | implot.AxisFlags_.no_tick_marks | implot.AxisFlags_.no_highlight
 )
@@ -102,7 +94,7 @@ def _is_of_frame(seen: Measured | None, pictures: Pictures) -> bool:
 def _draw_plot(
     name: str, size: ImVec2, spreads: tuple[Array, Array] | None, line: tuple[Array, Array], mark: float
 ) -> None:
-    if not implot.begin_plot(f"##{name}", size, PLOT_FLAGS):
+    if not implot.begin_plot(f"##{name}", size, theme.QUIET_PLOT | implot.Flags_.no_inputs):
         return
     implot.setup_axes("", "", AXIS_FLAGS, AXIS_FLAGS)
     implot.setup_axis_limits(implot.ImAxis_.x1, 0, 1, implot.Cond_.always)

@@ -102,9 +102,8 @@ def _draw_view_size(state: AppState) -> None:
         imgui.same_line()
         imgui.text("×")
         imgui.same_line()
-        export_choices.choose_view_size(
-            state, (width, _pixels("##view height", size[1], "Height in pixels."))
-        )
+        height = _pixels("##view height", size[1], "Height in pixels.")
+        export_choices.choose_view_size(state, (width, height))
     imgui.same_line()
     factor = choose("supersampling", state.exports.supersampling, SAMPLINGS, FACTOR_TEXT, 10)
     export_choices.choose_supersampling(state, factor)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import get_args
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+import numpy as np
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
+from numpy.typing import NDArray
 
 from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import draft_actions, job_actions, laid_out, run_actions
-from app.gui.panels.curves import draw_curves
 from app.gui.state.app_state import AppState
 from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
@@ -19,9 +21,10 @@ from app.gui.style import theme
 from app.gui.style.fields import declared, slider, wants_default
 from app.gui.style.widgets import button, choose_row, em, explain, in_table, muted, note, row, seconds, share
 from app.runs.wall_clock import in_all
+from app.scenes.view_kinds import SCENE_UNITS
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
-from renderer.train.events import Omission, Preparing
+from renderer.train.events import Evaluated, Omission, Preparing, Progress
 
 METHODS: dict[Method, str] = {method: named(method) for method in get_args(Method)}
 INPUTS: dict[InputKind, str] = {kind: named(kind) for kind in get_args(InputKind)}
@@ -43,6 +46,12 @@ STATUS = {
 FIRST_STEP = "Preparing the first step…"
 FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
 """Its kernels are compiled then."""
+PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
+DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
+LOSS = "Mean since the previous point."
+COUNT = "Number of Gaussians in the model."
+Line = NDArray[np.float64]
+NO_DOTS: Line = np.empty((2, 0))
 PART = (
     "Trim and mask are set below the panes (In, Out, All, Mask). What they leave out is neither "
     "trained on nor evaluated; a run keeps the trim and mask it was started with."
@@ -60,7 +69,7 @@ def draw_reconstruction(state: AppState) -> None:
         _draw_next(state, run)
     if run.status != "none":
         _draw_status(run)
-    draw_curves(run)
+    _draw_curves(run)
     _draw_messages(run)
     if run.is_alive:
         waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
@@ -110,11 +119,10 @@ def _quality(run: Reconstruction) -> int:
     now, took = quality_of(run.config.iterations), expected_seconds(run)
     steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
     text = f"Number of iterations: {steps}. More are slower and better."
+    shown = {name: name for name in (*QUALITIES, now)}
     if took is not None:
         text += f" About {seconds(took)} at the speed of the run shown."
-    shown = {name: name for name in (*QUALITIES, now)} | {
-        now: f"{now}, about {seconds(took)}" if took else now
-    }
+        shown[now] += f", about {seconds(took)}" if took else ""
     return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
 
 
@@ -247,3 +255,53 @@ def _draw_messages(run: Reconstruction) -> None:
         for omission in run.omitted:
             muted(f"Left out: {omission.what}")
             explain(f"{omission.why} Saves {omission.saves}.")
+
+
+def _draw_curves(run: Reconstruction) -> None:
+    """Nothing before the first Progress; no depth where none is measured."""
+    if not run.told.progress:
+        return
+    curve, end, ink = run.told.progress, run.iterations, theme.now()
+    now, seen = curve[-1], _line(run.told.evaluated, "psnr")
+    held_out = f", held out {seen[1, -1]:.1f} dB" if seen.size else ""
+    psnr, loss, count = (_line(curve, name) for name in ("psnr", "loss", "n_gaussians"))
+    _draw_curve("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, psnr, ".1f", PSNR, end, seen)
+    depth = _line([each for each in run.told.evaluated if each.depth_rmse is not None], "depth_rmse")
+    if depth.size:
+        unit = run.clip.unit if run.clip is not None else SCENE_UNITS
+        said = f"{depth[1, -1]:.3g} {unit}"
+        _draw_curve("Depth error", said, ink.danger, depth, ".2g", DEPTH, end, depth)
+    _draw_curve("Loss", f"{now.loss:.4f}", ink.warning, loss, ".2g", LOSS, end)
+    _draw_curve("Gaussians", grouped(now.n_gaussians), ink.shade(0.75), count, ",.0f", COUNT, end)
+
+
+def _line(events: Sequence[Progress] | Sequence[Evaluated], name: str) -> Line:
+    """(2, N): iterations, values."""
+    values = [getattr(event, name) for event in events]
+    return np.array([[event.iteration for event in events], values], float)
+
+
+def _draw_curve(
+    name: str, value: str, color: ImVec4, line: Line, form: str, text: str, most: int, dots: Line = NO_DOTS
+) -> None:
+    imgui.text_colored(color, name)
+    explain(text)
+    imgui.same_line()
+    muted(value)
+    if not implot.begin_plot(f"##{name}", ImVec2(-1, em(4.6)), theme.QUIET_PLOT):
+        return
+    axis, quiet = implot.ImAxis_, implot.AxisFlags_.no_highlight
+    implot.setup_axis(axis.x1, "", quiet)
+    implot.setup_axis(axis.y1, "", implot.AxisFlags_.auto_fit | quiet)
+    low, high = float(line[1].min()), float(line[1].max())
+    # So low a diagram has room for two labels.
+    implot.setup_axis_ticks(axis.y1, [low, high], [format(low, form), format(high, form)])
+    # None at the end, where its half would be cut off.
+    across = [most * quarter / 4 for quarter in range(4)]
+    implot.setup_axis_ticks(axis.x1, across, [grouped(round(tick)) for tick in across])
+    implot.setup_axis_limits(axis.x1, 0, max(most, line[0, -1]), implot.Cond_.always)
+    implot.plot_line(name, line[0], line[1], implot.Spec(line_color=color, line_weight=em(0.1)))
+    if dots.size:
+        marks = implot.Spec(marker_fill_color=color, marker_size=em(0.25))
+        implot.plot_scatter("held out", dots[0], dots[1], marks)
+    implot.end_plot()

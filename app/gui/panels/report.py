@@ -8,10 +8,9 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import centered, choose, em, muted
-from app.gui.work.reported import Chart, Reported, Scale, current, plain
+from app.gui.work.reported import Chart, Scale, current, plain
 from app.gui.work.reported_tables import ReportPart, ShownTable
 
-PLOT_FLAGS = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
 TABLE_FLAGS = (
     imgui.TableFlags_.sortable | imgui.TableFlags_.sort_tristate | imgui.TableFlags_.row_bg
     | imgui.TableFlags_.scroll_x | imgui.TableFlags_.scroll_y | imgui.TableFlags_.sizing_fixed_fit
@@ -37,24 +36,20 @@ def draw_report(state: AppState) -> None:
     report = state.reports.shown
     muted(report.about)
     if report.charts:
-        _draw_chart(state, report.charts[_chosen(state, report)])
+        names = {place: chart.name for place, chart in enumerate(report.charts)}
+        now = min(state.reports.place, len(names) - 1)
+        chosen = choose("diagram", now, names, CHART_TEXT, -1 / em())
+        if chosen != now:
+            actions.choose_chart(state, chosen)
+        _draw_chart(state, report.charts[chosen])
     for part in report.parts:
         draw_part(part)
-
-
-def _chosen(state: AppState, report: Reported) -> int:
-    names = {place: chart.name for place, chart in enumerate(report.charts)}
-    now = min(state.reports.place, len(names) - 1)
-    place = choose("diagram", now, names, CHART_TEXT, -1 / em())
-    if place != now:
-        actions.choose_chart(state, place)
-    return place
 
 
 def _draw_chart(state: AppState, chart: Chart) -> None:
     now = current(chart, state.enhancement.params)
     size = ImVec2(-1, max(em(12), imgui.get_content_region_avail().y * 0.62))
-    if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, PLOT_FLAGS):
+    if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, theme.PLOT):
         return
     implot.setup_axes(chart.against, chart.measure)
     _setup(implot.ImAxis_.x1, chart.across, logarithmic=True)

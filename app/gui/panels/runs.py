@@ -113,11 +113,8 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     since = " Queued in an earlier session." if waiting.asleep else ""
     explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)
-    front, withdraw = (
-        partial(act, state, waiting) for act in (queue_actions.to_front, queue_actions.withdraw)
-    )
-    button(
-        f"{icons.ICON_FA_ARROW_UP}###to front", front, "Move to the front of the queue.", enabled=not first
-    )
+    front, remove = partial(queue_actions.to_front, state, waiting), "Remove from the queue."
+    text = "Move to the front of the queue."
+    button(f"{icons.ICON_FA_ARROW_UP}###to front", front, text, enabled=not first)
     imgui.same_line(0, em(0.3))
-    button(f"{icons.ICON_FA_TIMES}###withdraw", withdraw, "Remove from the queue.")
+    button(f"{icons.ICON_FA_TIMES}###withdraw", partial(queue_actions.withdraw, state, waiting), remove)

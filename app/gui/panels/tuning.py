@@ -179,13 +179,11 @@ def said(setting: Setting) -> str:
 
 
 def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> None:
-    back, use = (
-        partial(tuning_actions.look_at, state, None),
-        partial(tuning_actions.use_setting, state, setting),
-    )
+    back = partial(tuning_actions.look_at, state, None)
     button(f"{icons.ICON_FA_TH}  All###back", back, "Back to the grid.", width=6)
     imgui.same_line()
     text = "Enhance with these settings from now on. Ctrl+Z undoes it."
+    use = partial(tuning_actions.use_setting, state, setting)
     button("Use these settings###use", use, text, color=theme.now().lit, width=10)
     look = state.tuning.look if state.tuning.is_looked_at else None
     words = f"{said(setting)}   {in_words(look.measures) if look is not None else '…'}"

@@ -87,6 +87,8 @@ PATH = ImVec4(0.35, 0.80, 0.95, 1.0)
 TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)
 TAG_ENHANCED = ImVec4(0.13, 0.36, 0.60, 0.94)
 TAG_CAUTION = ImVec4(0.58, 0.35, 0.03, 0.96)
+PLOT = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
+QUIET_PLOT = PLOT | implot.Flags_.no_mouse_text | implot.Flags_.no_legend
 
 
 def now() -> Colors:
