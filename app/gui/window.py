@@ -222,7 +222,6 @@ class Window:
 
     def _begin(self) -> None:
         """The OpenGL context is there."""
-        theme.apply_plot_style()
         ctx = starting.attach()
         shoot = partial(shoot_window, ctx, self.state, self._channels.windows)
         hello_imgui.get_runner_params().callbacks.before_swap = shoot

@@ -15,7 +15,7 @@ from app.gui.panels.scene_marks import Sight
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
-from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, muted, row, share, tag
+from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, row, tag
 from app.gui.work.selecting import TRAITS, Limits
 from app.scenes.free_camera import Vector
 from renderer.editing.edits import Combination
@@ -60,10 +60,7 @@ def draw_editing(state: AppState) -> None:
 
 
 def _draw_tools(state: AppState, editing: Editing) -> None:
-    width = share(len(TOOLS), 0.25)
-    for place, tool in enumerate(TOOLS):
-        if place:
-            imgui.same_line(0, em(0.25))
+    for tool, width in in_line(TOOLS, 0.25):
         label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
         choose, color = partial(edit_actions.choose_tool, state, tool), theme.switch(tool == editing.tool)
         button(f"{label}###tool {tool}", choose, TOOL_TEXTS[tool], color=color, width=width)
@@ -76,7 +73,6 @@ def _draw_radius(state: AppState, editing: Editing) -> None:
     text = "Radius of the sphere, or half the edge of the box, in the clip's unit. Release to select again."
     distance = editing.base.distance if editing.base else 1.0
     row("Radius", text)
-    imgui.set_next_item_width(-em(0.1))
     flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp
     shown = editing.radius * distance
     changed, radius = imgui.slider_float("##radius", shown, 1e-3 * distance, distance, "%.3g", flags)
@@ -120,10 +116,7 @@ def _draw_changes(state: AppState, editing: Editing) -> None:
         ),
     )
     for line in rows:
-        width = share(len(line), 0.25)
-        for place, (label, act, enabled, text) in enumerate(line):
-            if place:
-                imgui.same_line(0, em(0.25))
+        for (label, act, enabled, text), width in in_line(line, 0.25):
             button(f"{label}###edit {label}", partial(act, state), text, enabled=enabled, width=width)
 
 
@@ -132,7 +125,6 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
     whole: Limits = (0.0, 1.0) if trait == "opacity" else editing.limits.get(trait, (0.0, 0.0))
     low, high = editing.ranges.get(trait, whole)
     row(label, text)
-    imgui.set_next_item_width(-em(0.1))
     enabled = whole[1] > whole[0]
     imgui.begin_disabled(not enabled)
     speed = max(whole[1] - whole[0], 1e-6) / 400

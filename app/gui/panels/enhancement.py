@@ -17,7 +17,7 @@ from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measur
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.style.fields import declared, slide, slide_auto, slider
-from app.gui.style.widgets import NAMES, button, choose_row, em, explain, muted, row, share
+from app.gui.style.widgets import NAMES, button, choose_row, em, explain, in_line, muted, row
 from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
@@ -27,15 +27,9 @@ __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: dict[type[EnhancementSettings], str] = {EnhanceParams: named(PAPER), VesselParams: named(VESSEL)}
 VESSEL_SLIDERS = {
-    "strength": "Strength",
-    "radius": "Radius",
-    "shading": "Shading",
-    "coring": "Coring",
-    "lift": "Lift",
-    "gamma": "Gamma",
-    "d_factor": "Colour d",
-    "most_color": "Most colour",
-}
+    "strength": "Strength", "radius": "Radius", "shading": "Shading", "coring": "Coring",
+    "lift": "Lift", "gamma": "Gamma", "d_factor": "Colour d", "most_color": "Most colour",
+}  # fmt: skip
 Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
 HEIGHT, WIDEST = 3.4, 6.0
 """Em of a small picture."""
@@ -77,8 +71,7 @@ def draw_enhancement(state: AppState, texture: Texture) -> None:
 
 
 def draw_presets(state: AppState, texture: Texture) -> None:
-    row("Preset", "Named settings. Save stores the current ones under a name of yours.")
-    imgui.set_next_item_width(-em(4.0))
+    row("Preset", "Named settings. Save stores the current ones under a name of yours.", -4.0)
     shown = preset_name(state.enhancement.params, state.enhancement.presets) or "custom"
     is_open = imgui.begin_combo("##preset", legible(shown), imgui.ComboFlags_.height_largest)
     preset_actions.look_at(state, is_open)
@@ -146,9 +139,7 @@ def _draw_keep(state: AppState) -> None:
     preset_actions.type_name(state, name)
     imgui.same_line()
     named = bool(state.enhancement.preset_draft.strip())
-    imgui.begin_disabled(not named)
-    entered |= imgui.button("Save")
-    imgui.end_disabled()
+    entered |= button("Save", enabled=named)
     if entered and named:
         preset_actions.keep(state, state.enhancement.preset_draft)
         imgui.close_current_popup()
@@ -196,8 +187,7 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
     muted("   ".join(f"{p:.2f}" for p in params.p))
     explain(text)
     imgui.same_line()
-    pressed = imgui.button("One P", ImVec2(-1, 0))
-    explain("Use the same P for every window.")
+    pressed = button("One P", text="Use the same P for every window.", width=-1)
     return scales.together(params) if pressed else params
 
 
@@ -208,14 +198,14 @@ def _draw_vessel(params: VesselParams, names: Sequence[str]) -> VesselParams:
 
 
 def _draw_edits(state: AppState) -> None:
-    chosen, width = state.enhancement, share(3)
-    undo, redo, reset = (partial(act, state) for act in (history.undo, history.redo, actions.reset_params))
-    button("Undo", undo, "Ctrl+Z", enabled=len(chosen.past) > 1, width=width)
-    imgui.same_line(0, em(0.5))
-    button("Redo", redo, "Ctrl+Y", enabled=bool(chosen.future), width=width)
-    imgui.same_line(0, em(0.5))
-    changed = chosen.params != type(chosen.params)()
-    button("Reset all", reset, RESET_TEXT, enabled=changed, width=width)
+    chosen = state.enhancement
+    edits = (
+        ("Undo", history.undo, "Ctrl+Z", len(chosen.past) > 1),
+        ("Redo", history.redo, "Ctrl+Y", bool(chosen.future)),
+        ("Reset all", actions.reset_params, RESET_TEXT, chosen.params != type(chosen.params)()),
+    )
+    for (label, act, text, enabled), width in in_line(edits):
+        button(label, partial(act, state), text, enabled=enabled, width=width)
 
 
 def _draw_windows(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
@@ -250,10 +240,7 @@ def _draw_scale(params: EnhanceParams, index: int, exponents: tuple[float, ...])
     explain(f"{p.text} Changed here, each window has its own P.")
     params = scales.with_exponent(params, index, value, exponents) if moved else params
     imgui.same_line(0, em(0.25))
-    imgui.begin_disabled(len(params.radii) < 2)
-    removed = imgui.button("–", ImVec2(-1, 0))
-    imgui.end_disabled()
-    explain("Remove this window.")
+    removed = button("–", text="Remove this window.", enabled=len(params.radii) > 1, width=-1)
     return scales.without_scale(params, index) if removed else params
 
 

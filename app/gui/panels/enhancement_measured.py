@@ -119,7 +119,10 @@ def draw_measures(state: AppState) -> None:
         _draw_table(seen)
         imgui.end_disabled()
     if pictures is not None and pictures.statistics is not None:
-        _draw_facts(pictures.statistics, pictures.milliseconds)
+        facts = facts_of(pictures.statistics, pictures.milliseconds)
+        for name, value, text in in_table("measured", (3.6, 4.5, 2.6, 6.5), facts):
+            cell(name, tooltip=text)
+            cell(value, None if value == UNUSED else theme.now().text, text)
         _draw_omitted(pictures)
 
 
@@ -155,9 +158,3 @@ def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str
         ("colour", f"{used.color:.0%}", COLOR_TEXT),
         ("time", f"{milliseconds:.0f} ms", "Time to enhance this frame on this computer."),
     )
-
-
-def _draw_facts(used: Statistics, milliseconds: float) -> None:
-    for name, value, text in in_table("measured", (3.6, 4.5, 2.6, 6.5), facts_of(used, milliseconds)):
-        cell(name, tooltip=text)
-        cell(value, None if value == UNUSED else theme.now().text, text)

@@ -19,7 +19,18 @@ from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.style import theme
 from app.gui.style.fields import declared, slider, wants_default
-from app.gui.style.widgets import button, choose_row, em, explain, in_table, muted, note, row, seconds, share
+from app.gui.style.widgets import (
+    button,
+    choose_row,
+    em,
+    explain,
+    in_line,
+    in_table,
+    muted,
+    note,
+    row,
+    seconds,
+)
 from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from enhance import EnhanceParams
@@ -34,15 +45,9 @@ INPUTS_TEXT = (
 )
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 STATUS = {
-    "none": "",
-    "starting": "Starting…",
-    "running": "Reconstructing",
-    "paused": "Paused",
-    "finished": "Finished",
-    "failed": "Stopped",
-    "cancelled": "Interrupted",
-}
-
+    "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
+    "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
+}  # fmt: skip
 FIRST_STEP = "Preparing the first step…"
 FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
 """Its kernels are compiled then."""
@@ -80,7 +85,9 @@ def draw_reconstruction(state: AppState) -> None:
 
 def _draw_next(state: AppState, run: Reconstruction) -> None:
     _draw_choices(state, run)
-    _draw_part(state)
+    if (clip := state.source.clip) is not None and (told := state.source.training_part.told(len(clip))):
+        note(f"Trains on {told}", theme.now().warning)
+        explain(PART)
     imgui.spacing()
     _draw_start(state)
     if not run.is_alive and state.source.clip is not None:
@@ -94,24 +101,14 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "For the frames to reconstruct; the paper uses 0.5. " + about.text)
-        imgui.set_next_item_width(-em(0.1))
         _, d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
         draft_actions.choose_d_factor(state, d_factor)
     iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (config.method, config.iterations):
         draft_actions.choose_method(state, method, iterations)
     row("Name", "Folder of the run; if empty, the clip's name and the time.")
-    imgui.set_next_item_width(-em(0.1))
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
     draft_actions.name_run(state, name)
-
-
-def _draw_part(state: AppState) -> None:
-    """What of the clip it will be of, where that is not all of it."""
-    told = "" if state.source.clip is None else state.source.training_part.told(len(state.source.clip))
-    if told:
-        note(f"Trains on {told}", theme.now().warning)
-        explain(PART)
 
 
 def _quality(run: Reconstruction) -> int:
@@ -130,7 +127,6 @@ def _steps(config: TrainConfig) -> int:
     about = declared(TrainConfig, "iterations")
     text = about.text or "Training steps; more are slower and better."
     row("Iterations", text)
-    imgui.set_next_item_width(-em(0.1))
     changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
     explain(text)
     if wants_default("iterations"):
@@ -154,25 +150,25 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
     if run.failure:
         note(f"{capital(legible(run.failure))}.", theme.now().danger)
         note(run.way_out)
-    half, onward = share(2), partial(job_actions.continue_reconstruction, state)
     own = "" if job_actions.can_continue(state) else "It can continue only on its own clip: open that first."
-    button("Continue", onward, "From the run's last checkpoint.", reason=own, width=half)
-    imgui.same_line(0, em(0.5))
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
-    look = partial(run_actions.look_at_present, state)
-    button("View model", look, LOOK_TEXT, reason=reason, width=half)
+    ways = (
+        ("Continue", job_actions.continue_reconstruction, "From the run's last checkpoint.", own),
+        ("View model", run_actions.look_at_present, LOOK_TEXT, reason),
+    )
+    for (label, act, text, why), width in in_line(ways):
+        button(label, partial(act, state), text, reason=why, width=width)
     imgui.separator()
 
 
 def _draw_hold(state: AppState) -> None:
-    run, half = state.runs.reconstruction, share(2)
-    label, act, enabled = "Pause", job_actions.pause, run.can_pause
+    run, text = state.runs.reconstruction, "Paused; the queue waits."
+    pause = ("Pause###pause", job_actions.pause, text, run.can_pause)
     if run.status == "paused":
-        label, act, enabled = "Resume", job_actions.resume, run.can_resume
-    button(f"{label}###pause", partial(act, state), "Paused; the queue waits.", enabled=enabled, width=half)
-    imgui.same_line(0, em(0.5))
-    text = "The last checkpoint is kept: Continue resumes from it."
-    button("Cancel", partial(job_actions.cancel, state), text, width=half)
+        pause = ("Resume###pause", job_actions.resume, text, run.can_resume)
+    cancel = ("Cancel", job_actions.cancel, "The last checkpoint is kept: Continue resumes from it.", True)
+    for (label, act, text, enabled), width in in_line((pause, cancel)):
+        button(label, partial(act, state), text, enabled=enabled, width=width)
 
 
 def status_of(run: Reconstruction) -> str:

@@ -28,25 +28,16 @@ NAMES: dict[type[EnhancementSettings], tuple[str, ...]] = {
     VesselParams: tuple(VESSEL_SLIDERS),
 }
 """What can be varied, of the paper's method and of the own preset."""
-LABELS = {
-    **VESSEL_SLIDERS,
-    "z": "Brightness z",
-    "p": "Detail P",
-    "eps": "Smoothing",
-    "subsample": "Subsample",
-}
+LABELS = VESSEL_SLIDERS | {
+    "z": "Brightness z", "p": "Detail P", "eps": "Smoothing", "subsample": "Subsample"
+}  # fmt: skip
 """As the panel Enhancement names them."""
 METRIC_LABELS = {
-    "dv": "DV",
-    "bv": "BV",
-    "dv_bv": "DV/BV",
-    "vessel_contrast": "Vessel contrast",
-    "noise_gain": "Noise gain",
-    "saturated_share": "Saturated share",
-    "milliseconds": "Milliseconds",
+    "dv": "DV", "bv": "BV", "dv_bv": "DV/BV", "vessel_contrast": "Vessel contrast",
+    "noise_gain": "Noise gain", "chroma_noise_gain": "Chroma noise gain",
+    "saturated_share": "Saturated share", "milliseconds": "Milliseconds",
     "color_difference": "Colour difference",
-    "chroma_noise_gain": "Chroma noise gain",
-}
+}  # fmt: skip
 SORT_LABELS = {"": "As varied"} | {name: METRIC_LABELS.get(name, name) for name in METRICS}
 
 

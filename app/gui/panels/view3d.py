@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
@@ -67,38 +68,33 @@ def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, photo_tex
     scale = imgui.get_io().display_framebuffer_scale
     laid_out.size_view(state, int(size.x * scale.x), int(size.y * scale.y))
     if state.scene.second.shown is not None:
-        beside = Area(corner + ImVec2(size.x + gap, 0), size)
-        _draw_pane(state, "second view", second, state.second_request, photo_texture, beside)
-    _draw_pane(state, "view", viewport, state.plain_view_request, photo_texture, Area(corner, size))
+        right = Area(corner + ImVec2(size.x + gap, 0), size)
+        _draw_pane(state, "second view", second, state.second_request, right, photo_texture)
+    _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), photo_texture)
 
 
 def _draw_pane(
-    state: AppState,
-    name: str,
-    viewport: Viewport,
-    request: ViewRequest | None,
-    photo: PhotoTexture,
-    area: Area,
+    state: AppState, name: str, viewport: Viewport, seen: ViewRequest | None, area: Area, photo: PhotoTexture
 ) -> None:
     """One of the views; the hand on either moves both."""
     imgui.set_cursor_screen_pos(area.corner)
     imgui.invisible_button(name, area.size, VIEW_BUTTONS)
     _move(state, area)
-    if request is not None:
-        _pick(state, request, area)
+    if seen is not None:
+        _pick(state, seen, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
         _draw_picture(state, viewport.show(state), photo, area)
 
 
 def _draw_toolbar(state: AppState) -> None:
     viewer = state.scene.viewer
-    home = f"{icons.ICON_FA_HOME}  Clip camera"
-    button(home, lambda: camera_actions.reset_view(state), "Home: the clip camera's view.")
+    reset = partial(camera_actions.reset_view, state)
+    button(f"{icons.ICON_FA_HOME}  Clip camera", reset, "Home: the clip camera's view.")
     beside(FLY)
     button(FLY, lambda: camera_actions.toggle_flight(state), FLY_TEXT, color=theme.switch(viewer.flying))
     beside(MEASURE)
-    measure = lambda: camera_actions.toggle_measuring(state)  # noqa: E731
-    button(MEASURE, measure, MEASURE_TEXT, color=theme.switch(viewer.measuring))
+    measure, color = partial(camera_actions.toggle_measuring, state), theme.switch(viewer.measuring)
+    button(MEASURE, measure, MEASURE_TEXT, color=color)
     beside(SECOND)
     _draw_second(state)
     _draw_snap(state)
@@ -126,8 +122,8 @@ def _draw_second(state: AppState) -> None:
 
 def _draw_snap(state: AppState) -> None:
     snapped = state.scene.viewer.snapped
-    snap = lambda: camera_actions.toggle_snap(state)  # noqa: E731
-    button(PHOTO, snap, PHOTO_TEXT, enabled=state.has_photos, color=theme.switch(snapped))
+    snap, color = partial(camera_actions.toggle_snap, state), theme.switch(snapped)
+    button(PHOTO, snap, PHOTO_TEXT, enabled=state.has_photos, color=color)
     if not snapped:
         return
     beside_of(em(8))

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from app.console.flags import marks
 from app.enhancement.methods import EnhancementSettings
 from app.gui.style import theme
-from app.gui.style.widgets import em, explain, row
+from app.gui.style.widgets import explain, row
 from enhance import EnhanceParams
 
 L = TypeVar("L", bound=EnhancementSettings)
@@ -49,7 +49,6 @@ def slide(params: L, name: str, label: str, form: str = "%.2f", *, log: bool = F
     """A slider for a number; a double click on it or its reset entry gives the default."""
     about, value = declared(type(params), name), getattr(params, name)
     row(label, about.text)
-    imgui.set_next_item_width(-em(0.1))
     flags = imgui.SliderFlags_.always_clamp | (imgui.SliderFlags_.logarithmic if log else 0)
     changed, new = slider(f"##{name}", value, about, form, flags)
     explain(about.text)
@@ -78,9 +77,8 @@ def slide_auto(
     the value by hand."""
     about, value = declared(type(params), name), getattr(params, name)
     automatic = value is None
-    row(label, about.text)
+    row(label, about.text, -4.3)
     shown = used if used is not None and automatic else (start if automatic else float(value))
-    imgui.set_next_item_width(-em(4.3))
     form = "%.2f" if not automatic or used is not None else "…"
     with imgui_ctx.push_style_color(imgui.Col_.text, theme.now().muted if automatic else theme.now().text):
         changed, new = slider(f"##{name}", shown, about, form, imgui.SliderFlags_.always_clamp)

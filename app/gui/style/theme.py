@@ -111,6 +111,7 @@ def wear(theme: Theme, text_percent: int) -> None:
         style.set_color_(role, color)
     for part, color in _plots(colors).items():
         plots.set_color_(part, color)
+    plots.plot_padding = ImVec2(4, 4)
 
 
 def load_fonts() -> None:
@@ -184,7 +185,3 @@ def _plots(colors: Colors) -> dict[implot.Col_, ImVec4]:
         c.frame_bg: grey(0, 0), c.plot_bg: colors.shade(0.10),
         c.plot_border: colors.shade(0.22), c.axis_grid: colors.veil(0.10),
     }  # fmt: skip
-
-
-def apply_plot_style() -> None:
-    implot.get_style().plot_padding = ImVec2(4, 4)

@@ -68,13 +68,15 @@ def em(lines: float = 1.0) -> float:
     return lines * imgui.get_font_size()
 
 
-def row(label: str, tooltip: str) -> None:
-    """The name of a control on a line of its own column; the control follows to its right."""
+def row(label: str, tooltip: str, width: float = -0.1) -> None:
+    """The name of a control on a line of its own column; the control follows to its right, `width` em across,
+    or up to so many before the right end."""
     start = imgui.get_cursor_pos_x()
     imgui.align_text_to_frame_padding()
     imgui.text(label)
     explain(tooltip)
     imgui.same_line(start + em(NAMES))
+    imgui.set_next_item_width(em(width))
 
 
 def choose(name: str, now: T, values: Mapping[T, str], text: str, width: float = -0.1) -> T:
@@ -173,7 +175,7 @@ def within(width: float, height: float) -> ImVec2:
 
 def button(
     label: str,
-    action: Callable[[], object],
+    action: Callable[[], object] | None = None,
     text: str = "",
     *,
     enabled: bool = True,
@@ -181,8 +183,10 @@ def button(
     color: ImVec4 | None = None,
     width: float = 0.0,
     small: bool = False,
-) -> None:
-    """A button that does `action`; `width` in em, 0 = as wide as its text, negative = to the right end.
+) -> bool:
+    """A button that does `action`, and whether it is pressed.
+
+    `width` in em, 0 = as wide as its text, negative = to the right end.
 
     Greyed out unless `enabled`, and for a `reason` against it, which its tooltip says in place of `text`.
     """
@@ -192,13 +196,19 @@ def button(
         pressed = imgui.small_button(label) if small else imgui.button(label, size)
     imgui.end_disabled()
     explain(reason or text)
-    if pressed:
+    if pressed and action is not None:
         action()
+    return pressed
 
 
-def share(parts: int, gap: float = 0.5) -> float:
-    """Width in em of one of so many equal controls in what is left of the line, with gaps between them."""
-    return (imgui.get_content_region_avail().x / em() - gap * (parts - 1)) / parts
+def in_line(controls: Sequence[T], gap: float = 0.5) -> Iterator[tuple[T, float]]:
+    """One after the other, to be drawn beside the one before, with the width in em that is an equal share of
+    what is left of the line; `gap` in em."""
+    width = (imgui.get_content_region_avail().x / em() - gap * (len(controls) - 1)) / len(controls)
+    for place, control in enumerate(controls):
+        if place:
+            imgui.same_line(0, em(gap))
+        yield control, width
 
 
 def in_table(name: str, widths: Sequence[float | None], rows: Iterable[T], flags: int = 0) -> Iterator[T]:
@@ -257,11 +267,8 @@ def ask(title: str, sentences: Iterable[str], replies: Sequence[str], *, moot: b
             for sentence in sentences:
                 imgui.text_unformatted(sentence)
         imgui.spacing()
-        width = em(share(len(replies)))
-        for place, label in enumerate(replies):
-            if place:
-                imgui.same_line(0, em(0.5))
-            if imgui.button(label, ImVec2(width, em(2))):
+        for label, width in in_line(replies):
+            if imgui.button(label, ImVec2(em(width), em(2))):
                 reply = label
         if moot or imgui.is_key_pressed(imgui.Key.escape):
             reply = reply or replies[-1]
