@@ -37,7 +37,6 @@ from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
 from app.gui.panels.runs import draw_runs
-from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
@@ -213,7 +212,7 @@ class Window:
             _panel(
                 "Log", "Below", lambda: overlays.draw_log(self.state, imgui.set_clipboard_text), "by the menu"
             ),
-            _panel("Notes", "Below", lambda: draw_notes(self.state), "by the menu"),
+            _panel("Notes", "Below", lambda: overlays.draw_notes(self.state), "by the menu"),
             _panel(REPORT, "MainDockSpace", lambda: draw_report(self.state), "by the menu"),
             _panel(TUNING, "MainDockSpace", self._draw_tuning, "by the state"),
             _panel(PANEL, "Side", lambda: draw_editing(self.state), "by the state"),
@@ -298,7 +297,7 @@ class Window:
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)
-        draw_recovery(self.state)
+        overlays.draw_recovery(self.state)
         if (choosing := actions.taken_choice(self.state)) is not None:
             self._dialogs.ask(choosing.kind, choosing.then)
         self._dialogs.draw()

@@ -121,26 +121,21 @@ class GraphicsViewport:
         return 1000 * (perf_counter() - began)
 
     def _draw(self, request: ViewRequest, keyframes: Keyframes | None) -> None:
+        """Raises moderngl.Error for a context that is lost, or has run out of memory."""
         _forget_errors(self._ctx)
-        splats = self._upload(request, keyframes)
+        splats, size = self._upload(request, keyframes), (request.camera.width, request.camera.height)
         if request.kind != "color":
             paint, with_depth = _paint(request.kind, keyframes), request.kind == "depth"
             shape = SHAPES[request.kind]
             layers = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
             self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
-            self._finish(request)
-            return
-        self._composed = None
-        size = (request.camera.width, request.camera.height)
-        if self._target is None or self._target.size != size:
-            self._release_target()
-            self._texture = self._ctx.texture(size, 4)
-            self._target = self._ctx.framebuffer([self._texture])
-        splats.draw(request.camera, self._target, background=BACKGROUND)
-        self._finish(request)
-
-    def _finish(self, request: ViewRequest) -> None:
-        """Raises moderngl.Error for a context that is lost, or has run out of memory."""
+        else:
+            self._composed = None
+            if self._target is None or self._target.size != size:
+                self._release_target()
+                self._texture = self._ctx.texture(size, 4)
+                self._target = self._ctx.framebuffer([self._texture])
+            splats.draw(request.camera, self._target, background=BACKGROUND)
         if (error := self._ctx.error) != "GL_NO_ERROR":
             raise moderngl.Error(error)
         self._drawn = request

@@ -180,11 +180,10 @@ def said(state: AppState) -> str:
 def combination(chosen: Combination) -> Combination:
     """With Shift added, with Ctrl taken away, with both what is in both; else as chosen."""
     io = imgui.get_io()
-    if io.key_shift and io.key_ctrl:
-        return "intersect"
-    if io.key_shift or io.key_ctrl:
-        return "add" if io.key_shift else "subtract"
-    return chosen
+    held: dict[tuple[bool, bool], Combination] = {
+        (True, True): "intersect", (True, False): "add", (False, True): "subtract"
+    }  # fmt: skip
+    return held.get((io.key_shift, io.key_ctrl), chosen)
 
 
 def _follow_mouse(state: AppState, sight: Sight) -> None:

@@ -78,7 +78,14 @@ def draw_presets(state: AppState, texture: Texture) -> None:
     if is_open:
         for name in BUILT_IN:
             _draw_preset(state, name, shown, texture)
-        _draw_own(state, shown, texture)
+        if state.enhancement.presets:
+            imgui.separator()
+        for name in sorted(state.enhancement.presets):
+            with imgui_ctx.push_id(name):
+                _draw_preset(state, name, shown, texture, beside=em(2))
+                imgui.same_line(0, 0)
+                forget = partial(preset_actions.forget, state, name)
+                button("×", forget, f"Delete {legible(name)}.", small=True)
         imgui.end_combo()
     imgui.same_line()
     name_it = partial(imgui.open_popup, "keep preset")
@@ -86,17 +93,6 @@ def draw_presets(state: AppState, texture: Texture) -> None:
     with imgui_ctx.begin_popup("keep preset") as popup:
         if popup:
             _draw_keep(state)
-
-
-def _draw_own(state: AppState, shown: str, texture: Texture) -> None:
-    if state.enhancement.presets:
-        imgui.separator()
-    for name in sorted(state.enhancement.presets):
-        with imgui_ctx.push_id(name):
-            _draw_preset(state, name, shown, texture, beside=em(2))
-            imgui.same_line(0, 0)
-            forget = partial(preset_actions.forget, state, name)
-            button("×", forget, f"Delete {legible(name)}.", small=True)
 
 
 def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, beside: float = 0.0) -> None:

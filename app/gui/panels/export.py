@@ -10,7 +10,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.legible import legible
 from app.gui.actions import export_actions, export_choices, window_actions
-from app.gui.actions.export_actions import OFFERS, Offer, What
+from app.gui.actions.export_actions import OFFERS
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note
 from app.scenes.supersampling import FACTORS
@@ -57,15 +57,11 @@ def draw_export(state: AppState) -> None:
             imgui.separator_text(title)
             for what, offer in OFFERS.items():
                 if offer.form in forms:
-                    _draw_offer(state, what, offer)
+                    start = partial(export_actions.export_request, state, what)
+                    reason = export_actions.why_not_export(state, what)
+                    _draw_row(f"{offer.label}###{what}", offer.text, start, reason)
             if "picture" in forms:
                 _draw_row("Window###window", WINDOW_TEXT, lambda: window_actions.save_window(state))
-
-
-def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
-    reason = export_actions.why_not_export(state, what)
-    start = partial(export_actions.export_request, state, what)
-    _draw_row(f"{offer.label}###{what}", offer.text, start, reason)
 
 
 def _draw_row(label: str, text: str, act: Callable[[], object], reason: str = "") -> None:

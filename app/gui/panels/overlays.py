@@ -1,4 +1,4 @@
-"""What lies over the window: the first-start notice, errors, toasts, the help."""
+"""What lies over the window: the first-start notice, errors, toasts, the help; the log, and notes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import capital
 from app.files.provenance import NOTICE
-from app.gui.actions import actions
+from app.gui.actions import actions, session_actions
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, cell, em, in_table, muted, note, question, within
+from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, question, within
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
@@ -22,6 +22,7 @@ DETAILS = (
     "enhanced images may show structures that are not there. Screens and cameras are not "
     "calibrated. You are responsible for how you use it. Nothing leaves this computer."
 )
+OFFER = "An earlier session ended unexpectedly"
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_docking
@@ -137,3 +138,36 @@ def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
                     copy(line)
         if imgui.get_scroll_y() >= imgui.get_scroll_max_y():
             imgui.set_scroll_here_y(1.0)
+
+
+def draw_notes(state: AppState) -> None:
+    """What a person writes down; kept with the session."""
+    space = imgui.get_content_region_avail()
+    size = ImVec2(-1, max(space.y, em(3)))
+    changed, text = imgui.input_text_multiline("##notes", state.session.notes, size)
+    explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
+    if changed:
+        session_actions.write_notes(state, text)
+
+
+def draw_recovery(state: AppState) -> None:
+    """Once at the start, after the notice."""
+    if state.session.recoverable is None or not state.settings.acknowledged:
+        return
+    imgui.open_popup(OFFER)
+    center = imgui.get_main_viewport().get_center()
+    imgui.set_next_window_pos(center, imgui.Cond_.always, ImVec2(0.5, 0.5))
+    flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move | imgui.WindowFlags_.always_auto_resize
+    with imgui_ctx.begin_popup_modal(OFFER, flags) as opened:
+        if not opened:
+            return
+        imgui.spacing()
+        if state.session.recoverable_since:
+            imgui.text_unformatted(f"It was last saved {state.session.recoverable_since}.")
+        imgui.text_unformatted("Restore the open files, settings, views and notes?")
+        imgui.spacing()
+        for label, act in (("Restore", session_actions.recover), ("Start fresh", session_actions.decline)):
+            if imgui.button(label, ImVec2(em(12), em(2))):
+                act(state)
+                imgui.close_current_popup()
+            imgui.same_line()

@@ -42,8 +42,10 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         _, words = imgui.input_text_with_hint("##words", "Type to find a command", palette.words)
         palette.type(words)
         found = find(sections, palette.words, state)
-        moved = _move(state, len(found))
-        chosen = _draw_found(found, palette.marked, moved)
+        by = imgui.is_key_pressed(imgui.Key.down_arrow) - imgui.is_key_pressed(imgui.Key.up_arrow)
+        if by:
+            palette.move(by, len(found))
+        chosen = _draw_found(found, palette.marked, by != 0)
         if imgui.is_key_pressed(imgui.Key.enter) or imgui.is_key_pressed(imgui.Key.keypad_enter):
             chosen = found[palette.marked] if found else None
         runs = chosen is not None and chosen.applies
@@ -52,15 +54,6 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
             imgui.close_current_popup()
     if chosen is not None and runs:
         chosen.command.act(state)
-
-
-def _move(state: AppState, count: int) -> bool:
-    """The arrows; whether the mark has moved."""
-    ways = ((imgui.Key.up_arrow, -1), (imgui.Key.down_arrow, 1))
-    by = sum(way for key, way in ways if imgui.is_key_pressed(key))
-    if by:
-        state.window.palette.move(by, count)
-    return bool(by)
 
 
 def _draw_found(found: list[Found], marked: int, moved: bool) -> Found | None:

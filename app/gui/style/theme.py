@@ -107,7 +107,7 @@ def wear(theme: Theme, text_percent: int) -> None:
     """Give window and plots this theme and size of text; between two frames."""
     colors, style, plots = THEMES[theme], imgui.get_style(), implot.get_style()
     style.font_scale_main = text_percent / 100
-    for role, color in (_surfaces(colors) | _controls(colors)).items():
+    for role, color in _roles(colors).items():
         style.set_color_(role, color)
     for part, color in _plots(colors).items():
         plots.set_color_(part, color)
@@ -139,7 +139,7 @@ def apply_style() -> None:
     style.disabled_alpha = 0.45
 
 
-def _surfaces(colors: Colors) -> dict[imgui.Col_, ImVec4]:
+def _roles(colors: Colors) -> dict[imgui.Col_, ImVec4]:
     c, shade = imgui.Col_, colors.shade
     return {
         c.text: colors.text, c.text_disabled: colors.muted,
@@ -157,12 +157,6 @@ def _surfaces(colors: Colors) -> dict[imgui.Col_, ImVec4]:
         c.tree_lines: shade(0.30), c.unsaved_marker: colors.warning,
         c.plot_lines: colors.accent, c.plot_histogram: colors.lit,
         c.plot_lines_hovered: colors.warning, c.plot_histogram_hovered: colors.warning,
-    }  # fmt: skip
-
-
-def _controls(colors: Colors) -> dict[imgui.Col_, ImVec4]:
-    c, shade = imgui.Col_, colors.shade
-    return {
         c.frame_bg: shade(0.21), c.frame_bg_hovered: shade(0.26), c.frame_bg_active: shade(0.30),
         c.button: shade(0.25), c.button_hovered: shade(0.32), c.button_active: shade(0.38),
         c.header: shade(0.24), c.header_hovered: shade(0.27), c.header_active: shade(0.29),
