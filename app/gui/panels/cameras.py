@@ -31,7 +31,12 @@ def draw_cameras(state: AppState) -> None:
         return
     _draw_files(state)
     imgui.separator_text("Views")
-    _draw_new_view(state)
+    imgui.set_next_item_width(-em(6))
+    _, name = imgui.input_text_with_hint("##name", "name of this view", state.scene.cameras.name)
+    path_actions.type_name(state, name)
+    imgui.same_line()
+    add, text = partial(path_actions.save_view, state), "B: add this viewpoint under this name."
+    button(f"{icons.ICON_FA_PLUS} Add###keep", add, text, width=-1)
     for index, view in enumerate(state.scene.cameras.views.named):
         _draw_view(state, index, view)
     imgui.separator_text("Path")
@@ -53,15 +58,6 @@ def _draw_files(state: AppState) -> None:
                 path_actions.export_clip_cameras(state)
             if imgui.menu_item_simple("The path's cameras", enabled=bool(views.path.keyframes)):
                 path_actions.export_path_cameras(state)
-
-
-def _draw_new_view(state: AppState) -> None:
-    imgui.set_next_item_width(-em(6))
-    _, name = imgui.input_text_with_hint("##name", "name of this view", state.scene.cameras.name)
-    path_actions.type_name(state, name)
-    imgui.same_line()
-    add, text = partial(path_actions.save_view, state), "B: add this viewpoint under this name."
-    button(f"{icons.ICON_FA_PLUS} Add###keep", add, text, width=-1)
 
 
 def _draw_view(state: AppState, index: int, one: NamedCamera) -> None:

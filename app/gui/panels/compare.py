@@ -64,7 +64,7 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
 
 
 def _draw_toolbar(state: AppState) -> None:
-    label = "Enhancement on" if state.enhancement.active else "Enhancement off"
+    chosen, label = state.comparing.chosen, f"Enhancement {'on' if state.enhancement.active else 'off'}"
     turn, color = partial(actions.toggle_enhancement, state), theme.switch(state.enhancement.active)
     button(f"{label}###enhancing", turn, ENHANCING_TEXT, color=color, width=8)
     beside("Frozen")
@@ -72,7 +72,11 @@ def _draw_toolbar(state: AppState) -> None:
     freeze, color = partial(actions.toggle_freeze, state), theme.switch(frozen, caution=True)
     button("Frozen###freeze" if frozen else "Freeze###freeze", freeze, FREEZE_TEXT, color=color)
     beside_of(em(7), 1)
-    _draw_modes(state)
+    mode = choose("mode", chosen.mode, MODE_LABELS, MODE_TEXT, 7)
+    if mode != chosen.mode:
+        comparing.choose_mode(state, mode)
+    beside("Zebra")
+    button("Zebra", partial(comparing.toggle_zebra, state), ZEBRA_TEXT, color=theme.switch(chosen.zebra))
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit, 1)
     button(fit, partial(picture_actions.fit, state), "0 or double click: fit the whole frame.")
@@ -86,15 +90,6 @@ def _draw_toolbar(state: AppState) -> None:
         text = f"Shift+{slot}: store the current settings as {slot}, to compare with or return to."
         beside(f"Store {slot}", gap)
         button(f"Store {slot}", partial(comparing.store, state, slot), text)
-
-
-def _draw_modes(state: AppState) -> None:
-    chosen = state.comparing.chosen
-    mode = choose("mode", chosen.mode, MODE_LABELS, MODE_TEXT, 7)
-    if mode != chosen.mode:
-        comparing.choose_mode(state, mode)
-    beside("Zebra")
-    button("Zebra", partial(comparing.toggle_zebra, state), ZEBRA_TEXT, color=theme.switch(chosen.zebra))
 
 
 def _draw_sources(state: AppState, half: float, gap: float) -> None:
@@ -183,13 +178,10 @@ def draw_welcome(state: AppState) -> None:
         button(label, partial(act, state), width=WELCOME_WIDTH)
     if state.source.opening is not None:
         centered(f"Opening {state.source.opening.path.name}…", theme.now().text)
-    elif state.settings.recent:
-        _draw_recent(state)
-
-
-def _draw_recent(state: AppState) -> None:
-    imgui.spacing()
-    centered("Recent")
+        return
+    if state.settings.recent:
+        imgui.spacing()
+        centered("Recent")
     for place, text in enumerate(state.settings.recent[:5]):
         name = legible(Path(text).name)
         imgui.set_cursor_pos_x((imgui.get_window_width() - imgui.calc_text_size(name).x) / 2)

@@ -61,7 +61,10 @@ def draw_curves(state: AppState) -> None:
     used, made = pictures.statistics, curves(pictures.request.params, pictures.statistics)
     space = imgui.get_content_region_avail()
     size = ImVec2((space.x - em(0.5)) / 2, min(max(space.y - 1.6 * em(), em(5)), em(11)))
-    seen = state.picture.measured if _is_of_frame(state.picture.measured, pictures) else None
+    now, seen = pictures.request, state.picture.measured
+    then = None if seen is None else seen.pictures.request
+    if then is None or then.clip is not now.clip or then.frame_index != now.frame_index:
+        seen = None  # A histogram of another setting is worth showing, one of another frame is not.
     spreads = None if seen is None else (seen.photo.value, seen.enhanced.value)
     _draw_plot("V", size, spreads, (made.given, made.value), used.level / 255)
     explain("Eq 1: V to Vn, at the marked L. Histograms: grey, the original frame; blue, the enhanced one.")
@@ -81,14 +84,6 @@ def _captions(used: Statistics, width: float) -> None:
     muted("S to S*")
     imgui.same_line(0, em(0.6))
     imgui.text_colored(theme.now().warning, f"S_m {used.saturation_mean:.2f}")
-
-
-def _is_of_frame(seen: Measured | None, pictures: Pictures) -> bool:
-    """A histogram of another setting is worth showing, one of another frame is not."""
-    if seen is None:
-        return False
-    now, then = pictures.request, seen.pictures.request
-    return now.clip is then.clip and now.frame_index == then.frame_index
 
 
 def _draw_plot(

@@ -35,7 +35,7 @@ from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
-from renderer.train.events import Evaluated, Omission, Preparing, Progress
+from renderer.train.events import Evaluated, Omission, Progress
 
 METHODS: dict[Method, str] = {method: named(method) for method in get_args(Method)}
 INPUTS: dict[InputKind, str] = {kind: named(kind) for kind in get_args(InputKind)}
@@ -184,7 +184,11 @@ def _draw_status(run: Reconstruction) -> None:
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
     if progress is None:
         if run.is_alive and run.preparing is not None:
-            _draw_preparing(run.preparing)
+            stage = run.preparing
+            left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
+            note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
+            if stage.total:
+                _draw_bar(stage.done, stage.total)
             note(capital(run.planned))
         elif run.status == "running":
             note(FIRST_USE)
@@ -196,14 +200,6 @@ def _draw_status(run: Reconstruction) -> None:
     muted(f"{shown}{left}")
     explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses are not counted.")
     _draw_bar(progress.iteration, progress.iterations)
-
-
-def _draw_preparing(stage: Preparing) -> None:
-    """What is done before the first step, and how far it is where that is known."""
-    left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
-    note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
-    if stage.total:
-        _draw_bar(stage.done, stage.total)
 
 
 def _draw_bar(done: int, total: int) -> None:

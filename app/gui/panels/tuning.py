@@ -69,7 +69,10 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     now = choice.name if choice.name in names else ""
     name = choose(f"vary{place}", now, names, text, 8)
     if name != now:
-        tuning_actions.choose_axis(state, place, _whole_range(kind, name, choice.count))
+        whole = Choice("", count=choice.count)
+        if name:
+            whole = Choice(name, declared(kind, name).lo, declared(kind, name).hi, choice.count)
+        tuning_actions.choose_axis(state, place, whole)
         return
     if not name:
         return
@@ -98,14 +101,6 @@ def _before(word: str, width: float) -> None:
     imgui.align_text_to_frame_padding()
     muted(word)
     imgui.same_line()
-
-
-def _whole_range(kind: type[EnhancementSettings], name: str, count: int) -> Choice:
-    """From one end of what the parameter takes to the other."""
-    if not name:
-        return Choice("", count=count)
-    about = declared(kind, name)
-    return Choice(name, about.lo, about.hi, count)
 
 
 def _draw_buttons(state: AppState) -> None:
