@@ -101,6 +101,7 @@ class Window:
         self._dialogs = Dialogs(Path.home())
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
+        self._ctx: moderngl.Context | None = None
         self._worn: tuple[Theme, int] | None = None
         self._dropped: list[str] = []
         self._textures: Textures | None = None
@@ -179,6 +180,7 @@ class Window:
         calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
+        calls.before_swap = lambda: shoot_window(self._ctx, self.state, self._channels.windows)
         calls.before_exit = self.close
         self._add_timeline(params)
 
@@ -221,9 +223,7 @@ class Window:
 
     def _begin(self) -> None:
         """The OpenGL context is there."""
-        ctx = starting.attach()
-        shoot = partial(shoot_window, ctx, self.state, self._channels.windows)
-        hello_imgui.get_runner_params().callbacks.before_swap = shoot
+        self._ctx = ctx = starting.attach()
         self._textures = Textures(ctx)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
         self._second_viewport = SecondViewport(ctx, self._textures)

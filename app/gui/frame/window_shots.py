@@ -15,9 +15,12 @@ from app.gui.work.background import Channel
 from renderer.clip import ByteImage
 
 
-def shoot_window(ctx: moderngl.Context, state: AppState, channel: Channel[WindowRequest, Step]) -> None:
-    """Once a frame, when it has been drawn and not yet shown: asks `channel` to write what it has read."""
-    if window_actions.is_due(state):
+def shoot_window(
+    ctx: moderngl.Context | None, state: AppState, channel: Channel[WindowRequest, Step]
+) -> None:
+    """Once a frame, when it has been drawn and not yet shown: asks `channel` to write what it has read. There
+    is no `ctx` before OpenGL is there."""
+    if ctx is not None and window_actions.is_due(state):
         channel.ask(window_actions.window_request(state, _read(ctx)))
 
 

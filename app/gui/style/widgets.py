@@ -186,9 +186,8 @@ def button(
 ) -> bool:
     """A button that does `action`, and whether it is pressed.
 
-    `width` in em, 0 = as wide as its text, negative = to the right end.
-
-    Greyed out unless `enabled`, and for a `reason` against it, which its tooltip says in place of `text`.
+    `width` in em, 0 = as wide as its text, negative = to the right end. Greyed out unless `enabled`, and for
+    a `reason` against it, which its tooltip says in place of `text`.
     """
     imgui.begin_disabled(bool(reason) or not enabled)
     with imgui_ctx.push_style_color(imgui.Col_.button, color or theme.switch(False)):
