@@ -119,7 +119,7 @@ def _quality(run: Reconstruction) -> int:
     shown = {name: name for name in (*QUALITIES, now)}
     if took is not None:
         text += f" About {seconds(took)} at the speed of the run shown."
-        shown[now] += f", about {seconds(took)}" if took else ""
+        shown |= {now: f"{now}, about {seconds(took)}" if took else now}
     return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
 
 
