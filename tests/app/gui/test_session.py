@@ -20,7 +20,7 @@ from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
 from app.gui.actions import actions, clip_actions, comparing, edit_actions, history_actions, session_actions
 from app.gui.actions.session_actions import snapshot
-from app.gui.panels.session import draw_notes, draw_recovery
+from app.gui.panels.overlays import draw_notes, draw_recovery
 from app.gui.session_file import (
     Choice,
     Session,

@@ -7,7 +7,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
-from app.gui.panels.presets import draw_presets
+from app.gui.panels.enhancement import draw_presets
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update

@@ -8,7 +8,7 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
+from app.gui.drawing.viewport import GraphicsViewport, processor_picture
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
 from app.scenes.drawer import draw_view
@@ -39,10 +39,9 @@ def read(ctx: moderngl.Context, name: int, channels: int) -> np.ndarray:
 @pytest.mark.gl
 def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live: AppState) -> None:
     graphics, textures = GraphicsViewport(ctx, Textures(ctx)), Textures(ctx)
-    processor = ProcessorViewport(textures)
     assert live.view_request is not None
     (live.scene.view,) = draw_view(live.view_request)
-    drawn, made = graphics.show(live), processor.show(live)
+    drawn, made = graphics.show(live), processor_picture(live, textures)
     assert drawn is not None
     assert made is not None
     assert drawn.request == made.request == live.view_request
@@ -109,7 +108,7 @@ def test_both_ways_of_drawing_show_the_same_views(
 ) -> None:
     """But for pixels on the edge of a body, and what float32 makes of a colour between two."""
     textures = Textures(ctx)
-    graphics, processor = GraphicsViewport(ctx, textures), ProcessorViewport(Textures(ctx))
+    graphics, others = GraphicsViewport(ctx, textures), Textures(ctx)
     camera_actions.reset_view(live)
     camera_actions.choose_view(live, kind)
     assert live.photo_request is not None or kind != "difference"
@@ -119,7 +118,7 @@ def test_both_ways_of_drawing_show_the_same_views(
     assert request is not None
     assert request.kind == kind
     (live.scene.view,) = draw_view(request)
-    drawn, made = graphics.show(live), processor.show(live)
+    drawn, made = graphics.show(live), processor_picture(live, others)
     assert drawn is not None
     assert made is not None
     assert drawn.scale == made.scale == live.scene.view.scale
