@@ -12,10 +12,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from app.files.provenance import NOTICE
-from app.report.cells import is_number, said
+from app.report.diagrams import pareto_front
 from app.report.plots import diagrams_figure, growth_figure, svg
-from app.report.section import Cell, Column, Section, Table
-from app.report.work_precision import pareto_front
+from app.report.section import Cell, Column, Section, Table, is_number, said
 
 
 def page(sections: Mapping[str, Section], facts: Mapping[str, Any]) -> str:

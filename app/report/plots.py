@@ -14,14 +14,12 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from app.report.axis import of_a_decade
-from app.report.growth_fit import Growth
-from app.report.work_precision import Diagram, Point, pareto_front
+from app.report.diagrams import Diagram, Growth, Point, of_a_decade, pareto_front
 
 PANEL: Final = (4.6, 3.9)
 """Inches."""
 COLORS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
-"""TrainingLog apart by colour-blind eyes (Okabe & Ito 2008)."""
+"""Told apart by colour-blind eyes (Okabe & Ito 2008)."""
 MARKS: Final = "osD^vPX<"
 COLUMNS: Final = 3
 ALONE: Final = 6.6

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from app.report.plots import write_diagrams
-from app.report.saved import read_report
+from app.report.section import read_report
 
 
 def main(report: Path, picture: Path) -> None:

@@ -24,9 +24,9 @@ from app.files.atomic import write_bytes
 from app.files.provenance import provenance, strict_json
 from app.files.records import Source
 from app.report.bench import PHANTOM as PARAMS
+from app.report.diagrams import pareto_front
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import write_diagrams
-from app.report.work_precision import pareto_front
 from app.runs.run_clip import input_clip
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training

@@ -13,7 +13,7 @@ from app.console.flags import problem
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
 from app.gui.session_file import SESSION, SessionSource
-from app.report.saved import holds_report, read_report
+from app.report.section import holds_report, read_report
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all

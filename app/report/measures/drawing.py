@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.report.bench import Bench, Clock
-from app.report.schedule import schedule
+from app.report.diagrams import Point
+from app.report.runs import schedule
 from app.report.section import Cell, Column, Plate, Section, Table
-from app.report.work_precision import Diagram, Point
 from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 from renderer.gaussians import DynamicGaussians
@@ -26,14 +26,12 @@ Row = raster_accuracy.Row | drawing_accuracy.Row
 Group = tuple[str, Sequence[Row], tuple[Column, ...]]
 """Title, rows and columns of a table."""
 COLUMNS: Final = (
-    *(Column(name="changed"), Column(name="setting")),
-    Column(name="mean error, grey levels", best="low"),
-    *(Column(name="99.9th percentile"), Column(name="largest")),
-    *(Column(name="ms", form=".2f", best="low"), Column(name="± ms", form=".2f")),
+    *(Column("changed"), Column("setting"), Column("mean error, grey levels", best="low")),
+    *(Column("99.9th percentile"), Column("largest"), Column("ms", ".2f", "low"), Column("± ms", ".2f")),
 )
-ENTRIES: Final = Column(name="entries")
-PSNR: Final = Column(name="PSNR, dB", form=".1f", best="high")
-KEPT: Final = (Column(name="MB", form=".2f"), Column(name="baking, s", form=".2f"))
+ENTRIES: Final = Column("entries")
+PSNR: Final = Column("PSNR, dB", ".1f", "high")
+KEPT: Final = (Column("MB", ".2f"), Column("baking, s", ".2f"))
 DEFAULTS: Final = ("unchanged", drawing_accuracy.EXPORT, "every frame, 0.02 px")
 
 
@@ -60,16 +58,10 @@ def measure(bench: Bench, clock: Clock) -> Section:
         title="Rendering: error against run time",
         sentences=(
             f"{len(model)} Gaussians of the trained model at {size}, against the float64 reference; "
-            "keyframes against images of the model computed for each "
-            "moment. An entry is a pair of a tile and a Gaussian.",
+            "keyframes against images of the model computed for each moment. An entry is a pair of a tile "
+            "and a Gaussian.",
         ),
-        plates=tuple(
-            Plate(
-                title=name,
-                diagrams=(Diagram(measure="mean error, grey levels", points=tuple(map(_point, those))),),
-            )
-            for name, those, _ in groups
-        ),
+        plates=tuple(Plate.of_errors(name, map(_point, those)) for name, those, _ in groups),
         tables=tuple(
             Table(title=name, columns=columns, rows=tuple(map(_cells, those)))
             for name, those, columns in groups

@@ -10,9 +10,8 @@ import cv2
 import numpy as np
 
 from app.report.bench import Bench, Clock
-from app.report.growth_fit import Curve, Growth
-from app.report.held import held_megabytes
-from app.report.laps import Laps, laps
+from app.report.costs import Laps, held_megabytes, laps
+from app.report.diagrams import Curve, Growth
 from app.report.section import Cell, Column, Section, Table
 from enhance import Enhancer, enhance
 from renderer.clip import Clip
@@ -36,10 +35,9 @@ REPEATS: Final = 15
 PICTURES: Final = 61
 """Repeats of the enhancement, which is quick."""
 COLUMNS: Final = (
-    *(Column(name="what"), Column(name="grows with"), Column(name="exponent of time", form="z.2f")),
-    *(Column(name="exponent of memory", form="z.2f"), Column(name="work, least"), Column(name="most")),
-    *(Column(name="ms, least", form=".3g"), Column(name="most", form=".3g")),
-    *(Column(name="MB, least", form=".3g"), Column(name="most", form=".3g")),
+    *(Column("what"), Column("grows with"), Column("exponent of time", "z.2f")),
+    *(Column("exponent of memory", "z.2f"), Column("work, least"), Column("most")),
+    *(Column("ms, least", ".3g"), Column("most", ".3g"), Column("MB, least", ".3g"), Column("most", ".3g")),
 )
 
 
@@ -116,17 +114,11 @@ def _enhancement(bench: Bench) -> list[Series]:
 
 
 def _drawing(bench: Bench) -> list[Series]:
-    by_count = [(640, 512, count) for count in COUNTS]
-    by_size = [(*size, 10_000) for size in SIZES]
-    made = [
-        _on_the_cpu("Gaussians", by_count, list(COUNTS)),
-        _on_the_cpu("pixels", by_size, [w * h for w, h in SIZES]),
-    ]
+    scenes = {"Gaussians": [(640, 512, count) for count in COUNTS], "pixels": [(*wh, 10_000) for wh in SIZES]}
+    work = {"Gaussians": COUNTS, "pixels": [w * h for w, h in SIZES]}
+    made = [_on_the_cpu(unit, scenes[unit], work[unit]) for unit in scenes]
     try:
-        made += [
-            _by_opengl("Gaussians", by_count, list(COUNTS)),
-            _by_opengl("pixels", by_size, [w * h for w, h in SIZES]),
-        ]
+        made += [_by_opengl(unit, scenes[unit], work[unit]) for unit in scenes]
     except OpenGLUnavailable as error:
         bench.say(f"OpenGL: {error}")
     return made
@@ -171,16 +163,16 @@ def _by_opengl(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequence
 
 def _training(bench: Bench) -> list[Series]:
     """A step of the own method at full size, on the phantom."""
-    made = []
     clips = {count: _clip(bench, PhantomParams(n_frames=count, width=160, height=128)) for count in LENGTHS}
     config = TrainConfig(n_gaussians=4_000)
     configs = [replace(config, n_gaussians=count) for count in TRAINED]
-    made.append(_steps("Gaussians", TRAINED, [(clips[16], one) for one in configs]))
-    made.append(_steps("frames of the clip", LENGTHS, [(clip, config) for clip in clips.values()]))
     sizes = SIZES[:3]
     larger = [_clip(bench, PhantomParams(n_frames=8, width=w, height=h)) for w, h in sizes]
-    made.append(_steps("pixels", [w * h for w, h in sizes], [(clip, config) for clip in larger]))
-    return made
+    return [
+        _steps("Gaussians", TRAINED, [(clips[16], one) for one in configs]),
+        _steps("frames of the clip", LENGTHS, [(clip, config) for clip in clips.values()]),
+        _steps("pixels", [w * h for w, h in sizes], [(clip, config) for clip in larger]),
+    ]
 
 
 def _clip(bench: Bench, params: PhantomParams) -> Clip:

@@ -20,13 +20,8 @@ from renderer.splats import Float32Array, Splats
 from renderer.torch_presence import NO_TORCH, has_torch
 
 COLUMNS = (
-    *(Column(name="hazard"), Column(name="case"), Column(name="measured", form=".3g")),
-    *(
-        Column(name="bar", form=".3g"),
-        Column(name="unit"),
-        Column(name="verdict"),
-        Column(name="remedy"),
-    ),
+    *(Column("hazard"), Column("case"), Column("measured", ".3g"), Column("bar", ".3g"), Column("unit")),
+    *(Column("verdict"), Column("remedy")),
 )
 SMALLER = 2
 """One pixel in so many along each side: the oracle is slow."""

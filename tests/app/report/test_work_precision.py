@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.report.diagrams import Diagram, Point, pareto_front
 from app.report.plots import write_diagrams
-from app.report.work_precision import Diagram, Point, pareto_front
 
 NUMBERS = st.floats(0.1, 10)
 
