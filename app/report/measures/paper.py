@@ -190,10 +190,11 @@ def _by(gain: float, more: str, less: str, same: str) -> str:
 
 def _table_3(name: str, count: int, rows: Mapping[str, np.ndarray]) -> Table:
     heads = ("DV", "BV", "DV/BV", "DV/BV, whole image", "DV, local", "BV, local", "DV/BV, local",
-             "vessel contrast", "CNR", "saturated %", "noise gain", "blackened %", "ms")  # fmt: skip
+             "vessel contrast", "CNR", "colour difference, CIEDE2000", "saturated %", "noise gain",
+             "noise gain of colours", "blackened %", "ms")  # fmt: skip
     return Table(
         title=f"Table 3: methods of enhancement on {name}",
-        columns=(Column("method"), *(Column(head) for head in heads)),
+        columns=(Column("method"), *map(Column, heads)),
         rows=tuple((label, *values[:-1].tolist(), _ms(label, values[-1])) for label, values in rows.items()),
         note=f"Means over {count} images; the time is the median, the methods taking turns.",
     )
