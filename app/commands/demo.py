@@ -17,18 +17,18 @@ from app.commands.evaluate import measured
 from app.commands.train import follow
 from app.console.display import has_display
 from app.console.progress import progress
+from app.enhancement.contact_sheet import Tile, sheet
 from app.errors import UserError
 from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import NOTICE, provenance, strict_json, write_png
 from app.files.records import Source
-from app.files.sheet import ByteImage, Tile, sheet
 from app.runs.run_clip import enhanced_clip
 from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, device_of, pooled
 from app.scenes.cpu_rendering import Drawn, colored_depth, draw_on_cpu
 from assets import phantom_path
-from renderer.clip import Clip
+from renderer.clip import ByteImage, Clip
 from renderer.near_plane import near_plane
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig

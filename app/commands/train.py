@@ -19,7 +19,7 @@ from app.errors import UserError
 from app.files.provenance import provenance, strict_json
 from app.runs.clip_selection import ClipPart
 from app.runs.device import Asked, Device
-from app.runs.resource_check import told
+from app.runs.memory import told
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import PRESETS, TrainRequest, device_of, run_training
 from app.runs.wall_clock import STEPS, WALL, in_all

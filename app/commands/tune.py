@@ -17,7 +17,7 @@ from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.console.terminal import table_terminal
-from app.enhancement.contact_sheet import columns_of, contact_sheet, tile
+from app.enhancement.contact_sheet import Tile, columns_of, contact_sheet, tile
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.parameter_grid import (
     DEFINITIONS,
@@ -40,7 +40,6 @@ from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import open_series
 from app.files.provenance import provenance, strict_json, write_png
 from app.files.records import Source
-from app.files.sheet import Tile
 from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
 from enhance.surround import inside

@@ -8,8 +8,7 @@ from pathlib import Path
 
 from app.exports.exporting import ExportRequest, Step, sourced
 from app.exports.records import PanesPicture
-from app.files.provenance import write_png
-from app.files.timestamp import stamp
+from app.files.provenance import stamp, write_png
 from renderer.clip import ByteImage
 
 

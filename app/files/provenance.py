@@ -78,6 +78,11 @@ def provenance(**facts: object) -> dict[str, Any]:
     return head | {"libraries": dict(libraries())} | facts
 
 
+def stamp() -> str:
+    """Local time to the millisecond, for names: they sort as made, and two in a second differ."""
+    return datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
+
+
 def repeatable(**facts: object) -> dict[str, Any]:
     """As `provenance`, without the hour: what is drawn of a model at exact moments and poses is the same file
     every time."""

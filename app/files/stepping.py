@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from contextlib import closing
 from typing import TypeVar
 
 Done = TypeVar("Done")
-TrainingLog = TypeVar("TrainingLog")
+Told = TypeVar("Told")
 Result = TypeVar("Result")
 
 
 def map_steps(
-    work: Generator[Done, None, Result], told: Callable[[Done], TrainingLog]
-) -> Generator[TrainingLog, None, Result]:
+    work: Generator[Done, None, Result], told: Callable[[Done], Told]
+) -> Generator[Told, None, Result]:
     """The same work and result; closed before its end, it closes the work."""
-    try:
+    with closing(work):
         while True:
             try:
                 done = next(work)
@@ -22,8 +23,6 @@ def map_steps(
                 result: Result = end.value
                 return result
             yield told(done)
-    finally:
-        work.close()
 
 
 def run_to_end(work: Generator[object, None, Result]) -> Result:

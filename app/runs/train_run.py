@@ -23,13 +23,12 @@ from app.enhancement.methods import (
 )
 from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
+from app.files.legible import require_utf8
 from app.files.provenance import digest, version
-from app.files.utf8 import require_utf8
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
-from app.runs.memory import peak_memory_mb
+from app.runs.memory import peak_memory_mb, planned_in
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
-from app.runs.resource_check import planned_in
 from app.runs.run_clip import input_clip
 from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
 from app.runs.run_lock import locked

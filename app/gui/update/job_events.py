@@ -8,7 +8,7 @@ from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.run_models import LeftRequest
 from app.runs.job import Cancelled, Failed, Paused, Resumed
-from app.runs.resource_check import told
+from app.runs.memory import told
 from app.runs.wall_clock import in_all
 from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 
