@@ -15,8 +15,8 @@ import numpy as np
 
 from app.commands.evaluate import measured
 from app.commands.train import follow
-from app.console.display import has_display
 from app.console.progress import progress
+from app.console.startup import has_display
 from app.enhancement.contact_sheet import Tile, sheet
 from app.errors import UserError
 from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation

@@ -77,7 +77,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     reading = parameters(ClipOptions, flags)
-    setting = Setting(flags.method, _params(flags), flags.statistics, flags.pixels, clip_options=reading)
+    setting = Setting(flags.method, params_of(flags), flags.statistics, flags.pixels, clip_options=reading)
     if len(flags.inputs) > 1 or flags.recursive:
         _run_batch(flags, setting)
         return
@@ -101,7 +101,7 @@ def _shared(setting: Setting) -> dict[str, Any]:
     return {"method": setting.method, "params": setting.params, "pixels": setting.pixels}
 
 
-def _params(flags: argparse.Namespace) -> Params:
+def params_of(flags: argparse.Namespace) -> Params:
     """Of the method asked for. Raises UserError when flags of another one are given."""
     for name in (*FIELDS, *VESSEL_FIELDS):
         if name in flags and name not in OWN_FIELDS.get(flags.method, set()):

@@ -27,7 +27,7 @@ def progress(title: str, total: int, every: float = SECONDS_BETWEEN_LINES) -> It
     """
     console = Terminal(stderr=True)
     if not console.is_terminal:
-        yield _lines(console, title, total, every) if total else _notes(console, title, every)
+        yield _lines(console, title, total, every)
         return
     columns = (
         TextColumn("{task.description}", markup=False),
@@ -58,10 +58,8 @@ class Stages:
         """Where this stage is told; the one before it has ended."""
         if self._stage != (title, total):
             self._open.close()
-            self._stage, self._report = (
-                (title, total),
-                self._open.enter_context(progress(title, total, every)),
-            )
+            self._stage = title, total
+            self._report = self._open.enter_context(progress(title, total, every))
         return self._report
 
 
@@ -77,19 +75,6 @@ def _bar(bar: Progress, title: str, total: int) -> Report:
     return report
 
 
-def _notes(console: Terminal, title: str, every: float) -> Report:
-    said = time.monotonic()
-
-    def report(done: int, note: str) -> None:
-        nonlocal said
-        now = time.monotonic()
-        if now - said >= every:
-            console.print(f"{title}, {note}")
-            said = now
-
-    return report
-
-
 def _lines(console: Terminal, title: str, total: int, every: float) -> Report:
     began: tuple[int, float] | None = None
     said = time.monotonic()
@@ -98,9 +83,13 @@ def _lines(console: Terminal, title: str, total: int, every: float) -> Report:
         nonlocal began, said
         now = time.monotonic()
         began = began or (done, now)
-        if now - said >= every and done > began[0]:
+        if now - said < every or (total and done <= began[0]):
+            return
+        said = now
+        if total:
             left = (now - began[1]) / (done - began[0]) * (total - done)
             console.print(f"{title} {done}/{total}, {left:.0f} s left {note}".rstrip())
-            said = now
+        else:
+            console.print(f"{title}, {note}")
 
     return report

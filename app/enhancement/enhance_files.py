@@ -8,7 +8,7 @@ from itertools import tee
 from pathlib import Path
 from typing import Any, Literal
 
-from app.enhancement.methods import MethodEnhancer, Params, apply, measure_for
+from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
 from app.enhancement.records import EnhancedPicture, EnhancedVideo
 from app.enhancement.settable import Pixels, drawn
 from app.errors import UserError
@@ -95,11 +95,14 @@ def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhance
     """Statistics of the picture alone are measured, those of all pictures together are taken over.
 
     Raises:
-        ImageError, UserError: as `methods.apply`.
+        ImageError: a picture that the paper's method or `vessel` cannot use.
+        UserError: anything but 8-bit RGB for one of the other methods.
     """
+    if record.params is None:
+        return by_baseline(record.method, image), replace(record, statistics=None, omitted=())
     mask = inside([image]) if record.pooled is None and record.pixels == "tissue" else None
-    pixels = drawn(record.pixels)
-    result = apply(record.method, record.params, image, mask, pixels, record.pooled, enhancer)
+    enhancer.show(image, mask, drawn(record.pixels))
+    result = enhancer.enhance(record.params, statistics=record.pooled)
     return result.image, replace(record, statistics=result.statistics, omitted=result.omitted)
 
 

@@ -92,14 +92,16 @@ def repeatable(**facts: object) -> dict[str, Any]:
 @cache
 def libraries() -> tuple[tuple[str, str], ...]:
     """Names and versions of what pixels pass through, and the kind of processor."""
-    return *((name, _installed(name)) for name in PIXEL_LIBRARIES), ("processor", platform.machine())
+    versions = ((name, installed(name) or "none") for name in PIXEL_LIBRARIES)
+    return *versions, ("processor", platform.machine())
 
 
-def _installed(name: str) -> str:
+def installed(name: str) -> str | None:
+    """Version of a package; None: it is not there."""
     try:
         return installed_version(name)
     except PackageNotFoundError:
-        return "none"
+        return None
 
 
 def digest(path: Path) -> str:
