@@ -16,8 +16,7 @@ from rich.table import Table
 
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
 from app.console.flags import add_fields
-from app.console.progress import progress
-from app.console.terminal import table_terminal
+from app.console.progress import print_measures, progress
 from app.enhancement.contact_sheet import Tile, columns_of, contact_sheet, tile
 from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.parameter_grid import (
@@ -194,6 +193,4 @@ def _print(rows: Sequence[Row]) -> None:
     table = Table("setting", *METRICS)
     for row in rows:
         table.add_row(row.setting.label, *(f"{value:.4g}" for value in vars(row.measures).values()))
-    console = table_terminal()
-    console.print(table)
-    console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")
+    print_measures(table)

@@ -50,8 +50,7 @@ def _photos(flags: argparse.Namespace) -> Clip:
     camera = record.camera(0)
     if flags.size and not camera.has_shape(*flags.size):
         raise UserError(
-            f"--view difference: expected a --size of the shape of the frames, {camera.width} "
-            f"{camera.height}, "
-            f"got {flags.size[0]} {flags.size[1]}"
+            "--view difference: expected a --size of the shape of the frames, "
+            f"{camera.width} {camera.height}, got {flags.size[0]} {flags.size[1]}"
         )
     return input_clip(run_clip(record), record)

@@ -1,4 +1,4 @@
-"""Progress of long work on stderr: a bar with time left on a terminal, now and then a line elsewhere."""
+"""What is printed: tables, and progress of long work, a bar on a terminal, now and then a line elsewhere."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
+from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-from app.console.terminal import Terminal
+from rich.table import Table
 
 SECONDS_BETWEEN_LINES = 10.0
 SECONDS_BETWEEN_STAGE_LINES = 2.0
@@ -16,6 +16,24 @@ SECONDS_BETWEEN_STAGE_LINES = 2.0
 
 Report = Callable[[int, str], None]
 """Called with the number of units done so far and a short text, such as the loss."""
+
+
+class Terminal(Console):
+    """A console that prints names as they are, and leaves a closed pipe to `main`, like all other output."""
+
+    def __init__(self, *, stderr: bool = False, width: int | None = None) -> None:
+        super().__init__(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
+
+    def on_broken_pipe(self) -> None:
+        """Called while the BrokenPipeError is handled."""
+        raise
+
+
+def print_measures(table: Table) -> None:
+    """On stdout, wide enough also where the width is unknown, with what its ratios are."""
+    console = Terminal(width=max(Terminal().width, 140))
+    console.print(table)
+    console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")
 
 
 @contextmanager

@@ -146,10 +146,7 @@ def _tissue(series: Series, setting: Setting) -> Tissue:
         return lambda image: None
     size = series.read(0).shape[:2]
     spread = _pictures(series, [], series.spread(STEADY_FRAMES))
-    try:
-        steady = inside(image for image in spread if image.shape[:2] == size)
-    except ImageError as error:
-        raise UserError(f"{error}: {series.sources[0].parent}") from error
+    steady = inside(image for image in spread if image.shape[:2] == size)
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
@@ -158,11 +155,11 @@ def _pooled(series: Series, setting: Setting, notices: list[str], watch: Watch) 
     assert look is not None
     if count is None and setting.statistics == "automatic":
         count = STEADY_FRAMES
-    tissue = _tissue(series, setting)
     indices = None if count is None else series.spread(count)
-    # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
-    images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
     try:
+        tissue = _tissue(series, setting)
+        # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
+        images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
         return measure_for(look, images, map(tissue, again), drawn(setting.pixels))
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error

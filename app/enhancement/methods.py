@@ -51,12 +51,9 @@ def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
         return f"{VESSEL} · strength {look.strength:.2f} · lift {look.lift:.2f} · d {look.d_factor:.2f}"
     z = _value(look.z, (used.z,) if used is not None else ())
     p = _value(look.p, used.p if used is not None else ())
-    return f"z {z} · P {p} · d {_value(look.d_factor, ())}{_share(used)}"
-
-
-def _share(used: Statistics | None) -> str:
-    """Of the change of colours, where it is not all."""
-    return f" {used.color:.0%}" if used is not None and used.color < 1 else ""
+    # The share of the change of colours, where it is not all.
+    share = f" {used.color:.0%}" if used is not None and used.color < 1 else ""
+    return f"z {z} · P {p} · d {_value(look.d_factor, ())}{share}"
 
 
 def _value(chosen: float | tuple[float, ...] | None, used: tuple[float, ...]) -> str:

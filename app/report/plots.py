@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Final
 
 import matplotlib as mpl
@@ -28,11 +27,6 @@ CLEAR: Final = 0.3, 0.05
 """Of width and height of a diagram: labels of points that are nearer in both would lie on each other."""
 
 
-def write_diagrams(path: Path, diagrams: Sequence[Diagram], title: str) -> None:
-    """In one picture, whose type follows from the suffix; those without a point are left out."""
-    diagrams_figure(diagrams, title).savefig(path, dpi=150)
-
-
 def svg(figure: Figure) -> bytes:
     """The same bytes for the same figure; text stays text, in a font of the system."""
     out = io.BytesIO()
@@ -42,7 +36,7 @@ def svg(figure: Figure) -> bytes:
 
 
 def diagrams_figure(diagrams: Sequence[Diagram], title: str = "") -> Figure:
-    """See write_diagrams."""
+    """All in one; those without a point are left out."""
     drawn = [diagram for diagram in diagrams if pareto_front(diagram)]
     columns = COLUMNS if len(drawn) % COLUMNS == 0 else min(len(drawn), COLUMNS - 1)
     rows = -(-len(drawn) // columns)

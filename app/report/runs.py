@@ -85,10 +85,8 @@ class Runs:
     def seconds_again(self, config: TrainConfig, photos: Input) -> float:
         """Of the training steps of a run that was trained before."""
         self.say(f"timing {setting_of(config)}, {photos} frames")
-        for event in train(self.trained(config, photos).photos, config):
-            if isinstance(event, Finished):
-                return event.seconds
-        raise AssertionError("training ends with Finished")
+        events = train(self.trained(config, photos).photos, config)
+        return next(event.seconds for event in events if isinstance(event, Finished))
 
     def _warm(self, config: TrainConfig) -> None:
         """Compile what a method needs, so that no run's time contains it."""

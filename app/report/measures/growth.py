@@ -47,9 +47,14 @@ class Series:
 
     name: str
     unit: str
-    work: tuple[float, ...]
-    ms: tuple[float, ...]
-    megabytes: tuple[float, ...]
+    work: Sequence[float]
+    times: Sequence[Laps]
+    megabytes: Sequence[float]
+
+    @property
+    def ms(self) -> list[float]:
+        """Medians."""
+        return [1e3 * one.median for one in self.times]
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
@@ -110,7 +115,7 @@ def _enhancement(bench: Bench) -> list[Series]:
         megabytes.append(held_megabytes(next_frame))
         works.append(next_frame)
     times = laps(works, PICTURES)
-    return [_series("enhancement", "pixels", [w * h for w, h in SIZES], times, megabytes)]
+    return [Series("enhancement", "pixels", [w * h for w, h in SIZES], times, megabytes)]
 
 
 def _drawing(bench: Bench) -> list[Series]:
@@ -137,7 +142,7 @@ def _on_the_cpu(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequenc
 
         megabytes.append(held_megabytes(draw))
         works.append(draw)
-    return _series("CPU rasteriser", unit, work, laps(works, REPEATS), megabytes)
+    return Series("CPU rasteriser", unit, work, laps(works, REPEATS), megabytes)
 
 
 def _by_opengl(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequence[float]) -> Series:
@@ -156,7 +161,7 @@ def _by_opengl(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequence
 
         works.append(draw)
         megabytes.append((count * 68 + width * height * 20) / 1e6)
-    series = _series(f"OpenGL, {name}", unit, work, laps(works, REPEATS), megabytes)
+    series = Series(f"OpenGL, {name}", unit, work, laps(works, REPEATS), megabytes)
     context.release()
     return series
 
@@ -185,17 +190,10 @@ def _clip(bench: Bench, params: PhantomParams) -> Clip:
 def _steps(unit: str, work: Sequence[float], runs: Sequence[tuple[Clip, TrainConfig]]) -> Series:
     taken = step_times([(clip, [config]) for clip, config in runs], STEPS)
     times = [Laps(median / 1e3, spread / 1e3) for median, spread in taken]
-    return _series("a training step", unit, work, times, [_model_mb(*run) for run in runs])
+    return Series("a training step", unit, work, times, [_model_mb(*run) for run in runs])
 
 
 def _model_mb(clip: Clip, config: TrainConfig) -> float:
     """The model's numbers with their two moments, after one step."""
     finished = next(one for one in train(clip, replace(config, iterations=1)) if isinstance(one, Finished))
     return 3 * sum(value.nbytes for value in finished.model.arrays().values()) / 1e6
-
-
-def _series(
-    name: str, unit: str, work: Sequence[float], times: Sequence[Laps], megabytes: Sequence[float]
-) -> Series:
-    ms = tuple(1e3 * one.median for one in times)
-    return Series(name, unit, tuple(float(one) for one in work), ms, tuple(megabytes))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from itertools import cycle
 from pathlib import Path
 from typing import Final
@@ -90,13 +89,10 @@ def _times(paths: Sequence[Path]) -> list[tuple[Laps, Laps]]:
     for path in paths:
         frames, photos = open_clip(path), open_clip(path)
         for clip, read in ((frames, frames.read_frame), (photos, photos.read_image)):
-            works.append(partial(_read_next, read, cycle(range(min(len(clip), PARAMS.n_frames)))))
+            indices = cycle(range(min(len(clip), PARAMS.n_frames)))
+            works.append(lambda read=read, indices=indices: read(next(indices)))  # type: ignore[misc]
     taken = iter(laps(works, LAPS))
     return list(zip(taken, taken, strict=True))
-
-
-def _read_next(read: Callable[[int], object], indices: Iterator[int]) -> object:
-    return read(next(indices))
 
 
 def _row(
