@@ -18,9 +18,8 @@ from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
-from app.files.prefetch import ahead
 from app.files.provenance import provenance, strict_json
-from app.files.stepping import run_to_end
+from app.files.stepping import ahead, run_to_end
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions

@@ -38,18 +38,6 @@ from enhance.metrics import (
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr, ssim
 
-ALONE = ("dv", "bv", "dv_bv", "saturated_share")
-CONTRAST = ("vessel_contrast", "vessel_cnr", "color_difference")
-AGAINST = (
-    "dv_local",
-    "bv_local",
-    "dv_bv_local",
-    "noise_gain",
-    "chroma_noise_gain",
-    "blackened_share",
-    "psnr",
-    "ssim",
-)
 DEFINITIONS = {
     "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
     "dv_bv_local": "mean 5x5 variance of grey where the original has detail, and elsewhere",
@@ -115,7 +103,7 @@ def run(flags: argparse.Namespace) -> None:
         for triple in zip_longest(pictures, originals, masks):
             measured.append(measure_picture(*triple))
             report(len(measured), triple[0].label)
-    names = ALONE + (CONTRAST if originals or masks else ()) + (AGAINST if originals else ())
+    names = [name for name in measured[0] if name not in ("image", "original")]
     mean = {name: mean_of_finite(picture[name] for picture in measured) for name in names}
     sequence = measure_sequence(pictures, originals)
     if flags.json:

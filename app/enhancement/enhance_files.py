@@ -15,9 +15,8 @@ from app.errors import UserError
 from app.files.atomic import filled, together
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
-from app.files.prefetch import ahead
 from app.files.provenance import write_sidecar
-from app.files.records import Source
+from app.files.stepping import ahead
 from app.files.timing import Timing
 from app.files.video import write_frames
 from enhance import ImageError, Statistics
@@ -60,21 +59,6 @@ class Setting:
         if self.statistics == "automatic":
             return series.is_video and self.params is not None
         return self.statistics == "clip"
-
-    def record(
-        self, source: Source, picture: str, frame: int | None, pooled: Statistics | None
-    ) -> EnhancedPicture:
-        """Of one picture, before it is made."""
-        return EnhancedPicture(
-            source=source,
-            picture=picture,
-            frame=frame,
-            deinterlacing=self.clip_options.deinterlacing,
-            method=self.method,
-            params=self.params,
-            pixels="all" if self.params is None else self.pixels,
-            statistics=pooled,
-        )
 
 
 @dataclass(frozen=True)
@@ -169,7 +153,16 @@ def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statisti
     origins, enhancer = series.origins(), MethodEnhancer()
     try:
         for index, image in enumerate(images):
-            record = setting.record(next(origins), series.names[index], series.frame(index), pooled)
+            record = EnhancedPicture(
+                source=next(origins),
+                picture=series.names[index],
+                frame=series.frame(index),
+                deinterlacing=setting.clip_options.deinterlacing,
+                method=setting.method,
+                params=setting.params,
+                pixels="all" if setting.params is None else setting.pixels,
+                statistics=pooled,
+            )
             try:
                 made = enhanced(record, image, enhancer)
             except (ImageError, UserError) as error:

@@ -18,9 +18,8 @@ from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.files.provenance import plain
 from app.runs.memory import peak_memory_mb
-from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import LeftOut, read_edits
-from app.runs.run_folder import RunFolder, RunRecord
+from app.runs.run_folder import RunFolder, RunRecord, input_clip, run_clip
 from app.runs.wall_clock import STEPS, WALL
 from app.scenes.cpu_rendering import Drawn
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
@@ -171,7 +170,7 @@ class Evaluation:
         }
 
     def _training_memory(self) -> float | None:
-        finished = [event for event in self.run.events() if event["event"] == "Finished"]
+        finished = self.run.events("Finished")
         return finished[-1].get("peak_memory_mb") if finished else None
 
 

@@ -15,11 +15,10 @@ import numpy as np
 
 from app.evaluation.mean import mean_of_finite
 from app.report.bench import Bench, Clock
-from app.report.paper_rows import PAPER, PaperRow
+from app.report.paper_rows import PAPER
 from app.report.runs import SEEDS, Trained, schedule
 from app.report.section import Cell, Column, Table
-from app.runs.run_clip import enhanced_clip
-from app.runs.run_folder import Input
+from app.runs.run_folder import Input, enhanced_clip
 from app.runs.train_run import RECONSTRUCTION_PARAMS, Measured, pooled
 from app.scenes.cpu_rendering import draw_on_cpu
 from enhance.metrics import dvbv_otsu
@@ -153,11 +152,10 @@ def published(method: str, clip: Clip) -> str:
     """What the paper prints of a method: of this clip where it is one of the paper's, else of its clips."""
     pairs = [pair for pair in zip(PAPER[::2], PAPER[1::2], strict=True) if pair[0].method == method]
     own = [pair for pair in pairs if pair[0].clip in clip.name and pair[0].frames == len(clip)]
-    return "; ".join(_printed(*pair) for pair in own or pairs)
-
-
-def _printed(before: PaperRow, after: PaperRow) -> str:
-    return f"{before.clip} {before.dv_bv:.2f} to {after.dv_bv:.2f}: {after.dv_bv / before.dv_bv:.2f}"
+    return "; ".join(
+        f"{before.clip} {before.dv_bv:.2f} to {after.dv_bv:.2f}: {after.dv_bv / before.dv_bv:.2f}"
+        for before, after in own or pairs
+    )
 
 
 def measured_rises(

@@ -75,10 +75,8 @@ def _figure(figure: Figure, title: str) -> str:
 
 
 def _table(table: Table) -> str:
-    best = [_best(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)]
-    head = "".join(
-        _head(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)
-    )
+    columns = [(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)]
+    best, head = [_best(*each) for each in columns], "".join(_head(*each) for each in columns)
     body = "\n".join(
         "<tr>" + "".join(_cell(*each) for each in zip(row, table.columns, best, strict=True)) + "</tr>"
         for row in table.rows

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -41,17 +40,17 @@ def measure(bench: Bench, clock: Clock) -> Section:
     model, camera = bench.runs.trained(schedule(bench.clip)).finished.model, bench.clip.cameras[index]
     size, time = f"{camera.width}x{camera.height}", bench.clip.times[index]
     bench.say(f"rendering of {len(model)} Gaussians at {size} against float64")
-    view = _View(model, model.at(time), camera, near_plane(model, camera))
-    truth = exact(view.splats, camera, view.near) if has_torch() else None
+    splats, near = model.at(time), near_plane(model, camera)
+    truth = exact(splats, camera, near) if has_torch() else None
     groups: list[Group] = []
     missing: list[str] = []
     if truth is None:
         missing.append(f"rendering against float64: {NO_TORCH}")
     else:
-        rows = list(raster_accuracy.accuracy(view.splats, camera, view.near, truth))
+        rows = list(raster_accuracy.accuracy(splats, camera, near, truth))
         groups.append(("CPU rasteriser", rows, (*COLUMNS, ENTRIES)))
     try:
-        groups += _opengl(bench, view, truth)
+        groups += _opengl(bench, model, splats, camera, near, truth)
     except OpenGLUnavailable as error:
         missing.append(f"rendering with OpenGL: {error}")
     return Section(
@@ -70,26 +69,23 @@ def measure(bench: Bench, clock: Clock) -> Section:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _View:
-    """What is drawn, and from where."""
-
-    model: DynamicGaussians
-    splats: Splats
-    camera: Camera
-    near: float
-
-
-def _opengl(bench: Bench, view: _View, truth: NDArray[np.float64] | None) -> list[Group]:
+def _opengl(
+    bench: Bench,
+    model: DynamicGaussians,
+    splats: Splats,
+    camera: Camera,
+    near: float,
+    truth: NDArray[np.float64] | None,
+) -> list[Group]:
     """Keyframes alone where there is no `truth`."""
-    context, model, camera = standalone_context(), view.model, view.camera
+    context = standalone_context()
     bench.say(f"rendering with {renderer_name(context)}")
     made: list[Group] = []
     if truth is not None:
-        drawn = list(drawing_accuracy.opengl(context, view.splats, camera, view.near, truth))
+        drawn = list(drawing_accuracy.opengl(context, splats, camera, near, truth))
         made.append((f"OpenGL, {renderer_name(context)}", drawn, (*COLUMNS, PSNR)))
     pixel = middle_distance(model, camera) / camera.fx
-    kept = list(drawing_accuracy.keyframes(context, model, camera, bench.clip.times, view.near, pixel))
+    kept = list(drawing_accuracy.keyframes(context, model, camera, bench.clip.times, near, pixel))
     made.append(("Keyframes over time", kept, (*COLUMNS, *KEPT)))
     context.release()
     return made

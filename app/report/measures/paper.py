@@ -84,7 +84,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
             Table(
                 title="Table 3 as published",
                 columns=tuple(Column(name) for name in ("dataset", "method", "DV", "BV", "DV/BV")),
-                rows=tuple((one.dataset, one.method, one.dv, one.bv, one.dv_bv) for one in TABLE_3),
+                rows=TABLE_3,
             ),
         ),
         not_measured=tuple(missing),
@@ -116,11 +116,11 @@ def _renders(bench: Bench, clock: Clock, missing: list[str]) -> Iterator[dict[st
 
 
 def _noise_gain(bench: Bench, read: Any, indices: Sequence[int]) -> float | None:
-    gains = []
-    for index in indices:
-        mask = bench.clip.read_frame(index).evaluation_mask
-        gains.append(noise_gain(read(index), bench.clip.read_image(index), tissue_mask=mask))
-    return mean_of_finite(gains)
+    frames = map(bench.clip.read_frame, indices)
+    return mean_of_finite(
+        noise_gain(read(frame.index), bench.clip.read_image(frame.index), tissue_mask=frame.evaluation_mask)
+        for frame in frames
+    )
 
 
 def _published() -> Iterator[tuple[Cell, ...]]:
@@ -195,14 +195,13 @@ def _table_3(name: str, count: int, rows: Mapping[str, np.ndarray]) -> Table:
     return Table(
         title=f"Table 3: methods of enhancement on {name}",
         columns=(Column("method"), *map(Column, heads)),
-        rows=tuple((label, *values[:-1].tolist(), _ms(label, values[-1])) for label, values in rows.items()),
+        # The original takes no time.
+        rows=tuple(
+            (label, *values[:-1].tolist(), None if label == "original" else float(values[-1]))
+            for label, values in rows.items()
+        ),
         note=f"Means over {count} images; the time is the median, the methods taking turns.",
     )
-
-
-def _ms(label: str, milliseconds: float) -> float | None:
-    """Of a method that does something."""
-    return None if label == "original" else float(milliseconds)
 
 
 def _sets(bench: Bench, missing: list[str]) -> dict[str, list[Sample]]:

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
-
-from moderngl import Context
 
 import enhance.stability
 import renderer.measuring.stability
@@ -41,7 +38,11 @@ def measure(bench: Bench, clock: Clock) -> Section:
         missing.append(f"rendering with OpenGL: {error}")
         rows = _cells(renderer.measuring.stability.stability())
     else:
-        rows = _cells(renderer.measuring.stability.stability(partial(_drawn, context)))
+
+        def drawn(splats: Splats, camera: Camera, near: float) -> Float32Array:
+            return render_offscreen(context, splats, camera, near=near)
+
+        rows = _cells(renderer.measuring.stability.stability(drawn))
         context.release()
     tables["Reconstruction and rendering"] = rows
     failed = [row for rows in tables.values() for row in rows if row[5] is False]
@@ -57,10 +58,6 @@ def measure(bench: Bench, clock: Clock) -> Section:
         tables=tuple(Table(title=name, columns=COLUMNS, rows=rows) for name, rows in tables.items()),
         not_measured=tuple(missing),
     )
-
-
-def _drawn(context: Context, splats: Splats, camera: Camera, near: float) -> Float32Array:
-    return render_offscreen(context, splats, camera, near=near)
 
 
 def _cells(rows: Iterable[enhance.stability.Row | Row]) -> tuple[tuple[Cell, ...], ...]:
