@@ -10,10 +10,9 @@ from app.exports.make import make
 from app.exports.records import MeasuresTable, PanesPicture, PanesRecord, PanesVideo, SpanRecord, ViewVideo
 from app.exports.sources import Opened
 from app.files.atomic import filled
-from app.files.provenance import write_png
+from app.files.provenance import stamp, write_png
 from app.files.records import Source
 from app.files.stepping import map_steps
-from app.files.timestamp import stamp
 from renderer.clip import ByteImage
 
 SUFFIXES = {"panes video": ".mp4", "view video": ".mp4", "measures": ".csv"}

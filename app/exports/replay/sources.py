@@ -10,9 +10,8 @@ from app.errors import UserError
 from app.files.image_series import Series, open_series
 from app.files.provenance import digests
 from app.files.records import Source
-from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import unpacked
-from app.runs.run_folder import RunFolder
+from app.runs.run_folder import RunFolder, input_clip, run_clip
 from app.scenes.drawer import Drawer
 from app.scenes.records import RunSource, SceneRecord
 from app.scenes.renderers import Renderer, drawer

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from app.files.timestamp import stamp
+from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.writing import WriteRequest

@@ -64,7 +64,7 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
         run_actions.open_run(state, run)
     imgui.end_disabled()
     beside = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
-    part = f" Trained on {said}." if (said := run.request.part.told_alone()) else ""
+    part = f" Trained on {said}." if (said := run.request.part.told()) else ""
     explain(reason or f"{beside}{run.path}.{part}")
     if run.psnr is not None:
         psnr = f"{run.psnr:.1f} dB"

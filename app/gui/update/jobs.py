@@ -10,7 +10,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.work.runs import LeftRequest
 from app.runs.job import Cancelled, Failed, Paused, Resumed, TrainingJob
-from app.runs.resource_check import told
+from app.runs.memory import told
 from app.runs.train_run import TrainRequest
 from app.runs.wall_clock import in_all
 from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned

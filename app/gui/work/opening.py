@@ -11,7 +11,7 @@ from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.session_file import SUFFIX, Session, mended_session
 from app.gui.work.reported import Reported, read
-from app.report.saved import holds_report
+from app.report.section import holds_report
 from app.runs.progress_log import TrainingLog, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
