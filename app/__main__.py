@@ -11,8 +11,7 @@ from typing import TextIO
 
 from app.cli import run
 from app.console.ending import EndingSignals
-from app.console.one_place import require_one_place
-from app.console.open_mp import rest_while_waiting
+from app.console.startup import require_one_place, rest_while_waiting
 from app.errors import UserError
 
 # A damaged file is one line of ours, none of the decoders'. OpenCV reads these once, when it loads.

@@ -86,16 +86,10 @@ def load(name: str) -> Command:
 
 def overview() -> str:
     """The text of `vesselsplat --help`."""
-    lines = [f"  {name:<10}{text}" for name, text in COMMANDS.items()]
-    return "\n".join(
-        [
-            "usage: vesselsplat [COMMAND] [PATH] [flags]",
-            "",
-            "Makes blood vessels in endoscopic video visible, in 2D and in 3D.",
-            "",
-            *lines,
-            "",
-            "vesselsplat COMMAND --help lists the flags of a command; --version prints the version.",
-            "",
-        ]
+    lines = "".join(f"  {name:<10}{text}\n" for name, text in COMMANDS.items())
+    return (
+        "usage: vesselsplat [COMMAND] [PATH] [flags]\n\n"
+        "Makes blood vessels in endoscopic video visible, in 2D and in 3D.\n\n"
+        f"{lines}\n"
+        "vesselsplat COMMAND --help lists the flags of a command; --version prints the version.\n"
     )

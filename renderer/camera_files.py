@@ -30,7 +30,7 @@ class CameraFileError(ValueError):
     """What was expected, what came, and where."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class NamedCamera:
     """A camera by the name of its photo."""
 

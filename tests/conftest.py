@@ -9,7 +9,7 @@ import moderngl
 import pytest
 from hypothesis import settings
 
-from app.console.display import has_display
+from app.console.startup import has_display
 from renderer.draw.context import OpenGLUnavailable, standalone_context
 
 # The first example of a test may compile kernels, which has nothing to do with what it asserts.

@@ -15,20 +15,19 @@ import numpy as np
 
 from app.commands.evaluate import measured
 from app.commands.train import follow
-from app.console.display import has_display
 from app.console.progress import progress
+from app.console.startup import has_display
+from app.enhancement.contact_sheet import Tile, sheet
 from app.errors import UserError
-from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
+from app.evaluation.evaluate import Evaluation, open_evaluation
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import NOTICE, provenance, strict_json, write_png
 from app.files.records import Source
-from app.files.sheet import ByteImage, Tile, sheet
-from app.runs.run_clip import enhanced_clip
-from app.runs.run_folder import Input, RunFolder
+from app.runs.run_folder import Input, RunFolder, enhanced_clip
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, device_of, pooled
 from app.scenes.cpu_rendering import Drawn, colored_depth, draw_on_cpu
 from assets import phantom_path
-from renderer.clip import Clip
+from renderer.clip import ByteImage, Clip
 from renderer.near_plane import near_plane
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
@@ -126,7 +125,8 @@ def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str
     index = original.indices[len(original.indices) // 2]
     drawn = {name: _draw(evaluation, index) for name, evaluation in evaluations.items()}
     depth, (near, far) = colored_depth(drawn["original"].depth)
-    psnr = {name: _frame(report, index).psnr for name, report in reports.items()}
+    frames = {name: {one.index: one for one in report["frames"]} for name, report in reports.items()}
+    psnr = {name: found[index].psnr for name, found in frames.items()}
     tiles = [
         Tile("Original", original.photos.read_image(index)),
         Tile("Enhanced", enhanced.photos.read_image(index)),
@@ -137,11 +137,6 @@ def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str
     ]
     title = f"VesselSplat: held-out frame {index} after {CONFIG.iterations} iterations"
     return sheet(title, tiles, FOOT, columns=3, tile_width=480)
-
-
-def _frame(report: dict[str, Any], index: int) -> FrameMeasures:
-    frames: list[FrameMeasures] = report["frames"]
-    return next(frame for frame in frames if frame.index == index)
 
 
 def _difference(evaluation: Evaluation, index: int, drawn: Drawn) -> ByteImage:

@@ -5,21 +5,21 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, cast
 
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
-from app.enhancement.batch import Item, Step, enhance_batch, items_in
+from app.enhancement.batch import Item, enhance_batch, items_in
 from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
-from app.files.prefetch import ahead
 from app.files.provenance import provenance, strict_json
-from app.files.stepping import run_to_end
+from app.files.stepping import ahead, run_to_end
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
@@ -77,7 +77,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     reading = parameters(ClipOptions, flags)
-    setting = Setting(flags.method, _params(flags), flags.statistics, flags.pixels, clip_options=reading)
+    setting = Setting(flags.method, params_of(flags), flags.statistics, flags.pixels, clip_options=reading)
     if len(flags.inputs) > 1 or flags.recursive:
         _run_batch(flags, setting)
         return
@@ -101,7 +101,7 @@ def _shared(setting: Setting) -> dict[str, Any]:
     return {"method": setting.method, "params": setting.params, "pixels": setting.pixels}
 
 
-def _params(flags: argparse.Namespace) -> Params:
+def params_of(flags: argparse.Namespace) -> Params:
     """Of the method asked for. Raises UserError when flags of another one are given."""
     for name in (*FIELDS, *VESSEL_FIELDS):
         if name in flags and name not in OWN_FIELDS.get(flags.method, set()):
@@ -155,7 +155,7 @@ def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
         raise UserError(f"expected a folder for the results of several inputs, got {output}")
     items = items_in(flags.inputs, output, below=flags.recursive)
     started = time.perf_counter()
-    ended = [_ended(step, items[step.place - 1], output) for step in _told_batch(items, setting)]
+    ended = list(_ended(items, setting, output))
     seconds = time.perf_counter() - started
     failed = [one for one in ended if "failure" in one]
     if flags.json:
@@ -169,21 +169,13 @@ def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
         raise UserError(f"{len(failed)} of {len(items)} could not be enhanced: {said}")
 
 
-def _told_batch(items: list[Item], setting: Setting) -> list[Step]:
-    """The last step of each item; its notices are told at once."""
-    ended = []
+def _ended(items: list[Item], setting: Setting, output: Path) -> Iterator[dict[str, Any]]:
+    """What became of each item, for the JSON; its notices are told at once."""
     for step in enhance_batch(items, setting, _watched):
-        if step.written is not None:
-            _say(tuple(f"{step.name}: {notice}" for notice in step.written.notices))
-        if step.written is not None or step.failed is not None:
-            ended.append(step)
-    return ended
-
-
-def _ended(step: Step, item: Item, output: Path) -> dict[str, Any]:
-    """For the JSON."""
-    facts: dict[str, Any] = {"input": item.name, "output": item.output.relative_to(output).as_posix()}
-    if step.failed is not None:
-        return facts | {"failure": step.failed.reason}
-    assert step.written is not None
-    return facts | {"pictures": step.written.pictures, "notices": step.written.notices}
+        item, written = items[step.place - 1], step.written
+        facts: dict[str, Any] = {"input": item.name, "output": item.output.relative_to(output).as_posix()}
+        if step.failed is not None:
+            yield facts | {"failure": step.failed.reason}
+        elif written is not None:
+            _say(tuple(f"{step.name}: {notice}" for notice in written.notices))
+            yield facts | {"pictures": written.pictures, "notices": written.notices}

@@ -12,8 +12,7 @@ from typing import Any
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from app.console.progress import progress
-from app.console.terminal import Terminal
+from app.console.progress import Terminal, progress
 from app.errors import UserError
 from app.evaluation.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
 from app.files.provenance import provenance, strict_json
@@ -95,9 +94,8 @@ def compared(report: dict[str, Any], other: dict[str, Any], clip: ClipRecord) ->
             f"Table {after.table}, {after.method}": _gain(after.dv_bv, before.dv_bv)
             for before, after in zip(paper[::2], paper[1::2], strict=True)
         },
-        "definition": "dv_bv_gain: mean DV/BV of this run divided by that of the run it is compared "
-        "with; the "
-        "paper's: enhanced over original",
+        "definition": "dv_bv_gain: mean DV/BV of this run divided by that of the run it is compared with; "
+        "the paper's: enhanced over original",
     }
 
 

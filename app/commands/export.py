@@ -35,9 +35,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         type=int,
         choices=range(len(BANDS)),
         metavar="D",
-        help="degree of the splat files' spherical harmonics, 0 to 3, padded with zeros "
-        "(default the model's): "
-        "the original viewer of 3D Gaussian Splatting reads degree 3 only",
+        help="degree of the splat files' spherical harmonics, 0 to 3, padded with zeros (default the "
+        "model's): the original viewer of 3D Gaussian Splatting reads degree 3 only",
     )
     parser.add_argument(
         "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON file beside it"
@@ -67,7 +66,7 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    sources = Opened(scenes=(scene,))
+    sources = Opened(model=scene)
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             record = extended(Splats, scene.record, frame=moment.frame, time=moment.time, sh_degree=degree)
@@ -83,12 +82,8 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
         MomentRecord(frame=moment.frame, time=moment.time, camera=moment.camera, near=view.near)
         for moment, view in zip(wanted, views, strict=True)
     )
-    record = extended(
-        RenderVideo,
-        drawn_record(views[0], pen.name),
-        frames_per_second=flags.frames_per_second,
-        moments=seen,
-    )
+    said, speed = drawn_record(views[0], pen.name), flags.frames_per_second
+    record = extended(RenderVideo, said, frames_per_second=speed, moments=seen)
     with progress("draw", len(wanted)) as report:
         for done in make(record, Opened(tuple(views), pen=pen), flags.video):
             if done:

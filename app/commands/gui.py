@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from app.console.display import has_display
 from app.console.flags import add_fields, parameters
+from app.console.startup import has_display
 from app.errors import UserError
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 

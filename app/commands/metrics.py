@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
-from app.console.progress import progress
-from app.console.terminal import table_terminal
+from app.console.progress import print_measures, progress
 from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.files.image_files import ArrayImage
@@ -39,18 +38,6 @@ from enhance.metrics import (
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr, ssim
 
-ALONE = ("dv", "bv", "dv_bv", "saturated_share")
-CONTRAST = ("vessel_contrast", "vessel_cnr", "color_difference")
-AGAINST = (
-    "dv_local",
-    "bv_local",
-    "dv_bv_local",
-    "noise_gain",
-    "chroma_noise_gain",
-    "blackened_share",
-    "psnr",
-    "ssim",
-)
 DEFINITIONS = {
     "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
     "dv_bv_local": "mean 5x5 variance of grey where the original has detail, and elsewhere",
@@ -116,7 +103,7 @@ def run(flags: argparse.Namespace) -> None:
         for triple in zip_longest(pictures, originals, masks):
             measured.append(measure_picture(*triple))
             report(len(measured), triple[0].label)
-    names = ALONE + (CONTRAST if originals or masks else ()) + (AGAINST if originals else ())
+    names = [name for name in measured[0] if name not in ("image", "original")]
     mean = {name: mean_of_finite(picture[name] for picture in measured) for name in names}
     sequence = measure_sequence(pictures, originals)
     if flags.json:
@@ -135,11 +122,9 @@ def _given(paths: list[Path]) -> list[Given]:
         series = open_series(path)
         origins = map(plain, series.origins())
         for index, (source, origin) in enumerate(zip(series.sources, origins, strict=True)):
-            read = partial(series.read, index)
-            if series.is_video:
-                found.append(Given(origin | {"frame": index}, source, source, read))
-            else:
-                found.append(Given(origin, source, source.parent, read))
+            origin |= {"frame": index} if series.is_video else {}
+            sequence = source if series.is_video else source.parent
+            found.append(Given(origin, source, sequence, partial(series.read, index)))
     return found
 
 
@@ -241,6 +226,4 @@ def _print(labels: list[str], measured: list[dict[str, Any]], mean: dict[str, fl
         table.add_row(label, *(f"{picture[name]:.4g}" for name in mean))
     table.add_section()
     table.add_row("mean", *("none" if value is None else f"{value:.4g}" for value in mean.values()))
-    console = table_terminal()
-    console.print(table)
-    console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")
+    print_measures(table)

@@ -6,7 +6,7 @@ import argparse
 import re
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from app.console.flags import positive
@@ -14,11 +14,9 @@ from app.errors import UserError
 from app.files.atomic import filled
 from app.files.provenance import plain, provenance, strict_json
 from app.files.records import Source
-from app.report.advice import advice
-from app.report.bench import Bench, Clock, opened
-from app.report.machine import machine
+from app.report.bench import PARTS, Bench, Clock, Part, machine, opened
+from app.report.diagrams import Point, within_budget, within_error
 from app.report.page import page
-from app.report.parts import PARTS, Part
 from app.report.section import Section
 
 MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
@@ -94,6 +92,33 @@ def _seconds(text: str | None) -> float | None:
     if not found:
         raise UserError(f"--budget: expected a time such as 10ms, 2s or 1min, got {text!r}")
     return float(found[1]) * {"ms": 1e-3, "s": 1.0, "min": 60.0, None: 1.0}[found[2]]
+
+
+def advice(sections: Mapping[str, Section], budget: float | None, error: float | None) -> Iterator[str]:
+    """A line for each diagram and bound; `budget` in seconds, `error` in the unit of each diagram.
+
+    An error bound says nothing about measures of which more is better.
+    """
+    for section in sections.values():
+        for plate in section.plates:
+            for diagram in plate.diagrams:
+                where = f"{plate.title}, {diagram.measure}"
+                if budget is not None:
+                    found = within_budget(diagram, budget)
+                    yield f"{where}, within {_duration(budget)}: {_point(found)}"
+                if error is not None and not diagram.more_is_better:
+                    yield f"{where}, at most {error:g}: {_point(within_error(diagram, error))}"
+
+
+def _point(point: Point | None) -> str:
+    if point is None:
+        return "none of the measured settings"
+    default = ", the default" if point.is_default else ""
+    return f"{point.series}, {point.setting} ({point.error:.3g} in {_duration(point.seconds)}){default}"
+
+
+def _duration(seconds: float) -> str:
+    return f"{1000 * seconds:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
 
 
 def _say(line: str) -> None:

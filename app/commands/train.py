@@ -6,6 +6,7 @@ import argparse
 import re
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -19,7 +20,7 @@ from app.errors import UserError
 from app.files.provenance import provenance, strict_json
 from app.runs.clip_selection import ClipPart
 from app.runs.device import Asked, Device
-from app.runs.resource_check import told
+from app.runs.memory import told
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import PRESETS, TrainRequest, device_of, run_training
 from app.runs.wall_clock import STEPS, WALL, in_all
@@ -153,7 +154,7 @@ def follow(request: TrainRequest, device: Device) -> Finished:
     """Train with progress on stderr, of what comes before it too."""
     finished: Finished | None = None
     with Stages() as shown:
-        training = f"train {request.input} on {device}"
+        training = partial(shown.of, f"train {request.input} on {device}", request.config.iterations)
         for event in run_training(request):
             match event:
                 case Preparing():
@@ -162,13 +163,11 @@ def follow(request: TrainRequest, device: Device) -> Finished:
                 case Planned():
                     sys.stderr.write(f"{told(event)}\n")
                 case Started():
-                    shown.of(training, request.config.iterations)
+                    training()
                 case Progress():
-                    report = shown.of(training, request.config.iterations)
-                    report(event.iteration, f"loss {event.loss:.4f} PSNR {event.psnr:.2f} dB")
+                    training()(event.iteration, f"loss {event.loss:.4f} PSNR {event.psnr:.2f} dB")
                 case Evaluated():
-                    report = shown.of(training, request.config.iterations)
-                    report(event.iteration, f"held-out PSNR {event.psnr:.2f} dB")
+                    training()(event.iteration, f"held-out PSNR {event.psnr:.2f} dB")
                 case Warned():
                     sys.stderr.write(f"{event.message}\n")
                 case Finished():

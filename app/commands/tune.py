@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import io
+import math
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -13,17 +14,15 @@ from typing import Any, cast
 
 from rich.table import Table
 
-from app.commands.enhance import FIELDS, OWN_FIELDS, VESSEL_FIELDS
-from app.console.flags import add_fields, parameters
-from app.console.progress import progress
-from app.console.terminal import table_terminal
-from app.enhancement.contact_sheet import columns_of, contact_sheet, tile
-from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
+from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
+from app.console.flags import add_fields
+from app.console.progress import print_measures, progress
+from app.enhancement.contact_sheet import Tile, columns_of, contact_sheet, tile
+from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.parameter_grid import (
     DEFINITIONS,
     METRICS,
     Axis,
-    Cell,
     Measures,
     Setting,
     axis,
@@ -40,13 +39,10 @@ from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import open_series
 from app.files.provenance import provenance, strict_json, write_png
 from app.files.records import Source
-from app.files.sheet import Tile
 from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
 from enhance.surround import inside
 from enhance.vessel import VesselParams
-
-LOOKS: dict[str, type[EnhancementSettings]] = {PAPER: EnhanceParams, VESSEL: VesselParams}
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -63,7 +59,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--frame", type=int, default=0, metavar="I", help="frame of a folder or video (default 0)"
     )
     parser.add_argument("--sort", choices=METRICS, help="best first by this measure (default: as varied)")
-    parser.add_argument("--method", choices=LOOKS, default=PAPER, help=f"default {PAPER}")
+    parser.add_argument("--method", choices=(PAPER, VESSEL), default=PAPER, help=f"default {PAPER}")
     parser.add_argument(
         "--pixels",
         choices=PIXELS,
@@ -94,15 +90,6 @@ class Origin:
         """What the records of the picture's cells, of their sheet and of all of it have in common."""
         return {"source": self.source, "frame": self.frame, "method": self.method, "pixels": self.pixels}
 
-    def cell(self, cell: Cell) -> EnhancedPicture:
-        """What the picture of a cell says of itself."""
-        return EnhancedPicture(
-            **self.shared,
-            params=cell.setting.params,
-            statistics=cell.statistics,
-            measures=cell.measures,
-        )
-
 
 @dataclass(frozen=True)
 class Row:
@@ -115,36 +102,25 @@ class Row:
 
     @property
     def facts(self) -> dict[str, Any]:
-        return {"output": self.output, "label": self.setting.label, "params": self.setting.params} | asdict(
-            self.measures
-        )
+        setting = {"label": self.setting.label, "params": self.setting.params}
+        return {"output": self.output} | setting | asdict(self.measures)
 
 
 def run(flags: argparse.Namespace) -> None:
-    base = _base(flags)
+    base = params_of(flags)
+    assert base is not None
     axes = [axis(text, type(base)) for text in flags.vary]
     wanted, origin = settings(base, axes), _origin(flags)
     with filled(flags.out) as staging:
         rows = _tried(staging, origin, wanted)
-        rows = (
-            [rows[place] for place in ranked([row.measures for row in rows], flags.sort)]
-            if flags.sort
-            else rows
-        )
+        if flags.sort:
+            rows = [rows[place] for place in ranked([row.measures for row in rows], flags.sort)]
         report = _write_summary(staging, origin, axes, rows, flags.sort)
     if flags.json:
         sys.stdout.write(strict_json(report) + "\n")
     else:
         _print(rows)
         sys.stdout.write(f"{flags.out}: sheet.png, tuning.csv, tuning.json and {len(rows)} images\n")
-
-
-def _base(flags: argparse.Namespace) -> EnhancementSettings:
-    """What the varied parameters start from. Raises UserError for flags of the other method."""
-    for name in (*FIELDS, *VESSEL_FIELDS):
-        if name in flags and name not in OWN_FIELDS[flags.method]:
-            raise UserError(f"--{name.replace('_', '-')} has no effect with --method {flags.method}")
-    return parameters(LOOKS[flags.method], flags)
 
 
 def _origin(flags: argparse.Namespace) -> Origin:
@@ -169,7 +145,13 @@ def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]
         try:
             for cell in tried(origin.image, wanted, origin.tissue, drawn(origin.pixels)):
                 name = f"setting-{places[cell.setting]:03d}{suffix}"
-                write_image(folder / name, cell.image, origin.cell(cell).signed)
+                record = EnhancedPicture(
+                    **origin.shared,
+                    params=cell.setting.params,
+                    statistics=cell.statistics,
+                    measures=cell.measures,
+                )
+                write_image(folder / name, cell.image, record.signed)
                 rows[cell.setting] = Row(name, cell.setting, tile(cell), cell.measures)
                 report(len(rows), cell.setting.label)
         except ImageError as error:
@@ -189,13 +171,8 @@ def _write_summary(
     picture = contact_sheet(title, [row.tile for row in rows], columns)
     write_png(folder / "sheet.png", picture, sheet.signed)
     (folder / "tuning.csv").write_bytes(_table(axes, rows))
-    report = provenance(
-        **origin.shared,
-        axes=axes,
-        sort=sort,
-        cells=[row.facts for row in rows],
-        definitions=dict(DEFINITIONS),
-    )
+    cells = [row.facts for row in rows]
+    report = provenance(**origin.shared, axes=axes, sort=sort, cells=cells, definitions=dict(DEFINITIONS))
     (folder / "tuning.json").write_bytes(strict_json(report, indent=2).encode())
     return report
 
@@ -207,17 +184,13 @@ def _table(axes: Sequence[Axis], rows: Sequence[Row]) -> bytes:
     writer.writerow(["output", *(one.name for one in axes), *METRICS])
     for row in rows:
         values = [one.values[place] for one, place in zip(axes, row.setting.places, strict=True)]
-        measured = [getattr(row.measures, name) for name in METRICS]
-        writer.writerow(
-            [row.output, *map(joined, values), *(value if value == value else "" for value in measured)]
-        )
+        measured = ("" if math.isnan(value) else value for value in vars(row.measures).values())
+        writer.writerow([row.output, *map(joined, values), *measured])
     return text.getvalue().encode()
 
 
 def _print(rows: Sequence[Row]) -> None:
     table = Table("setting", *METRICS)
     for row in rows:
-        table.add_row(row.setting.label, *(f"{getattr(row.measures, name):.4g}" for name in METRICS))
-    console = table_terminal()
-    console.print(table)
-    console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")
+        table.add_row(row.setting.label, *(f"{value:.4g}" for value in vars(row.measures).values()))
+    print_measures(table)

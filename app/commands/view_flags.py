@@ -6,12 +6,10 @@ import argparse
 from collections.abc import Sequence
 
 from app.errors import UserError
-from app.runs.run_clip import input_clip, run_clip
-from app.runs.run_folder import RunFolder
-from app.scenes.photos import PhotoRequest
+from app.runs.run_folder import RunFolder, input_clip, run_clip
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import PhotoRequest, ViewRequest
 from app.scenes.view_selection import Moment
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
@@ -32,14 +30,13 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
 def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> list[ViewRequest]:
     """One a moment. Raises UserError for a difference where there are no photos."""
     photos = _photos(flags) if flags.view == "difference" else None
-    return [_at(moment, flags, scene, photos) for moment in wanted]
-
-
-def _at(moment: Moment, flags: argparse.Namespace, scene: Scene, photos: Clip | None) -> ViewRequest:
-    photo = PhotoRequest(photos, moment.frame) if photos is not None and moment.frame is not None else None
-    near = near_plane(scene.model, moment.camera)
-    view = ViewRequest(scene, moment.time, moment.camera, near_plane=near, supersampling=flags.supersampling)
-    return view.of_kind(flags.view, photo)
+    finer, views = flags.supersampling, []
+    for moment in wanted:
+        photo = None if photos is None or moment.frame is None else PhotoRequest(photos, moment.frame)
+        near = near_plane(scene.model, moment.camera)
+        view = ViewRequest(scene, moment.time, moment.camera, near_plane=near, supersampling=finer)
+        views.append(view.of_kind(flags.view, photo))
+    return views
 
 
 def _photos(flags: argparse.Namespace) -> Clip:
@@ -50,8 +47,7 @@ def _photos(flags: argparse.Namespace) -> Clip:
     camera = record.camera(0)
     if flags.size and not camera.has_shape(*flags.size):
         raise UserError(
-            f"--view difference: expected a --size of the shape of the frames, {camera.width} "
-            f"{camera.height}, "
-            f"got {flags.size[0]} {flags.size[1]}"
+            "--view difference: expected a --size of the shape of the frames, "
+            f"{camera.width} {camera.height}, got {flags.size[0]} {flags.size[1]}"
         )
     return input_clip(run_clip(record), record)

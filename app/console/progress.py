@@ -1,4 +1,4 @@
-"""Progress of long work on stderr: a bar with time left on a terminal, now and then a line elsewhere."""
+"""What is printed: tables, and progress of long work, a bar on a terminal, now and then a line elsewhere."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
+from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-from app.console.terminal import Terminal
+from rich.table import Table
 
 SECONDS_BETWEEN_LINES = 10.0
 SECONDS_BETWEEN_STAGE_LINES = 2.0
@@ -16,6 +16,24 @@ SECONDS_BETWEEN_STAGE_LINES = 2.0
 
 Report = Callable[[int, str], None]
 """Called with the number of units done so far and a short text, such as the loss."""
+
+
+class Terminal(Console):
+    """A console that prints names as they are, and leaves a closed pipe to `main`, like all other output."""
+
+    def __init__(self, *, stderr: bool = False, width: int | None = None) -> None:
+        super().__init__(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
+
+    def on_broken_pipe(self) -> None:
+        """Called while the BrokenPipeError is handled."""
+        raise
+
+
+def print_measures(table: Table) -> None:
+    """On stdout, wide enough also where the width is unknown, with what its ratios are."""
+    console = Terminal(width=max(Terminal().width, 140))
+    console.print(table)
+    console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")
 
 
 @contextmanager
@@ -27,7 +45,7 @@ def progress(title: str, total: int, every: float = SECONDS_BETWEEN_LINES) -> It
     """
     console = Terminal(stderr=True)
     if not console.is_terminal:
-        yield _lines(console, title, total, every) if total else _notes(console, title, every)
+        yield _lines(console, title, total, every)
         return
     columns = (
         TextColumn("{task.description}", markup=False),
@@ -58,10 +76,8 @@ class Stages:
         """Where this stage is told; the one before it has ended."""
         if self._stage != (title, total):
             self._open.close()
-            self._stage, self._report = (
-                (title, total),
-                self._open.enter_context(progress(title, total, every)),
-            )
+            self._stage = title, total
+            self._report = self._open.enter_context(progress(title, total, every))
         return self._report
 
 
@@ -77,19 +93,6 @@ def _bar(bar: Progress, title: str, total: int) -> Report:
     return report
 
 
-def _notes(console: Terminal, title: str, every: float) -> Report:
-    said = time.monotonic()
-
-    def report(done: int, note: str) -> None:
-        nonlocal said
-        now = time.monotonic()
-        if now - said >= every:
-            console.print(f"{title}, {note}")
-            said = now
-
-    return report
-
-
 def _lines(console: Terminal, title: str, total: int, every: float) -> Report:
     began: tuple[int, float] | None = None
     said = time.monotonic()
@@ -98,9 +101,13 @@ def _lines(console: Terminal, title: str, total: int, every: float) -> Report:
         nonlocal began, said
         now = time.monotonic()
         began = began or (done, now)
-        if now - said >= every and done > began[0]:
+        if now - said < every or (total and done <= began[0]):
+            return
+        said = now
+        if total:
             left = (now - began[1]) / (done - began[0]) * (total - done)
             console.print(f"{title} {done}/{total}, {left:.0f} s left {note}".rstrip())
-            said = now
+        else:
+            console.print(f"{title}, {note}")
 
     return report

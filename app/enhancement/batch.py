@@ -75,7 +75,9 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
     taken: Counter[tuple[str, str]] = Counter()
     found: list[Item] = []
     for given in inputs:
-        kind, stem = _kind(given), given.resolve().name if given.is_dir() else given.stem
+        # Inputs of one kind and name would write to one place.
+        kind = "folder" if given.is_dir() else "picture" if is_image(given) else "video"
+        stem = given.resolve().name if given.is_dir() else given.stem
         taken[kind, stem] += 1
         number = taken[kind, stem]
         own = stem if number == 1 else f"{stem}-{number}"
@@ -84,13 +86,6 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
         names = ", ".join(given.name for given in inputs)
         raise UserError(f"expected images or videos, found none in {names}")
     return found
-
-
-def _kind(given: Path) -> str:
-    """Inputs of one kind and name would write to one place."""
-    if given.is_dir():
-        return "folder"
-    return "picture" if is_image(given) else "video"
 
 
 def _items_of(given: Path, output: Path, own: str, *, alone: bool, below: bool) -> Iterator[Item]:

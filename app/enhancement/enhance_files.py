@@ -8,16 +8,15 @@ from itertools import tee
 from pathlib import Path
 from typing import Any, Literal
 
-from app.enhancement.methods import MethodEnhancer, Params, apply, measure_for
+from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
 from app.enhancement.records import EnhancedPicture, EnhancedVideo
 from app.enhancement.settable import Pixels, drawn
 from app.errors import UserError
 from app.files.atomic import filled, together
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
-from app.files.prefetch import ahead
 from app.files.provenance import write_sidecar
-from app.files.records import Source
+from app.files.stepping import ahead
 from app.files.timing import Timing
 from app.files.video import write_frames
 from enhance import ImageError, Statistics
@@ -61,21 +60,6 @@ class Setting:
             return series.is_video and self.params is not None
         return self.statistics == "clip"
 
-    def record(
-        self, source: Source, picture: str, frame: int | None, pooled: Statistics | None
-    ) -> EnhancedPicture:
-        """Of one picture, before it is made."""
-        return EnhancedPicture(
-            source=source,
-            picture=picture,
-            frame=frame,
-            deinterlacing=self.clip_options.deinterlacing,
-            method=self.method,
-            params=self.params,
-            pixels="all" if self.params is None else self.pixels,
-            statistics=pooled,
-        )
-
 
 @dataclass(frozen=True)
 class Written:
@@ -95,11 +79,14 @@ def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhance
     """Statistics of the picture alone are measured, those of all pictures together are taken over.
 
     Raises:
-        ImageError, UserError: as `methods.apply`.
+        ImageError: a picture that the paper's method or `vessel` cannot use.
+        UserError: anything but 8-bit RGB for one of the other methods.
     """
+    if record.params is None:
+        return by_baseline(record.method, image), replace(record, statistics=None, omitted=())
     mask = inside([image]) if record.pooled is None and record.pixels == "tissue" else None
-    pixels = drawn(record.pixels)
-    result = apply(record.method, record.params, image, mask, pixels, record.pooled, enhancer)
+    enhancer.show(image, mask, drawn(record.pixels))
+    result = enhancer.enhance(record.params, statistics=record.pooled)
     return result.image, replace(record, statistics=result.statistics, omitted=result.omitted)
 
 
@@ -143,10 +130,7 @@ def _tissue(series: Series, setting: Setting) -> Tissue:
         return lambda image: None
     size = series.read(0).shape[:2]
     spread = _pictures(series, [], series.spread(STEADY_FRAMES))
-    try:
-        steady = inside(image for image in spread if image.shape[:2] == size)
-    except ImageError as error:
-        raise UserError(f"{error}: {series.sources[0].parent}") from error
+    steady = inside(image for image in spread if image.shape[:2] == size)
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
@@ -155,11 +139,11 @@ def _pooled(series: Series, setting: Setting, notices: list[str], watch: Watch) 
     assert look is not None
     if count is None and setting.statistics == "automatic":
         count = STEADY_FRAMES
-    tissue = _tissue(series, setting)
     indices = None if count is None else series.spread(count)
-    # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
-    images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
     try:
+        tissue = _tissue(series, setting)
+        # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
+        images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
         return measure_for(look, images, map(tissue, again), drawn(setting.pixels))
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error
@@ -169,7 +153,16 @@ def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statisti
     origins, enhancer = series.origins(), MethodEnhancer()
     try:
         for index, image in enumerate(images):
-            record = setting.record(next(origins), series.names[index], series.frame(index), pooled)
+            record = EnhancedPicture(
+                source=next(origins),
+                picture=series.names[index],
+                frame=series.frame(index),
+                deinterlacing=setting.clip_options.deinterlacing,
+                method=setting.method,
+                params=setting.params,
+                pixels="all" if setting.params is None else setting.pixels,
+                statistics=pooled,
+            )
             try:
                 made = enhanced(record, image, enhancer)
             except (ImageError, UserError) as error:

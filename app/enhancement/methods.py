@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
@@ -14,7 +13,6 @@ from app.files.image_files import ArrayImage
 from enhance import EnhanceParams, Enhancer, EnhanceResult, Statistics, measure
 from enhance.baselines import BASELINES
 from enhance.image import BoolImage
-from enhance.result import Omission
 from enhance.shown import Pixels
 from enhance.vessel import VesselEnhancer, VesselParams
 
@@ -53,12 +51,9 @@ def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
         return f"{VESSEL} · strength {look.strength:.2f} · lift {look.lift:.2f} · d {look.d_factor:.2f}"
     z = _value(look.z, (used.z,) if used is not None else ())
     p = _value(look.p, used.p if used is not None else ())
-    return f"z {z} · P {p} · d {_value(look.d_factor, ())}{_share(used)}"
-
-
-def _share(used: Statistics | None) -> str:
-    """Of the change of colours, where it is not all."""
-    return f" {used.color:.0%}" if used is not None and used.color < 1 else ""
+    # The share of the change of colours, where it is not all.
+    share = f" {used.color:.0%}" if used is not None and used.color < 1 else ""
+    return f"z {z} · P {p} · d {_value(look.d_factor, ())}{share}"
 
 
 def _value(chosen: float | tuple[float, ...] | None, used: tuple[float, ...]) -> str:
@@ -118,34 +113,8 @@ def measure_for(
     return measure(images, paper, tissue_masks, pixels=pixels)
 
 
-@dataclass(frozen=True, eq=False)
-class Enhanced:
-    """An enhanced picture and what was used for it."""
-
-    image: ArrayImage
-    statistics: Statistics | None
-    omitted: tuple[Omission, ...]
-
-
-def apply(
-    method: str,
-    params: Params,
-    image: ArrayImage,
-    tissue_mask: BoolImage | None,
-    pixels: Pixels,
-    statistics: Statistics | None,
-    enhancer: MethodEnhancer,
-) -> Enhanced:
-    """Enhance one picture; `enhancer` keeps its memory from one to the next.
-
-    Raises:
-        ImageError: a picture that the paper's method or `vessel` cannot use.
-        UserError: anything but 8-bit RGB for one of the other methods.
-    """
-    if params is not None:
-        enhancer.show(image, tissue_mask, pixels)
-        result = enhancer.enhance(params, statistics=statistics)
-        return Enhanced(result.image, result.statistics, result.omitted)
+def by_baseline(method: str, image: ArrayImage) -> ArrayImage:
+    """By one of the other methods, which take no settings. Raises UserError: anything but 8-bit RGB."""
     if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
         raise UserError(f"--method {method} takes 8-bit RGB images, got {image.dtype} of shape {image.shape}")
-    return Enhanced(BASELINES[method](image), None, ())
+    return BASELINES[method](image)

@@ -198,12 +198,7 @@ def tried(
 
 def working_order(wanted: Sequence[Setting]) -> list[Setting]:
     """Settings that share what takes longest follow each other."""
-    return sorted(wanted, key=_stages)
-
-
-def _stages(setting: Setting) -> tuple[str, ...]:
-    """Equal for settings that share the parts which take longest."""
-    return tuple(str(getattr(setting.params, name, "")) for name in SLOWEST)
+    return sorted(wanted, key=lambda one: [str(getattr(one.params, name, "")) for name in SLOWEST])
 
 
 def measured(

@@ -3,36 +3,42 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 import platformdirs
 import psutil
 from numba import get_num_threads
 
 from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
-from app.evaluation.render_timing import REPEATS, Stopwatch
 from app.files.provenance import plain
 from app.runs.memory import peak_memory_mb
-from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import LeftOut, read_edits
-from app.runs.run_folder import RunFolder, RunRecord
+from app.runs.run_folder import RunFolder, RunRecord, input_clip, run_clip
 from app.runs.wall_clock import STEPS, WALL
 from app.scenes.cpu_rendering import Drawn
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask
+from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
 from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
+from renderer.near_plane import near_plane
+from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.readers.endonerf import OUTLIER
+from renderer.splats import RenderMode
 from renderer.torch_presence import NO_TORCH, has_torch
 from renderer.train.config import CHOSEN
 from renderer.train.methods import departures
 
+REPEATS = 5
+"""Drawings of a frame whose time is taken."""
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
 LPIPS = "AlexNet, version 0.1, in [-1, 1], both images times the evaluation mask; lower is better"
 DEFINITIONS = {
@@ -135,6 +141,7 @@ class Evaluation:
 
     def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
         """The JSON of `evaluate`."""
+        clip, config = self.record.clip, self.record.config
         constant = {
             "n_gaussians": len(self.model),
             "train_seconds": self.run.train_seconds(),
@@ -142,18 +149,14 @@ class Evaluation:
         }
         return {
             "run": self.run.path.absolute().name,
-            "clip": {
-                "name": self.record.clip.name,
-                "sha256": self.record.clip.sha256,
-                "part": self.record.clip.part,
-            },
-            "method": self.record.config.method,
-            "seed": self.record.config.seed,
+            "clip": {"name": clip.name, "sha256": clip.sha256, "part": clip.part},
+            "method": config.method,
+            "seed": config.seed,
             "input": self.record.input,
             "enhancement": self.record.enhancement,
             "edits": self.edits,
             "frames_are": self.frames_are,
-            "evaluation_masks": self.record.clip.options.evaluation_masks,
+            "evaluation_masks": clip.options.evaluation_masks,
             "evaluated_share": mean_of_finite(frame.evaluated_share for frame in frames),
             "mean": {name: mean_of_finite(getattr(frame, name) for frame in frames) for name in AVERAGED}
             | constant,
@@ -162,12 +165,12 @@ class Evaluation:
             "peak_memory_mb": {"training": self._training_memory(), "evaluation": peak_memory_mb()},
             "frames": list(frames),
             "definitions": DEFINITIONS
-            | {"method": departures(self.record.config.method), "defaults": CHOSEN}
+            | {"method": departures(config.method), "defaults": CHOSEN}
             | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips in the user cache folder")},
         }
 
     def _training_memory(self) -> float | None:
-        finished = [event for event in self.run.events() if event["event"] == "Finished"]
+        finished = self.run.events("Finished")
         return finished[-1].get("peak_memory_mb") if finished else None
 
 
@@ -270,3 +273,36 @@ def _mean(groups: Sequence[Numbers | None]) -> dict[str, float | None]:
     taken = [group for group in groups if group is not None]
     names = taken[0] if taken else ()
     return {name: mean_of_finite(group[name] for group in taken) for name in names}
+
+
+class Stopwatch:
+    """Draws moments of a model as a player would, its working arrays kept, and takes the time."""
+
+    def __init__(self, model: DynamicGaussians, camera: Camera, mode: RenderMode = "default") -> None:
+        self._model, self._near, self._mode = model, near_plane(model, camera), mode
+        self._rasterizer = Rasterizer(camera.width, camera.height)
+        self._no_tile = np.zeros((self._rasterizer.rows, self._rasterizer.columns), dtype=bool)
+
+    def draw(self, frame: Frame) -> tuple[Drawn, dict[str, float]]:
+        """The picture at the frame's time from its camera, and the milliseconds of its parts."""
+        # The first lap compiles kernels, reserves arrays and wakes the threads.
+        drawn, _ = self._lap(frame)
+        laps = [self._lap(frame)[1] for _ in range(REPEATS)]
+        whole, deformation, sorting = 1000 * np.median(laps, axis=0)
+        raster = max(0.0, float(whole - deformation - sorting))
+        parts = {"deformation": float(deformation), "projection_sort": float(sorting), "raster": raster}
+        return drawn, parts
+
+    def _lap(self, frame: Frame) -> tuple[Drawn, tuple[float, float, float]]:
+        """One picture; seconds of the whole, of the deformation, and of all before the raster."""
+        camera, rasterizer = frame.camera, self._rasterizer
+        began = time.perf_counter()
+        splats = self._model.at(frame.time)
+        deformed = time.perf_counter()
+        rasterizer.forward(splats, camera, self._near, mode=self._mode)
+        rendered = rasterizer.rendered(camera.width, camera.height, BLACK)
+        done = time.perf_counter()
+        rasterizer.forward(splats, camera, self._near, self._no_tile, self._mode)
+        sorting = time.perf_counter() - done
+        times = done - began, deformed - began, sorting
+        return Drawn(rendered.image, rendered.depth, rendered.alpha), times

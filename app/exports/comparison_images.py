@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any
 
 import cv2
@@ -14,9 +13,10 @@ from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import EnhancementSettings
+from app.scenes.drawer import draw_view
 from app.scenes.scene import Scene
+from app.scenes.view_kinds import Scale
 from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import draw_view
 from enhance.baselines import BASELINES
 from renderer.clip import ByteImage
 
@@ -130,13 +130,10 @@ def heat_map(request: DifferenceRequest, top: int | None = None) -> Iterator[Dif
     below = np.cumsum(np.bincount(largest.ravel(), minlength=256)) / largest.size
     top = top or next(scale for scale in SCALES if below[scale] >= SHARE_WITHIN)
     levels = np.minimum(np.arange(256) * (255 / top), 255).astype(np.uint8)
-    heat = np.asarray(heat_colors()[levels[largest]], dtype=np.uint8)
+    heat = np.asarray(heat_scale(top).table[levels[largest]], dtype=np.uint8)
     yield Difference(request, heat, top, float(largest.mean()))
 
 
-@cache
-def heat_colors() -> ByteImage:
-    """(256, 3) RGB of the heat map, from no difference to the top of its scale."""
-    ramp = np.arange(256, dtype=np.uint8)[:, None]
-    colors = cv2.cvtColor(cv2.applyColorMap(ramp, cv2.COLORMAP_INFERNO), cv2.COLOR_BGR2RGB)
-    return np.asarray(colors[:, 0], dtype=np.uint8)
+def heat_scale(top: float) -> Scale:
+    """The colours of the heat map, from no difference to the top."""
+    return Scale(0.0, top, "grey levels", "inferno")

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 from app.exports.make import make
 from app.exports.records import MeasuresTable, PanesPicture, PanesRecord, PanesVideo, SpanRecord, ViewVideo
 from app.exports.sources import Opened
 from app.files.atomic import filled
+from app.files.provenance import stamp, write_png
 from app.files.records import Source
 from app.files.stepping import map_steps
-from app.files.timestamp import stamp
+from renderer.clip import ByteImage
 
-SUFFIXES = {"panes": ".png", "panes video": ".mp4", "view video": ".mp4", "measures": ".csv"}
-Panes = TypeVar("Panes", bound=PanesRecord)
+SUFFIXES = {"panes video": ".mp4", "view video": ".mp4", "measures": ".csv"}
+"""Of all that is no picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +28,8 @@ class ExportRequest:
     record: PanesPicture | PanesVideo | MeasuresTable | ViewVideo
     """Its clip without a digest, which takes longer than the window can wait."""
     sources: Opened
+    screen: ByteImage | None = None
+    """(H, W, 3): the whole window as it was read, which nothing else makes; `record` says what was in it."""
 
     @property
     def steps(self) -> int:
@@ -48,16 +50,13 @@ class Step:
 
 def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
-    record = request.record
-    if isinstance(record, PanesRecord):
-        record = sourced(record, request.sources)
-    name = f"{request.stem}-{stamp()}{SUFFIXES[record.kind]}"
+    record, clip = request.record, request.sources.own
+    if isinstance(record, PanesRecord) and record.panes and clip is not None:
+        record = replace(record, source=Source.of(clip.path))
+    name = f"{request.stem}-{stamp()}{SUFFIXES.get(record.kind, '.png')}"
     with filled(request.folder) as staging:
-        yield from map_steps(make(record, request.sources, staging / name), Step)
+        if request.screen is not None:
+            write_png(staging / name, request.screen, record.signed)
+        else:
+            yield from map_steps(make(record, request.sources, staging / name), Step)
     yield Step(request.steps, request.folder / name)
-
-
-def sourced(record: Panes, sources: Opened) -> Panes:
-    """With the digest of the clip that its panes are of. Raises OSError or UserError: it is gone."""
-    clip = sources.own if record.panes else None
-    return record if clip is None else replace(record, source=Source.of(clip.path))

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
-from dataclasses import replace
+import csv
+import io
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from dataclasses import asdict, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from app.enhancement.contact_sheet import contact_sheet, tile
 from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
 from app.enhancement.methods import METHODS, MethodEnhancer
-from app.enhancement.parameter_grid import Setting, tried
+from app.enhancement.parameter_grid import DEFINITIONS, Setting, measured, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import drawn
 from app.errors import UserError
-from app.exports.measure_table import Row, rows_at, write_measures
 from app.exports.page import Panel, sheet
 from app.exports.panes import PaneMaker, arranged
 from app.exports.records import (
@@ -29,13 +31,12 @@ from app.exports.records import (
     Splats,
     ViewVideo,
 )
-from app.exports.scene_splats import write_splats
+from app.exports.sizing import Sizing
 from app.exports.sources import Sources
-from app.exports.view_pages import Views, drawn_panel, steady, view_pages
-from app.files.atomic import together
+from app.files.atomic import together, write_bytes
 from app.files.image_files import write_image
 from app.files.image_series import Series, timing_of
-from app.files.provenance import write_png, write_sidecar
+from app.files.provenance import comments, write_png, write_sidecar
 from app.files.records import Source
 from app.files.stepping import map_steps
 from app.files.timing import Timing
@@ -43,13 +44,19 @@ from app.files.video import write_frames
 from app.scenes import view_request
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import colored_depth
-from app.scenes.records import DrawnRecord, MomentRecord
+from app.scenes.drawer import Drawer
+from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
+from enhance.ridges import field_of_view, vessel_mask
 from enhance.surround import inside
+from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.splat_files.inria_ply import ply_bytes
 
 Steps = Generator[int, None, None]
+Views = tuple[ViewRequest, ...]
+"""Of one moment: the 3D view, and the second one where there is one."""
 
 
 def make(record: Export, sources: Sources, target: Path) -> Steps:
@@ -75,7 +82,7 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
         case RenderVideo():
             yield from _render_video(record, sources, target)
         case Splats():
-            write_splats(target, sources.scene(record), record)
+            _splats(record, sources, target)
         case PanesPicture(kind="panes"):
             _page(record, sources, target)
         case PanesPicture():
@@ -169,6 +176,20 @@ def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
         write_sidecar(place, said.signed)
 
 
+def _splats(record: Splats, sources: Sources, target: Path) -> None:
+    """A PLY file of the Gaussians where they are at the time of the record, which it holds; their spherical
+    harmonics are filled up with zeros to its degree. Raises UserError for one that would lose colours."""
+    scene, degree = sources.scene(record), record.sh_degree
+    raw = scene.model.raw
+    try:
+        raw = raw if degree is None else raw.of_degree(degree)
+    except ValueError as error:
+        got = f"{degree} for {error}"
+        raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
+    moved = scene.model.motion.moved(raw, record.time)
+    write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+
+
 def _view_video(record: ViewVideo, sources: Sources, target: Path) -> Steps:
     if not (record.views and record.moments):
         raise UserError("expected at least one 3D view and one frame, got none")
@@ -211,6 +232,34 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
     )
 
 
+def drawn_panel(wanted: ViewRequest, drawer: Drawer) -> Panel:
+    """By the name of its run or file, with its scale where it has one. Raises UserError or ClipError."""
+    shows = "" if wanted.kind == "color" else f"   {wanted.kind}"
+    return Panel(f"Reconstruction   {wanted.scene.name}{shows}", with_bar(drawer.picture(wanted)))
+
+
+def view_pages(moments: Iterable[Views], drawer: Drawer) -> Iterator[ByteImage]:
+    """A page a moment: one view as it is; two beside each other, each with what it is.
+
+    Raises UserError or ClipError.
+    """
+    for views in moments:
+        panels = [drawn_panel(wanted, drawer) for wanted in views]
+        yield panels[0].image if len(panels) == 1 else sheet(panels)
+
+
+def steady(moments: Sequence[Views], drawer: Drawer) -> Generator[int, None, tuple[Views, ...]]:
+    """The same with one scale for all moments of a view, so that they can be compared.
+
+    Yields 0, the pages made so far, after each picture that is looked at for it. Raises ClipError.
+    """
+    columns = []
+    for column in zip(*moments, strict=True):
+        held = yield from map_steps(view_request.steady(column, drawer.draw), lambda view: 0)
+        columns.append(held)
+    return tuple(zip(*columns, strict=True))
+
+
 def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
     """Panes, the 3D view, or both."""
     panels: list[Panel] = []
@@ -220,14 +269,14 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
         pairs = zip(record.panes, made, strict=True)
         said = tuple(replace(pane, statistics=one.statistics) for pane, one in pairs)
         record = replace(record, panes=said)
-    drawers = [sources.drawer(view.renderer) for view in record.views]
-    for one, drawer in zip(record.views, drawers, strict=True):
+    views: list[ViewRecord] = []
+    for one in record.views:
+        drawer = sources.drawer(one.renderer)
         panels.append(drawn_panel(_view(one, one, sources, trained=False), drawer))
+        views.append(replace(one, renderer=drawer.name))
     if not panels:
         raise UserError("expected panes or a 3D view, got neither")
-    pairs_of_views = zip(record.views, drawers, strict=True)
-    views = tuple(replace(view, renderer=drawer.name) for view, drawer in pairs_of_views)
-    write_png(target, sheet(panels), replace(record, views=views).signed)
+    write_png(target, sheet(panels), replace(record, views=tuple(views)).signed)
 
 
 def _panes_video(record: PanesVideo, sources: Sources, target: Path) -> Steps:
@@ -256,3 +305,37 @@ def _spanning(record: SpanRecord, sources: Sources) -> PaneMaker:
         got = f"{record.first_frame} to {record.last_frame}"
         raise UserError(f"expected frames from 0 to {count - 1}, got {got}")
     return maker
+
+
+Row = dict[str, Any]
+
+
+def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
+    """At a frame a row a pane, of its picture in its own size. Raises ClipError or ImageError."""
+    photo, label = maker.clip.read_image(frame), maker.clip.labels[frame]
+    view = field_of_view(photo)
+    vessels = vessel_mask(photo, tissue_mask=view)
+    rows = []
+    for pane, one in zip(record.panes, maker.made(frame, Sizing()), strict=True):
+        found = asdict(measured(one.panel.image, photo, vessels, view, 0.0))
+        chosen = {name: found[name] for name in record.measures}
+        rows.append({"frame": frame, "label": label, "pane": pane.title} | chosen)
+    return rows
+
+
+def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
+    """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
+    definitions = {name: text for name, text in DEFINITIONS.items() if name in record.measures}
+    with together(path) as place:
+        write_bytes(place, _table(rows, record.measures))
+        write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})
+
+
+def _table(rows: list[Row], measures: Sequence[str]) -> bytes:
+    """CSV; an empty field is what could not be measured."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, ["frame", "label", "pane", *measures])
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: "" if value != value else value for name, value in row.items()})
+    return text.getvalue().encode()

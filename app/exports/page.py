@@ -12,9 +12,8 @@ from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.methods import worded
 from app.files.legible import legible
 from app.files.provenance import NOTICE
+from app.scenes.color_bar import GROUND, INK
 from renderer.clip import ByteImage
-
-INK, GROUND = (235, 235, 235), (28, 28, 28)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,16 +10,23 @@ import numpy as np
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import METHODS, EnhancementSettings
 from app.errors import UserError
-from app.exports.comparison_images import Difference, DifferenceRequest, OtherMaker, OtherRequest, heat_map
-from app.exports.page import INK, Panel, describe
+from app.exports.comparison_images import (
+    Difference,
+    DifferenceRequest,
+    OtherMaker,
+    OtherRequest,
+    heat_map,
+    heat_scale,
+)
+from app.exports.page import Panel, describe
 from app.exports.records import Arrangement, PaneRecord, PanesRecord
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
-from app.scenes.color_bar import with_bar
+from app.scenes.color_bar import INK, with_bar
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.records import ViewRecord
 from app.scenes.scene import Scene
-from app.scenes.view_kinds import Composed, Scale
+from app.scenes.view_kinds import Composed
 from app.scenes.view_request import ViewRequest, view_record
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
@@ -129,7 +136,7 @@ def arranged(panels: Sequence[Panel], arrangement: Arrangement) -> list[Panel]:
     if arrangement.mode == "wipe":
         return [Panel(f"{left.label}\n{right.label}", _wiped(left.image, right.image, arrangement.wipe))]
     apart = difference(left.image, right.image, arrangement.top)
-    picture = with_bar(Composed(apart.heat, Scale(0.0, apart.top, "grey levels", "inferno")))
+    picture = with_bar(Composed(apart.heat, heat_scale(apart.top)))
     said = f"Difference   largest of R, G, B   mean {apart.mean:.1f}"
     return [Panel(f"{said}\n{left.label}\n{right.label}", picture)]
 

@@ -11,10 +11,9 @@ from app.errors import UserError
 from app.files.image_series import Series
 from app.files.records import Source
 from app.scenes.drawer import Drawer
-from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.records import SceneRecord
 from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
 
@@ -45,8 +44,8 @@ class Opened:
     views: tuple[ViewRequest, ...] = ()
     """With their scenes, and what differences are to."""
     own: Clip | None = None
-    scenes: tuple[Scene, ...] = ()
-    """Of no view."""
+    model: Scene | None = None
+    """Of splats or panes, where it need be of no view."""
     pen: Drawer = field(default_factory=Drawer)
 
     def series(self, source: Source, options: ClipOptions) -> Series:
@@ -69,7 +68,8 @@ class Opened:
 
     @cached_property
     def _scenes(self) -> Iterable[Scene]:
-        return tuple({id(one): one for one in (*self.scenes, *(view.scene for view in self.views))}.values())
+        own = () if self.model is None else (self.model,)
+        return tuple({id(one): one for one in (*own, *(view.scene for view in self.views))}.values())
 
     @cached_property
     def _photos(self) -> dict[tuple[int, int | None], Photo | PhotoRequest]:

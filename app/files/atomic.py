@@ -27,8 +27,7 @@ def replaced(path: Path) -> Iterator[Path]:
     Raises:
         UserError: `path` is a folder, or its parent is a file.
     """
-    if path.is_dir():
-        raise UserError(f"expected the path of a file to write, got a folder: {path}")
+    _require_file(path)
     make_folder(path.parent)
     clear(path.parent)
     temporary = path.with_name(temporary_name(path.stem, path.suffix))
@@ -84,8 +83,7 @@ def together(path: Path) -> Iterator[Path]:
     Raises:
         UserError: `path` is a folder, or its parent is a file.
     """
-    if path.is_dir():
-        raise UserError(f"expected the path of a file to write, got a folder: {path}")
+    _require_file(path)
     make_folder(path.parent)
     with filled(path.parent) as staging:
         yield staging / path.name
@@ -94,14 +92,18 @@ def together(path: Path) -> Iterator[Path]:
 def _commit(staging: Path, folder: Path) -> None:
     """One rename decides: before it nothing has changed, after it the next process would go on."""
     for item in sorted(staging.iterdir()):
-        if (folder / item.name).is_dir():
-            raise UserError(f"expected the path of a file to write, got a folder: {folder / item.name}")
+        _require_file(folder / item.name)
         _sync(item)
     sync_folder(staging)
     ready = folder / commit_name(staging.name)
     os.replace(staging, ready)
     sync_folder(folder)
     put_into_place(ready)
+
+
+def _require_file(path: Path) -> None:
+    if path.is_dir():
+        raise UserError(f"expected the path of a file to write, got a folder: {path}")
 
 
 def _sync(file: Path) -> None:

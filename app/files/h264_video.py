@@ -77,14 +77,13 @@ class H264Writer:
         return stream
 
     def write(self, frame: ArrayImage, seconds: float | None) -> None:
-        even = float(self._count / self._rate)
+        start = float(self._count / self._rate) if seconds is None else seconds
         picture = av.VideoFrame.from_ndarray(frame, "rgb24").reformat(
             format="yuv420p", dst_colorspace=self._matrix, dst_color_range=1, interpolation=EXACT
         )
         picture.pts = self._count if seconds is None else round(seconds * TICKS)
         picture.time_base = self._unit
         self._count += 1
-        start = even if seconds is None else seconds
         self._end = start + float(1 / self._rate)
         self._container.mux(self._stream.encode(picture))
         if self._sound is not None:

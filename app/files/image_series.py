@@ -70,11 +70,12 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
         raise UserError(f"expected an image, a folder of images or a video, got no such file: {path}")
     if path.is_dir():
         if not layout_of(path).photos_are_files:
-            return _of_clip(path)
+            # The pictures of a folder whose files tell more than pictures: left ones of pairs, rectified.
+            return _of_clip(path, DEFAULTS)
         kinds = photos_in(path)
         series = _of_files(kinds.photos)
         return replace(series, notices=(*kinds.notices(), *_left_out(path), *series.notices))
-    return _of_files((path,)) if is_image(path) else _of_video(path, options)
+    return _of_files((path,)) if is_image(path) else _of_clip(path, options)
 
 
 def _left_out(path: Path) -> Iterator[str]:
@@ -94,19 +95,12 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
     return Series(names, paths, lambda index: read_image(paths[index]), tuple(left_pages(paths)))
 
 
-def _of_clip(path: Path) -> Series:
-    """The pictures of a folder whose files tell more than pictures: left ones of pairs, rectified."""
-    clip = open_clip(path)
-    names = tuple(Path(label).stem for label in clip.labels)
-    timing = timing_of(clip, range(len(clip)))
-    return Series(names, (path,) * len(clip), clip.read_image, clip.notices, timing=timing)
-
-
-def _of_video(path: Path, options: ClipOptions) -> Series:
-    clip = open_clip(path, options)
-    names = tuple(f"frame-{index:06d}" for index in range(len(clip)))
-    timing, files = timing_of(clip, range(len(clip))), (path,) * len(clip)
-    return Series(names, files, clip.read_image, clip.notices, is_video=True, timing=timing)
+def _of_clip(path: Path, options: ClipOptions) -> Series:
+    clip, is_video = open_clip(path, options), path.is_file()
+    indices = range(len(clip))
+    names = [f"frame-{index:06d}" if is_video else Path(clip.labels[index]).stem for index in indices]
+    timing, files = timing_of(clip, indices), (path,) * len(clip)
+    return Series(tuple(names), files, clip.read_image, clip.notices, is_video=is_video, timing=timing)
 
 
 def timing_of(clip: Clip, frames: range) -> Timing:

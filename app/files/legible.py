@@ -1,9 +1,12 @@
-"""Names as the screen can show them."""
+"""Names as the screen can show them, and those that nothing but the file system can spell."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Final
+
+from app.errors import UserError
+from renderer.utf8_paths import not_utf8
 
 NAMES: Final = {
     "clahe": "CLAHE",
@@ -22,6 +25,12 @@ NAMES: Final = {
 def legible(text: str) -> str:
     """`text` with a question mark for what UTF-8 cannot say: bytes of a file name in another encoding."""
     return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def require_utf8(path: Path) -> None:
+    """Video decoders crash on other paths, and run.json cannot name them. Raises UserError."""
+    if said := not_utf8(path):
+        raise UserError(said)
 
 
 def located(folder: Path) -> str:

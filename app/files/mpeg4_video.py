@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import cv2
 
 from app.files.image_files import ArrayImage
-from app.files.mp4_color_tag import tag_colors
 from app.files.timing import Timing
 
 BT709, BT601 = 1, 6
 """Codes of ITU-T H.273."""
+ENTRY = (b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4v")
+"""Where moov holds the description of an MPEG-4 part 2 stream."""
+CHILDREN = {b"stsd": 16}
+"""Bytes before the first child, where they are not 8."""
 
 
 class Mpeg4Writer:
@@ -46,3 +50,58 @@ class Mpeg4Writer:
 
     def close(self) -> None:
         self._writer.release()
+
+
+def tag_colors(path: Path, primaries: int, transfer: int, matrix: int) -> None:
+    """Without a colour tag, players guess the matrix by the size and shift the reds.
+
+    Add a `colr` box of limited range, with codes of ITU-T H.273, to the video that OpenCV wrote at `path`.
+
+    The box (ISO/IEC 14496-12, 12.1.5) goes into `moov`, which must be the file's last, as OpenCV writes it:
+    what lies before stays where it is.
+
+    Raises:
+        ValueError: a file of another structure.
+    """
+    color = struct.pack(">I4s4sHHHB", 19, b"colr", b"nclx", primaries, transfer, matrix, 0)
+    with path.open("r+b") as file:
+        size = path.stat().st_size
+        offset, kind, length = 0, b"", 0
+        while offset + length < size:
+            offset += length
+            file.seek(offset)
+            length, kind = _header(file.read(16))
+            if length < 8:
+                break
+        if kind != b"moov" or offset + length != size:
+            raise ValueError(f"expected moov as the last box of {path.name}, got {kind!r}")
+        file.seek(offset)
+        moov = file.read(length)
+        file.seek(offset)
+        file.write(_extended(moov, ENTRY, color))
+
+
+def _header(start: bytes) -> tuple[int, bytes]:
+    """Length and kind of the box that begins with these 16 bytes."""
+    length, kind = struct.unpack_from(">I4s", start)
+    return (struct.unpack_from(">Q", start, 8)[0] if length == 1 else length), kind
+
+
+def _extended(box: bytes, below: tuple[bytes, ...], extra: bytes) -> bytes:
+    """`box` with `extra` at the end of its descendant along `below`, and all sizes made to fit."""
+    if not below:
+        return _sized(box + extra)
+    offset = CHILDREN.get(box[4:8], 8)
+    while offset + 8 <= len(box):
+        length, kind = struct.unpack_from(">I4s", box, offset)
+        if kind == below[0]:
+            child = _extended(box[offset : offset + length], below[1:], extra)
+            return _sized(box[:offset] + child + box[offset + length :])
+        if length < 8:
+            break
+        offset += length
+    raise ValueError(f"expected a box {below[0]!r} in {box[4:8]!r}")
+
+
+def _sized(box: bytes) -> bytes:
+    return struct.pack(">I", len(box)) + box[4:]

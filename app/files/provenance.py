@@ -78,6 +78,11 @@ def provenance(**facts: object) -> dict[str, Any]:
     return head | {"libraries": dict(libraries())} | facts
 
 
+def stamp() -> str:
+    """Local time to the millisecond, for names: they sort as made, and two in a second differ."""
+    return datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")[:-3]
+
+
 def repeatable(**facts: object) -> dict[str, Any]:
     """As `provenance`, without the hour: what is drawn of a model at exact moments and poses is the same file
     every time."""
@@ -87,14 +92,16 @@ def repeatable(**facts: object) -> dict[str, Any]:
 @cache
 def libraries() -> tuple[tuple[str, str], ...]:
     """Names and versions of what pixels pass through, and the kind of processor."""
-    return *((name, _installed(name)) for name in PIXEL_LIBRARIES), ("processor", platform.machine())
+    versions = ((name, installed(name) or "none") for name in PIXEL_LIBRARIES)
+    return *versions, ("processor", platform.machine())
 
 
-def _installed(name: str) -> str:
+def installed(name: str) -> str | None:
+    """Version of a package; None: it is not there."""
     try:
         return installed_version(name)
     except PackageNotFoundError:
-        return "none"
+        return None
 
 
 def digest(path: Path) -> str:

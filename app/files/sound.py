@@ -52,15 +52,10 @@ class Sound:
 
     def write_until(self, seconds: float) -> None:
         """All that begins before this time of the output."""
-        while True:
-            ready = self._waiting or self._next()
-            if ready is None:
-                return
-            if ready[0] >= seconds:
-                self._waiting = ready
-                return
+        while (ready := self._waiting or self._next()) and ready[0] < seconds:
             self._waiting = None
             self._output.mux(ready[1])
+        self._waiting = ready
 
     def finish(self) -> tuple[str, ...]:
         """One sentence for each loss."""

@@ -1,20 +1,26 @@
-"""Work in steps, with a result at its end: each step reported in other words, or all of them run at once."""
+"""Work in steps: each reported in other words, all of them run at once for the result, or made in advance."""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Generator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from itertools import islice
 from typing import TypeVar
 
 Done = TypeVar("Done")
-TrainingLog = TypeVar("TrainingLog")
+Told = TypeVar("Told")
 Result = TypeVar("Result")
+DEPTH = 3
+"""Items that wait: enough to even out, few enough for large frames."""
 
 
 def map_steps(
-    work: Generator[Done, None, Result], told: Callable[[Done], TrainingLog]
-) -> Generator[TrainingLog, None, Result]:
+    work: Generator[Done, None, Result], told: Callable[[Done], Told]
+) -> Generator[Told, None, Result]:
     """The same work and result; closed before its end, it closes the work."""
-    try:
+    with closing(work):
         while True:
             try:
                 done = next(work)
@@ -22,8 +28,6 @@ def map_steps(
                 result: Result = end.value
                 return result
             yield told(done)
-    finally:
-        work.close()
 
 
 def run_to_end(work: Generator[object, None, Result]) -> Result:
@@ -34,3 +38,26 @@ def run_to_end(work: Generator[object, None, Result]) -> Result:
         except StopIteration as end:
             result: Result = end.value
             return result
+
+
+def ahead(items: Generator[Done, None, None]) -> Generator[Done, None, None]:
+    """The same items in the same order, made by a thread of their own up to DEPTH in advance, so that
+    reading, enhancing and writing a video overlap.
+
+    What `items` raises is raised here, after the items before it. `items` is closed when it ends and when
+    this generator is closed early.
+    """
+
+    def one() -> tuple[Done, ...]:
+        return tuple(islice(items, 1))
+
+    with closing(items):
+        thread = ThreadPoolExecutor(1)
+        try:
+            waiting = deque(thread.submit(one) for _ in range(DEPTH))
+            while item := waiting.popleft().result():
+                waiting.append(thread.submit(one))
+                yield item[0]
+        finally:
+            # Waits for the item that is being made; `items` cannot be closed before.
+            thread.shutdown(cancel_futures=True)

@@ -14,9 +14,9 @@ import numpy as np
 from app.errors import UserError
 from app.files.atomic import replaced
 from app.files.image_files import ArrayImage
+from app.files.legible import require_utf8
 from app.files.stepping import run_to_end
 from app.files.timing import Timing
-from app.files.utf8 import require_utf8
 
 
 @dataclass(frozen=True)

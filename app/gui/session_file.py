@@ -5,7 +5,6 @@ Sources are named relative to the file, with their bytes' digest where it was sa
 
 from __future__ import annotations
 
-import math
 import os
 from contextlib import suppress
 from dataclasses import field, fields
@@ -13,21 +12,19 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
+import numpy as np
 from annotated_types import Interval
-from pydantic import AfterValidator, ConfigDict, TypeAdapter, model_validator
+from pydantic import ConfigDict, PlainSerializer, PlainValidator, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import shortened
 from app.enhancement.methods import RecordedSettings
-from app.enhancement.parameter_grid import METRICS
+from app.enhancement.parameter_grid import METRICS, Axis
 from app.enhancement.settable import (
-    ENHANCED,
     MOST_VALUES,
-    ORIGINAL,
     SLOTS,
     FrameNumber,
     InputKind,
-    Mode,
     Name,
     Notes,
     PathText,
@@ -35,7 +32,6 @@ from app.enhancement.settable import (
     Scope,
     Share,
     Slot,
-    Source,
     Zoom,
     at_most,
     one_of,
@@ -46,17 +42,18 @@ from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.process_files import left_behind, own_file
 from app.files.provenance import strict_json, version
+from app.gui.views.comparison import Comparison
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import MOST, MaskText
+from app.scenes.free_camera import FreeView
 from app.scenes.view_kinds import ViewKind
 from enhance import EnhanceParams
 from enhance.params import DFactor
 from enhance.vessel import VesselParams
-from renderer.camera import Camera
 from renderer.json_files import parsed, read_text
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
-from renderer.view_files import views_of
+from renderer.view_files import Views, views_json, views_of
 
 SUFFIX: Final = ".vesselsplat"
 AUTOSAVE: Final = "autosave"
@@ -92,51 +89,27 @@ class SessionSource:
         return next((place for place in places if place.exists()), None)
 
 
-def _camera(told: dict[str, Any]) -> dict[str, Any]:
-    Camera.from_json(told)
-    return told
+def _views_facts(views: Views) -> Any:
+    return parsed(views_json(views))
 
 
-def _direction(told: tuple[float, float, float]) -> tuple[float, float, float]:
-    length = math.hypot(*told)
-    if abs(length - 1) > 1e-6:
-        raise ValueError(f"expected a direction of unit length, got {length:.3g}")
-    return told
-
-
-def _views(told: dict[str, Any]) -> dict[str, Any]:
-    views_of(told)
-    return told
+def _views(given: Any) -> Views:
+    return given if isinstance(given, Views) else views_of(given)
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
-class FreeCamera:
-    """Where the 3D view is seen from, away from the clip's camera."""
+class Choice:
+    """One parameter of the tuning grid to vary, as chosen; an empty name: none."""
 
-    camera: Annotated[dict[str, Any], AfterValidator(_camera)]
-    down: Annotated[tuple[float, float, float], AfterValidator(_direction)]
+    name: Annotated[str, one_of(PARAMETERS)] = ""
+    first: Annotated[float, Interval(ge=-MOST_VARIED, le=MOST_VARIED)] = 0.0
+    last: Annotated[float, Interval(ge=-MOST_VARIED, le=MOST_VARIED)] = 1.0
+    count: Annotated[int, Interval(ge=1, le=MOST_VALUES)] = 4
 
-
-@dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
-class ComparedAs:
-    """What the panes of the pictures show, and how."""
-
-    mode: Mode = "side by side"
-    left: Source = ORIGINAL
-    right: Source = ENHANCED
-    wipe: Share = 0.5
-    flipped: bool = False
-    zebra: bool = False
-
-
-@dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
-class Varied:
-    """A parameter of the tuning grid."""
-
-    name: Annotated[str, one_of(PARAMETERS)]
-    first: Annotated[float, Interval(ge=-MOST_VARIED, le=MOST_VARIED)]
-    last: Annotated[float, Interval(ge=-MOST_VARIED, le=MOST_VARIED)]
-    count: Annotated[int, Interval(ge=1, le=MOST_VALUES)]
+    def axis(self, *, whole: bool) -> Axis:
+        """`count` values with both ends; fewer where only whole numbers do."""
+        values = [round(float(value), 6) for value in np.linspace(self.first, self.last, self.count)]
+        return Axis(self.name, tuple(dict.fromkeys(map(round, values) if whole else values)))
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
@@ -179,13 +152,14 @@ class Session:
     enhancing: bool = True
     stored: Annotated[dict[Slot, RecordedSettings], at_most(len(SLOTS))] = field(default_factory=dict)
     """Settings kept under a letter, to compare with."""
-    comparison: ComparedAs = ComparedAs()
+    comparison: Comparison = Comparison()
     zoom: Zoom | None = None
     center: tuple[Share, Share] = (0.5, 0.5)
     linked: bool = True
     view_time: Share = 0.0
-    free: FreeCamera | None = None
-    views: Annotated[dict[str, Any], AfterValidator(_views)] | None = None
+    free: FreeView | None = None
+    """Where the 3D view is seen from, away from the clip's camera."""
+    views: Annotated[Views, PlainValidator(_views), PlainSerializer(_views_facts)] | None = None
     """Named views and the camera path, as their own files hold them."""
     view_kind: ViewKind = "color"
     snapped: bool = False
@@ -195,7 +169,7 @@ class Session:
     input: InputKind = "original"
     d_factor: DFactor = 0.5
     run_name: Name = ""
-    varied: Annotated[tuple[Varied, ...], at_most(2)] = ()
+    varied: Annotated[tuple[Choice, ...], at_most(2)] = ()
     tuning_shown: bool = False
     sort: Annotated[str, one_of(("", *METRICS))] = ""
     notes: Notes = ""

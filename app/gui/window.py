@@ -18,28 +18,25 @@ from app.gui.actions import actions, preset_actions, queue_actions, session_acti
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
-from app.gui.drawing.chosen_viewport import ChosenViewport
-from app.gui.drawing.second_viewport import SecondViewport
+from app.gui.drawing.chosen_viewport import ChosenViewport, SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
 from app.gui.frame import dockings, kept_layout, starting
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
-from app.gui.frame.window_shots import WindowShots
+from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
 from app.gui.panels.batches import draw_batches
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
-from app.gui.panels.edit_view import draw_edit_tools
-from app.gui.panels.editing import PANEL, draw_editing, draw_question
+from app.gui.panels.editing import PANEL, draw_edit_tools, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
 from app.gui.panels.runs import draw_runs
-from app.gui.panels.session import draw_notes, draw_recovery
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
@@ -47,11 +44,10 @@ from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.style import theme
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import MakeJob, start_due
+from app.gui.update.jobs import MakeJob, start_due
 from app.gui.update.update import take_pictures, update
 from app.gui.work.background import Apart, Worker
-from app.gui.work.clip_settings import load_clips
-from app.gui.work.settings import Places, Theme, load_settings
+from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.runs.job import TrainingJob
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -94,17 +90,15 @@ class Window:
         state.source.known = load_clips(state.places.config)
         self._make_job = make_job
         self._channels = Channels()
-        apart = self._channels.apart
-        in_turn = [channel for channel in self._channels.all if channel not in apart]
-        beside = [channel for channel in self._channels.beside if channel not in apart]
         self._workers: tuple[Worker | Apart, ...] = (
-            *(Worker(channels, hello_imgui.request_refresh) for channels in (in_turn, beside)),
-            *(Apart(channel, hello_imgui.request_refresh) for channel in apart),
+            Worker(self._channels.of("first"), hello_imgui.request_refresh),
+            Worker(self._channels.of("second"), hello_imgui.request_refresh),
+            *(Apart(channel, hello_imgui.request_refresh) for channel in self._channels.of("apart")),
         )
         self._dialogs = Dialogs(Path.home())
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
-        self._window_shots = WindowShots(state, self._channels.windows)
+        self._ctx: moderngl.Context | None = None
         self._worn: tuple[Theme, int] | None = None
         self._dropped: list[str] = []
         self._textures: Textures | None = None
@@ -183,7 +177,7 @@ class Window:
         calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
-        calls.before_swap = self._window_shots.follow
+        calls.before_swap = lambda: shoot_window(self._ctx, self.state, self._channels.saving)
         calls.before_exit = self.close
         self._add_timeline(params)
 
@@ -217,7 +211,7 @@ class Window:
             _panel(
                 "Log", "Below", lambda: overlays.draw_log(self.state, imgui.set_clipboard_text), "by the menu"
             ),
-            _panel("Notes", "Below", lambda: draw_notes(self.state), "by the menu"),
+            _panel("Notes", "Below", lambda: overlays.draw_notes(self.state), "by the menu"),
             _panel(REPORT, "MainDockSpace", lambda: draw_report(self.state), "by the menu"),
             _panel(TUNING, "MainDockSpace", self._draw_tuning, "by the state"),
             _panel(PANEL, "Side", lambda: draw_editing(self.state), "by the state"),
@@ -226,9 +220,7 @@ class Window:
 
     def _begin(self) -> None:
         """The OpenGL context is there."""
-        theme.apply_plot_style()
-        ctx = starting.attach()
-        self._window_shots.begin(ctx)
+        self._ctx = ctx = starting.attach()
         self._textures = Textures(ctx)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
         self._second_viewport = SecondViewport(ctx, self._textures)
@@ -302,7 +294,7 @@ class Window:
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)
-        draw_recovery(self.state)
+        overlays.draw_recovery(self.state)
         if (choosing := actions.taken_choice(self.state)) is not None:
             self._dialogs.ask(choosing.kind, choosing.then)
         self._dialogs.draw()

@@ -1,18 +1,26 @@
-"""What the parts of a report measure on, and the time they have."""
+"""What a report measures: in which parts, on which clip and machine, and the time they have."""
 
 from __future__ import annotations
 
+import os
+import platform
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Final
+from typing import Any, Final, cast
+
+import psutil
+from numba import get_num_threads
 
 from app.report.runs import Runs
 from app.report.section import Section
+from app.runs.system_info import collect
 from renderer.clip import Clip
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.sources import open_clip
@@ -89,3 +97,47 @@ def opened(given: Path | None, scenes: tuple[Path, ...], say: Say) -> Iterator[B
         if given is not None:
             bench.clip.read_image(0)
         yield bench
+
+
+@dataclass(frozen=True)
+class Part:
+    """One section."""
+
+    name: str
+    share: float
+    """Of the time, in relation to the others."""
+
+    @property
+    def measure(self) -> Measure:
+        """Loads its module, and what that needs."""
+        return cast(Measure, import_module(f"app.report.measures.{self.name}").measure)
+
+
+PARTS: Final = (
+    Part("enhancement", 1),
+    Part("training", 100),
+    Part("drawing", 2),
+    Part("stability", 2),
+    Part("left_out", 18),
+    Part("paper", 25),
+    Part("reading", 1),
+    Part("growth", 3),
+)
+
+
+def machine() -> dict[str, Any]:
+    """Without host and path: versions, processor, memory, driver, and the load as the measurements began."""
+    known = collect()
+    names = ("version", "python", "system", "cores", "packages", "opengl", "cuda_devices")
+    return {name: known[name] for name in names} | {
+        "processor": _processor(),
+        "memory_gb": round(psutil.virtual_memory().total / 1e9, 1),
+        "threads": get_num_threads(),
+        "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
+    }
+
+
+def _processor() -> str:
+    listing = Path("/proc/cpuinfo")
+    named = re.search(r"model name\s*:\s*(.+)", listing.read_text()) if listing.exists() else None
+    return named[1] if named else platform.processor() or platform.machine()

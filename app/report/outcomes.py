@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from app.files.provenance import strict_json
+from app.report.diagrams import Diagram, Point
 from app.report.section import Column, Table
-from app.report.work_precision import Diagram, Point
 from app.runs.run_folder import Input
 from renderer.json_files import parsed
 from renderer.measuring.training_accuracy import Outcome
@@ -31,15 +31,11 @@ SAID: Final = {
 }
 """Labels of points, by the setting that is changed; others are called by their names."""
 COLUMNS: Final = (
-    *(Column(name="setting"), Column(name="frames"), Column(name="runs")),
-    Column(name="PSNR, dB", form=".2f", best="high"),
-    Column(name="over evaluated pixels, dB", form=".2f", best="high"),
-    Column(name="SSIM", form=".4f", best="high"),
-    Column(name="depth RMSE", form=".3f", best="low"),
-    Column(name="motion RMSE, mm", form=".3f", best="low"),
-    Column(name="s training", form=".1f", best="low"),
-    *(Column(name="± s", form=".1f"), Column(name="s in total", form=".1f", best="low")),
-    *(Column(name="MB", form=".1f", best="low"), Column(name="Gaussians")),
+    *(Column("setting"), Column("frames"), Column("runs"), Column("PSNR, dB", ".2f", "high")),
+    *(Column("over evaluated pixels, dB", ".2f", "high"), Column("SSIM", ".4f", "high")),
+    *(Column("depth RMSE", ".3f", "low"), Column("motion RMSE, mm", ".3f", "low")),
+    *(Column("s training", ".1f", "low"), Column("± s", ".1f"), Column("s in total", ".1f", "low")),
+    *(Column("MB", ".1f", "low"), Column("Gaussians")),
 )
 
 

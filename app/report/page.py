@@ -12,10 +12,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from app.files.provenance import NOTICE
-from app.report.cells import is_number, said
+from app.report.diagrams import pareto_front
 from app.report.plots import diagrams_figure, growth_figure, svg
-from app.report.section import Cell, Column, Section, Table
-from app.report.work_precision import pareto_front
+from app.report.section import Cell, Column, Section, Table, is_number, said
 
 
 def page(sections: Mapping[str, Section], facts: Mapping[str, Any]) -> str:
@@ -76,10 +75,8 @@ def _figure(figure: Figure, title: str) -> str:
 
 
 def _table(table: Table) -> str:
-    best = [_best(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)]
-    head = "".join(
-        _head(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)
-    )
+    columns = [(column, [row[place] for row in table.rows]) for place, column in enumerate(table.columns)]
+    best, head = [_best(*each) for each in columns], "".join(_head(*each) for each in columns)
     body = "\n".join(
         "<tr>" + "".join(_cell(*each) for each in zip(row, table.columns, best, strict=True)) + "</tr>"
         for row in table.rows

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Final
 
 import matplotlib as mpl
@@ -14,25 +13,18 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from app.report.axis import of_a_decade
-from app.report.growth_fit import Growth
-from app.report.work_precision import Diagram, Point, pareto_front
+from app.report.diagrams import Diagram, Growth, Point, of_a_decade, pareto_front
 
 PANEL: Final = (4.6, 3.9)
 """Inches."""
 COLORS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
-"""TrainingLog apart by colour-blind eyes (Okabe & Ito 2008)."""
+"""Told apart by colour-blind eyes (Okabe & Ito 2008)."""
 MARKS: Final = "osD^vPX<"
 COLUMNS: Final = 3
 ALONE: Final = 6.6
 """Inches: the width of a diagram that has the row for itself."""
 CLEAR: Final = 0.3, 0.05
 """Of width and height of a diagram: labels of points that are nearer in both would lie on each other."""
-
-
-def write_diagrams(path: Path, diagrams: Sequence[Diagram], title: str) -> None:
-    """In one picture, whose type follows from the suffix; those without a point are left out."""
-    diagrams_figure(diagrams, title).savefig(path, dpi=150)
 
 
 def svg(figure: Figure) -> bytes:
@@ -44,7 +36,7 @@ def svg(figure: Figure) -> bytes:
 
 
 def diagrams_figure(diagrams: Sequence[Diagram], title: str = "") -> Figure:
-    """See write_diagrams."""
+    """All in one; those without a point are left out."""
     drawn = [diagram for diagram in diagrams if pareto_front(diagram)]
     columns = COLUMNS if len(drawn) % COLUMNS == 0 else min(len(drawn), COLUMNS - 1)
     rows = -(-len(drawn) // columns)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self, TypeGuard
 
-from app.report.growth_fit import Growth
-from app.report.work_precision import Diagram
+from pydantic import TypeAdapter, ValidationError
+
+from app.errors import UserError
+from app.report.diagrams import Diagram, Growth, Point
+from renderer.json_files import read_json
 
 Cell = str | float | int | bool | None
 """A bool is passed (True) or failed; None was not measured."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Column:
     """Of a table."""
 
@@ -40,6 +47,11 @@ class Plate:
     title: str
     diagrams: tuple[Diagram, ...]
 
+    @classmethod
+    def of_errors(cls, title: str, points: Iterable[Point]) -> Self:
+        """One diagram, of the mean errors of images."""
+        return cls(title=title, diagrams=(Diagram(measure="mean error, grey levels", points=tuple(points)),))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
@@ -53,3 +65,51 @@ class Section:
     tables: tuple[Table, ...] = ()
     not_measured: tuple[str, ...] = ()
     """What the time did not suffice for, or what is missing here, each with the reason."""
+
+
+def is_number(cell: Cell) -> TypeGuard[int | float]:
+    """Finite, and no verdict."""
+    return isinstance(cell, int | float) and not isinstance(cell, bool) and math.isfinite(cell)
+
+
+def said(cell: Cell, column: Column) -> str:
+    """A verdict in words, a number in the form of its column, a dash where nothing was measured."""
+    if isinstance(cell, bool):
+        return "pass" if cell else "FAIL"
+    if isinstance(cell, str):
+        return cell
+    if cell is None or math.isnan(cell):
+        return "–"
+    return f"{cell:d}" if isinstance(cell, int) else format(cell, column.form)
+
+
+SECTIONS = TypeAdapter(dict[str, Section])
+
+
+@dataclass(frozen=True)
+class SavedReport:
+    """What `vesselsplat report` measured."""
+
+    clip: str
+    utc: str
+    machine: dict[str, Any]
+    sections: dict[str, Section]
+
+
+def holds_report(path: Path) -> bool:
+    """Whether the file is JSON that looks like a report, damaged or not, and not like cameras."""
+    try:
+        facts = read_json(path) if path.suffix == ".json" else None
+    except (OSError, ValueError):
+        return False
+    return isinstance(facts, dict) and "parts" in facts
+
+
+def read_report(path: Path) -> SavedReport:
+    """Raises UserError when the file is no report of ours."""
+    try:
+        facts = read_json(path)
+        sections = SECTIONS.validate_python(facts["parts"])
+        return SavedReport(facts["clip"]["name"], facts["utc"], facts["machine"], sections)
+    except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
+        raise UserError(f"expected the report.json of a report: {path}") from error

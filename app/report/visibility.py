@@ -26,10 +26,9 @@ from enhance.metrics import (
 )
 from enhance.ridges import vessel_mask
 from enhance.vessel import enhance_vessels
+from renderer.clip import BoolImage, ByteImage
 from renderer.measuring.interleaved_timing import interleaved_times
 
-ByteImage = NDArray[np.uint8]
-BoolImage = NDArray[np.bool_]
 Method = Callable[[ByteImage, BoolImage], ByteImage]
 PRINTED: Final = EnhanceParams(d_factor=1.0)
 LAPS: Final = 5

@@ -66,18 +66,12 @@ class ClipPart:
             )
         return clip if kept.all() else clip.within(kept)
 
-    def told(self, count: int) -> str:
-        """In words, of a clip of `count` frames; empty for all of it."""
-        whole = self.span(count) == (0, count - 1)
-        return self._told("" if whole else f" of {count}", whole=whole)
-
-    def told_alone(self) -> str:
-        """The same where the number of frames of the clip is not known."""
-        return self._told("", whole=self.trim is None)
-
-    def _told(self, of: str, *, whole: bool) -> str:
-        frames = "" if whole or self.trim is None else f"frames {self.trim[0] + 1} to {self.trim[1] + 1}{of}"
-        return ", ".join(filter(None, (frames, "without masked pixels" if self.mask != NO_MASK else "")))
+    def told(self, count: int | None = None) -> str:
+        """In words, of a clip of `count` frames, None: not known; empty for all of it."""
+        is_whole = self.trim is None or (count is not None and self.span(count) == (0, count - 1))
+        frames = "" if is_whole or self.trim is None else f"frames {self.trim[0] + 1} to {self.trim[1] + 1}"
+        of = f" of {count}" if frames and count is not None else ""
+        return ", ".join(filter(None, (frames + of, "without masked pixels" if self.mask != NO_MASK else "")))
 
 
 WHOLE: Final = ClipPart()

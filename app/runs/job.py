@@ -10,9 +10,11 @@ from __future__ import annotations
 import multiprocessing
 import signal
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
 from queue import SimpleQueue
-from typing import Literal
+from types import MappingProxyType
+from typing import Final, Literal
 
 from app.runs.run_folder import RunFolder
 from app.runs.shared_model import Slot, SlotReader
@@ -24,19 +26,12 @@ from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progr
 __all__ = ["Cancelled", "Failed", "JobEvent", "Paused", "Resumed", "State", "TrainingJob"]
 
 State = Literal["new", "running", "paused", "finished", "cancelled", "failed"]
-JobEvent = (
-    Preparing
-    | Planned
-    | Started
-    | Progress
-    | Evaluated
-    | Warned
-    | Finished
-    | Paused
-    | Resumed
-    | Cancelled
-    | Failed
+Ending = Finished | Cancelled | Failed
+JobEvent = Preparing | Planned | Started | Progress | Evaluated | Warned | Paused | Resumed | Ending
+STATE_AFTER: Final[Mapping[type, State]] = MappingProxyType(
+    {Paused: "paused", Resumed: "running", Finished: "finished", Cancelled: "cancelled", Failed: "failed"}
 )
+"""Of a job, by the event; after any other it stays."""
 
 SECONDS_TO_END = 2.0
 """How long the process may take to end by itself when the job is closed."""
@@ -70,7 +65,7 @@ class TrainingJob:
         """What happened since the last call, oldest first; `state` follows it."""
         events = [self._inbox.get() for _ in range(self._inbox.qsize())]
         for event in events:
-            self.state = _state_after(event, self.state)
+            self.state = STATE_AFTER.get(type(event), self.state)
         return events
 
     def latest_model(self) -> DynamicGaussians | None:
@@ -127,21 +122,6 @@ class TrainingJob:
             return Finished(ended.iteration, ended.seconds, model, wall_seconds=ended.wall_seconds)
         except ValueError as error:
             return Failed(str(error))
-
-
-def _state_after(event: JobEvent, state: State) -> State:
-    match event:
-        case Paused():
-            return "paused"
-        case Resumed():
-            return "running"
-        case Finished():
-            return "finished"
-        case Cancelled():
-            return "cancelled"
-        case Failed():
-            return "failed"
-    return state
 
 
 def _death(exit_code: int | None, *, kept: bool) -> str:

@@ -1,15 +1,23 @@
-"""How much memory this process has needed and may still take, and giving back what it no longer needs."""
+"""Memory that was needed and is free, and giving it back; room for what is planned, before it begins."""
 
 from __future__ import annotations
 
 import ctypes
 import re
+import shutil
 import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 import psutil
+
+from app.errors import UserError
+from renderer.clip import Clip
+from renderer.train.config import TrainConfig
+from renderer.train.demand import demand
+from renderer.train.events import Planned
+from renderer.train.frame_store import nearest_folder
 
 CONTAINER: Final = Path("/sys/fs/cgroup")
 """Where Linux tells the limits of the group of processes that this one belongs to."""
@@ -45,3 +53,29 @@ def give_back() -> None:
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
     if trim is not None:
         trim(ctypes.c_size_t(0))
+
+
+def planned_in(folder: Path, clip: Clip, config: TrainConfig) -> Planned:
+    """What the training will need.
+
+    Raises:
+        UserError: there is less free memory than that, or less room on the disk that `folder` will lie on.
+    """
+    planned, (width, height) = demand(clip, config), clip.size
+    what = f"{len(clip.train_indices)} frames of {width}x{height} and {config.n_gaussians} Gaussians"
+    disk = shutil.disk_usage(nearest_folder(folder)).free
+    for needed, free, where in ((planned.memory, free_memory(), "memory"), (planned.disk, disk, "disk")):
+        if needed > free:
+            expected = f"expected {amount(needed)} of free {where} to train on {what}"
+            way = "take fewer frames (--frames, --frame-step)"
+            raise UserError(f"{expected}, got {amount(free)} ({way}): {folder}")
+    return planned
+
+
+def told(planned: Planned) -> str:
+    """In words."""
+    return f"needs up to {amount(planned.memory)} of memory and {amount(planned.disk)} of disk"
+
+
+def amount(size: int) -> str:
+    return f"{size / 1e9:.1f} GB" if size >= 1e9 else f"{size / 1e6:.0f} MB"

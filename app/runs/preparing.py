@@ -6,9 +6,10 @@ import ctypes
 import threading
 import time
 from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import Future, wait
 from dataclasses import replace
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from renderer.clip import Clip, ClipError, Frame
 from renderer.train.events import Preparing
@@ -21,75 +22,52 @@ PROBED = 3
 """Pairs that are matched before all others, to see that anything matches, of clips of more."""
 
 Result = TypeVar("Result")
-TrainingLog = Callable[[int, int], None]
+Tell = Callable[[int, int], None]
 """Called with how much is done, and of how much."""
 
 
-def told_meanwhile(stage: str, work: Callable[[TrainingLog], Result]) -> Generator[Preparing, None, Result]:
+def told_meanwhile(stage: str, work: Callable[[Tell], Result]) -> Generator[Preparing, None, Result]:
     """The result of `work`; twice a second how far it is. Work that is quick says nothing.
 
     Raises what the work raises. Closed or interrupted before its end, it ends the work.
     """
-    task = _Task(work)
-    try:
-        yield from _watched(stage, task)
-    finally:
-        task.end()
-    return task.result()
-
-
-def _watched(stage: str, task: _Task[Result]) -> Generator[Preparing, None, None]:
     began = time.monotonic()
-    while not task.wait(SECONDS_BETWEEN):
-        passed = time.monotonic() - began
-        done, total, when = task.told
-        ahead = (when - began) / done * (total - done) if done else None
-        left = None if ahead is None else max(ahead - (began + passed - when), 0.0)
-        yield Preparing(stage, done, total, passed, left)
+    told = (0, 0, began)
+
+    def tell(done: int, total: int) -> None:
+        nonlocal told
+        told = (done, total, time.monotonic())
+
+    outcome: Future[Result] = Future()
+    thread = threading.Thread(target=_work, args=(work, tell, outcome), daemon=True)
+    thread.start()
+    try:
+        while not wait([outcome], SECONDS_BETWEEN).done:
+            passed = time.monotonic() - began
+            done, total, when = told
+            ahead = (when - began) / done * (total - done) if done else None
+            left = None if ahead is None else max(ahead - (began + passed - when), 0.0)
+            yield Preparing(stage, done, total, passed, left)
+    finally:
+        # Stopped at its next line of Python, unless it has ended: a process must not go while a decoder or a
+        # kernel works in a thread.
+        if thread.is_alive() and not outcome.done():
+            number = ctypes.c_ulong(thread.ident or 0)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(_Ended))
+        thread.join()
+    return outcome.result()
 
 
 class _Ended(BaseException):
     """Nobody waits for the work any more."""
 
 
-class _Task(Generic[Result]):
-    """One call in a thread."""
-
-    def __init__(self, work: Callable[[TrainingLog], Result]) -> None:
-        self.told = (0, 0, time.monotonic())
-        self._work, self._ended = work, threading.Event()
-        self._results: list[Result] = []
-        self._failure: BaseException | None = None
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def wait(self, seconds: float) -> bool:
-        """Whether it has ended, after so many seconds at most."""
-        return self._ended.wait(seconds)
-
-    def end(self) -> None:
-        """Stop it at the next line of Python, unless it has ended: a process must not go while a decoder or a
-        kernel works in a thread."""
-        if self._thread.is_alive() and not self._ended.is_set():
-            number = ctypes.c_ulong(self._thread.ident or 0)
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(_Ended))
-        self._thread.join()
-
-    def result(self) -> Result:
-        if self._failure is not None:
-            raise self._failure
-        return self._results[0]
-
-    def _tell(self, done: int, total: int) -> None:
-        self.told = (done, total, time.monotonic())
-
-    def _run(self) -> None:
-        try:
-            self._results.append(self._work(self._tell))
-        except BaseException as error:
-            self._failure = error
-        finally:
-            self._ended.set()
+def _work(work: Callable[[Tell], Result], tell: Tell, outcome: Future[Result]) -> None:
+    try:
+        outcome.set_result(work(tell))
+    except BaseException as error:
+        if not outcome.done():
+            outcome.set_exception(error)
 
 
 class ReadAhead:
@@ -103,7 +81,7 @@ class ReadAhead:
         self._source, self._store, self._handing = clip, FrameStore[Frame](folder), False
         self._places: dict[int, int] = {}
 
-    def fill(self, told: TrainingLog) -> None:
+    def fill(self, told: Tell) -> None:
         """Raises ClipError: a frame cannot be read, or none of a few pairs that are looked at first match."""
         indices = self._source.train_indices
         probes = _probes(indices) if self._source.depth_origin == "stereo" else []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import MISSING, Field, dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, Final, TypeVar
 
 from app.runs.run_folder import RunFolder, is_number
@@ -42,10 +42,6 @@ def _of(kind: type[Event], events: list[dict[str, Any]]) -> tuple[Event, ...]:
         if event["event"] != kind.__name__:
             continue
         values = {name: value for name, value in event.items() if name in known and is_number(value)}
-        if all(name in values or _is_optional(item) for name, item in known.items()):
+        if all(name in values or item.default is not MISSING for name, item in known.items()):
             found.append(kind(**values))
     return tuple(found)
-
-
-def _is_optional(item: Field[Any]) -> bool:
-    return item.default is not MISSING

@@ -54,12 +54,10 @@ def save_edits(folder: RunFolder, edits: Edits) -> None:
     if edits.is_empty:
         folder.edits_path.unlink(missing_ok=True)
         return
+    deleted, hidden = packed(edits)
+    sha256 = digest(folder.model_path)
     record = EditsRecord(
-        version=version(),
-        model_sha256=digest(folder.model_path),
-        gaussians=edits.count,
-        deleted=_text(edits.deleted),
-        hidden=_text(edits.hidden),
+        version=version(), model_sha256=sha256, gaussians=edits.count, deleted=deleted, hidden=hidden
     )
     write_bytes(folder.edits_path, strict_json(record, indent=1).encode())
 

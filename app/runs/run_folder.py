@@ -1,4 +1,5 @@
-"""A run on disk: run.json to repeat it, events.jsonl to follow it, checkpoints, and the model at the end.
+"""A run on disk: run.json to repeat it, events.jsonl to follow it, checkpoints, and the model at the end; and
+the clip as it was trained on.
 
 Run folders are private: run.json names the clip by its absolute path, so that training can go on.
 """
@@ -15,7 +16,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import problem
-from app.enhancement.methods import RecordedSettings
+from app.enhancement.methods import MethodEnhancer, RecordedSettings
 from app.errors import UserError
 from app.files.atomic import make_folder, replaced, write_bytes
 from app.files.provenance import digests, strict_json
@@ -24,10 +25,11 @@ from app.runs.device import Device
 from enhance import Statistics
 from renderer.budget import budget
 from renderer.camera import Camera
-from renderer.clip import held_out_frames
+from renderer.clip import ByteImage, Clip, Frame, held_out_frames
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, TrainEvent
 
@@ -156,22 +158,19 @@ class RunFolder:
         return self.is_run and self.model_path.is_file()
 
     @property
-    def is_vacant(self) -> bool:
-        """Nothing is here that a new run could harm."""
-        if not self.path.exists():
-            return True
-        return self.path.is_dir() and all(PARTIAL.match(item.name) for item in self.path.iterdir())
-
-    @property
     def has_checkpoint(self) -> bool:
         return any(self.path.glob("checkpoint-*.safetensors"))
 
+    def require_vacant(self) -> None:
+        """Raises UserError: something is here that a new run could harm."""
+        there = self.path
+        is_vacant = there.is_dir() and all(PARTIAL.match(each.name) for each in there.iterdir())
+        if there.exists() and not is_vacant:
+            raise UserError(f"expected an empty or new folder for the run, got one with other files: {there}")
+
     def create(self, record: RunRecord) -> None:
         """Start a run here. Raises UserError when the folder holds anything."""
-        if not self.is_vacant:
-            raise UserError(
-                f"expected an empty or new folder for the run, got one with other files: {self.path}"
-            )
+        self.require_vacant()
         make_folder(self.path)
         write_bytes(self.record_path, strict_json(record, indent=2).encode())
 
@@ -186,7 +185,9 @@ class RunFolder:
 
     def log(self, event: TrainEvent, **facts: Any) -> None:
         """Append one event to events.jsonl: its name and plain fields, without the model, and `facts`."""
-        line = strict_json({"event": type(event).__name__} | _plain_fields(event) | facts)
+        values = {item.name: getattr(event, item.name) for item in fields(event)}
+        told = {name: value for name, value in values.items() if not isinstance(value, DynamicGaussians)}
+        line = strict_json({"event": type(event).__name__} | told | facts)
         if self.events_path.is_symlink():
             raise UserError(f"expected the run's own log, got a link to another file: {self.events_path}")
         # A killed run can leave half a line behind: start on a new one.
@@ -197,12 +198,14 @@ class RunFolder:
                 line = line if file.read(1) == b"\n" else f"\n{line}"
             file.write(f"{line}\n".encode())
 
-    def events(self) -> list[dict[str, Any]]:
-        """The events logged so far, oldest first; half a line left by a killed run is passed over."""
+    def events(self, *names: str) -> list[dict[str, Any]]:
+        """The events logged so far, oldest first, of these names or all; half a line left by a killed run is
+        passed over."""
         if not self.events_path.exists():
             return []
         text = read_text(self.events_path).decode(errors="replace")
-        return [event for line in text.split("\n") if (event := _parsed(line))]
+        events = (event for line in text.split("\n") if (event := _parsed(line)))
+        return [event for event in events if not names or event["event"] in names]
 
     def omitted(self) -> tuple[Omission, ...]:
         """What the run left out, as it said when it started last and when it finished."""
@@ -211,21 +214,18 @@ class RunFolder:
 
     def train_seconds(self) -> float | None:
         """Of the steps of the finished run, None when it was not logged."""
-        finished = [event["seconds"] for event in self.events() if event["event"] == "Finished"]
-        return float(finished[-1]) if finished else None
+        finished = self.events("Finished")
+        return float(finished[-1]["seconds"]) if finished else None
 
     def wall_seconds(self) -> float | None:
         """Of all work on the run that its log tells of; None: not recorded, by an earlier version."""
-        timed = self._timed()
+        timed = self.events(*TIMED)
         seconds = timed[-1].get("wall_seconds") if timed else None
         return None if seconds is None else float(seconds)
 
     def wall_before(self) -> float | None:
         """The same, before a run goes on: 0 where it has not begun."""
-        return self.wall_seconds() if self._timed() else 0.0
-
-    def _timed(self) -> list[dict[str, Any]]:
-        return [event for event in self.events() if event["event"] in ("Progress", "Finished")]
+        return self.wall_seconds() if self.events(*TIMED) else 0.0
 
     def save_model(self, model: DynamicGaussians) -> None:
         with replaced(self.model_path) as temporary:
@@ -240,11 +240,6 @@ class RunFolder:
             return DynamicGaussians.load(self.model_path)
         except ValueError as error:
             raise UserError(str(error)) from error
-
-
-def _plain_fields(event: TrainEvent) -> dict[str, Any]:
-    values = {item.name: getattr(event, item.name) for item in fields(event)}
-    return {name: value for name, value in values.items() if not isinstance(value, DynamicGaussians)}
 
 
 def _parsed(line: str) -> dict[str, Any] | None:
@@ -280,6 +275,33 @@ def is_number(value: object) -> bool:
 
 NUMBERS: Final = ("iteration", "seconds", "wall_seconds", "psnr", "n_gaussians")
 """Fields of events that are read by name."""
+TIMED: Final = ("Progress", "Finished")
+"""Events that say how long a run has taken."""
 MOST: Final = 1e12
 """That any of them may be."""
 OMITTED = TypeAdapter(tuple[Omission, ...])
+
+
+def run_clip(record: RunRecord) -> Clip:
+    """The part of the clip that the run was trained on. Raises UserError when it is not the same any more."""
+    path = Path(record.clip.path)
+    clip = open_clip(path, record.clip.options)
+    if not record.clip.is_of(path):
+        raise UserError(f"expected the clip that the run was trained on, got changed files: {path}")
+    return record.clip.part.of(clip)
+
+
+def input_clip(clip: Clip, record: RunRecord) -> Clip:
+    """The clip with the photos that the run was trained on: its own, or the same enhanced again."""
+    return enhanced_clip(clip, record.enhancement) if record.enhancement else clip
+
+
+def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
+    """The clip with every photo enhanced, all with the same statistics."""
+
+    def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
+        enhancer = MethodEnhancer()
+        enhancer.show(image)
+        return enhancer.enhance(enhancement.params, statistics=enhancement.statistics).image
+
+    return clip.with_images(enhanced, f"{clip.name} enhanced")

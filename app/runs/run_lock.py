@@ -32,7 +32,10 @@ def locked(run: Path) -> Iterator[None]:
         who = f", {other}" if (other := holder(run)) else ""
         raise UserError(f"the run is being trained by another process{who}: {run}") from error
     try:
-        _sweep(run)
+        # What killed processes were writing: nobody else writes here now.
+        for partial in run.glob(f"*{PARTIAL}"):
+            if partial.is_symlink() or partial.is_file():
+                partial.unlink()
         write_bytes(file, json.dumps({"process": process.pid, "began": process.create_time()}).encode())
         yield
     finally:
@@ -48,13 +51,6 @@ def clear_training(run: Path) -> None:
     if any((run / name).exists() for name in (NAME, LOCK)) or any(run.glob(f"*{PARTIAL}")):
         with suppress(UserError, OSError), locked(run):
             pass
-
-
-def _sweep(run: Path) -> None:
-    """What killed processes were writing: nobody else writes here now."""
-    for partial in run.glob(f"*{PARTIAL}"):
-        if partial.is_symlink() or partial.is_file():
-            partial.unlink()
 
 
 def holder(run: Path) -> int | None:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import os
 import platform
-from importlib.metadata import PackageNotFoundError
-from importlib.metadata import version as installed_version
 from typing import Any
 
-from app.console.display import has_display
-from app.files.provenance import NOTICE, version
+from app.console.startup import has_display
+from app.files.provenance import NOTICE, installed, version
 from app.runs.device import cuda_devices, missing
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 
@@ -19,28 +17,20 @@ LICENSE = "VesselSplat: Apache-2.0; its dependencies carry their own licences, s
 
 def collect() -> dict[str, Any]:
     """All facts, by name."""
+    lacks = missing()
     return {
         "version": version(),
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
         "cores": os.cpu_count(),
-        "packages": {name: _installed(name) for name in PACKAGES},
+        "packages": {name: installed(name) for name in PACKAGES},
         "opengl": _opengl(),
         "cuda_devices": cuda_devices(),
         "display": has_display(),
-        "training": f"numba on the CPU: {lacks}"
-        if (lacks := missing())
-        else "gsplat on CUDA, numba on the CPU",
+        "training": f"numba on the CPU: {lacks}" if lacks else "gsplat on CUDA, numba on the CPU",
         "licences": LICENSE,
         "notice": NOTICE,
     }
-
-
-def _installed(package: str) -> str | None:
-    try:
-        return installed_version(package)
-    except PackageNotFoundError:
-        return None
 
 
 def _opengl() -> str:

@@ -23,15 +23,13 @@ from app.enhancement.methods import (
 )
 from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
+from app.files.legible import require_utf8
 from app.files.provenance import digest, version
-from app.files.utf8 import require_utf8
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
-from app.runs.memory import peak_memory_mb
+from app.runs.memory import peak_memory_mb, planned_in
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
-from app.runs.resource_check import planned_in
-from app.runs.run_clip import input_clip
-from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord
+from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord, input_clip
 from app.runs.run_lock import locked
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
@@ -96,7 +94,9 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
-    clip = yield from told_meanwhile("open the clip", lambda _: _opened(request))
+    clip = yield from told_meanwhile(
+        "open the clip", lambda _: request.part.of(open_clip(request.clip_path, request.clip_options))
+    )
     record = run.record() if run.is_run else None
     if record is not None:
         _check_same(request, record)
@@ -122,10 +122,6 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
         yield from _train(record, run, clip, pictures_on(device), notices, clock)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
-
-
-def _opened(request: TrainRequest) -> Clip:
-    return request.part.of(open_clip(request.clip_path, request.clip_options))
 
 
 def device_of(request: TrainRequest) -> Choice:
@@ -214,8 +210,8 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
         state = "a finished" if run.is_finished else "an unfinished"
         hint = "choose another folder" if run.is_finished else "add --resume to continue it"
         raise UserError(f"{run.path} already holds {state} run: {hint}")
-    if not run.is_run and not run.is_vacant:
-        raise UserError(f"expected an empty or new folder for the run, got one with other files: {run.path}")
+    if not run.is_run:
+        run.require_vacant()
     there = next(folder for folder in (run.path.absolute(), *run.path.absolute().parents) if folder.exists())
     if not os.access(there, os.W_OK):
         raise UserError(f"expected a writable folder for the run, got one that is not: {there}")
@@ -241,8 +237,7 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
 
 def _finished_before(run: RunFolder) -> Finished:
     """As the log tells; of a run that was killed after its model was written, the log is completed."""
-    events = [event for event in run.events() if event["event"] == "Finished"]
-    if events:
+    if events := run.events("Finished"):
         steps, wall = run.train_seconds() or 0.0, run.wall_seconds()
         return Finished(int(events[-1]["iteration"]), steps, run.model(), wall_seconds=wall)
     last = read_newest_checkpoint(run.path)

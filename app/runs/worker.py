@@ -14,7 +14,7 @@ from typing import Literal
 import psutil
 
 from app.console.ending import EndingSignals
-from app.console.open_mp import rest_while_waiting
+from app.console.startup import rest_while_waiting
 from app.errors import UserError, sentence
 from app.runs.shared_model import Slot, SlotWriter
 from app.runs.train_run import TrainRequest

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator
 
+from app.scenes.records import RecordedCamera
 from renderer.camera import FARTHEST, Camera
 
 MIN_DISTANCE, MAX_DISTANCE = 0.05, 20.0
@@ -26,12 +28,19 @@ def vector(values: FloatArray) -> Vector:
     return x, y, z
 
 
+def _direction(told: Vector) -> Vector:
+    length = math.hypot(*told)
+    if not abs(length - 1) <= 1e-6:
+        raise ValueError(f"expected a direction of unit length, got {length:.3g}")
+    return told
+
+
 @dataclass(frozen=True)
 class FreeView:
     """A camera with the pixels of the clip's photos, and the direction that stays down."""
 
-    camera: Camera
-    down: Vector
+    camera: RecordedCamera
+    down: Annotated[Vector, AfterValidator(_direction)]
     """Unit length."""
 
     @classmethod

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
 
 from app.errors import UserError
 from app.files.provenance import digest
@@ -117,17 +116,6 @@ class Scene:
         return replace(self, model=edits.applied(self.model), record=record)
 
 
-class Footage(Protocol):
-    """What a model was trained on: a clip, or what run.json says of it."""
-
-    @property
-    def cameras(self) -> tuple[Camera, ...]: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def test_indices(self) -> tuple[int, ...]: ...
-
-
 @dataclass(frozen=True)
 class Training:
     """How far that of a model has come."""
@@ -190,12 +178,13 @@ def finished_scene(folder: RunFolder, record: RunRecord) -> Scene:
 def run_scene(
     folder: RunFolder,
     model: DynamicGaussians,
-    footage: Footage,
+    footage: Clip | RunRecord,
     config: TrainConfig,
     part: ClipPart,
     training: Training,
 ) -> Scene:
-    """The model of a run, finished or not, through the cameras that it was trained with."""
+    """The model of a run, finished or not, through the cameras of what it was trained on: a clip, or what
+    run.json says of it."""
     name = folder.path.absolute().name
     record = _readable_record(folder, name)
     return Scene(

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from app.files.records import extended
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.free_camera import FreeView
-from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.supersampling import supersampled
@@ -24,6 +23,34 @@ from app.scenes.view_kinds import (
     spread,
 )
 from renderer.camera import Camera
+from renderer.clip import ByteImage, Clip
+
+
+@dataclass(frozen=True)
+class PhotoRequest:
+    """A clip's frame, to lay over the 3D view."""
+
+    clip: Clip
+    frame: int
+
+    @property
+    def image(self) -> ByteImage:
+        """(H, W, 3), read each time: a clip's photos fill the memory. Raises ClipError."""
+        return self.clip.read_image(self.frame)
+
+
+@dataclass(frozen=True, eq=False)
+class Photo:
+    """With the request that it answers."""
+
+    request: PhotoRequest
+    image: ByteImage
+    """(H, W, 3)."""
+
+
+def read_photo(request: PhotoRequest) -> Iterator[Photo]:
+    """Off the window's thread. Raises ClipError: the file is gone or damaged."""
+    yield Photo(request, request.image)
 
 
 @dataclass(frozen=True)

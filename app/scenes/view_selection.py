@@ -43,9 +43,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--camera",
         type=Path,
         metavar="FILE",
-        help="camera to render from: JSON of one camera, or of several, one image each: "
-        "cameras.json, transforms.json "
-        "or a folder with COLMAP's images.txt",
+        help="camera to render from: JSON of one camera, or of several, one image each: cameras.json, "
+        "transforms.json or a folder with COLMAP's images.txt",
     )
     parser.add_argument(
         "--path",

@@ -23,7 +23,7 @@ from PIL.PngImagePlugin import PngInfo
 from app.files.provenance import KEYWORD
 from app.gui.work.presets import load_presets
 from app.gui.work.settings import load_settings
-from app.report.saved import read_report
+from app.report.section import read_report
 from app.runs.queue_file import take_over
 from app.runs.run_folder import RunFolder
 from renderer.view_files import FORMAT, VERSION

@@ -19,7 +19,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from app.files.sheet import Tile, sheet
+from app.enhancement.contact_sheet import Tile, sheet
 from app.report.visibility import COLUMNS, BoolImage, ByteImage, Sample, measured, methods, pattern, sample
 from enhance.baselines import TAO_STAND_INS
 from enhance.color_difference import vessel_color_difference

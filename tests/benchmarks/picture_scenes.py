@@ -20,7 +20,7 @@ from app.gui.actions import (
 )
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
-from app.gui.work.tuning import Choice
+from app.gui.session_file import Choice
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
 from app.scenes.supersampling import FACTORS
@@ -288,7 +288,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     yield "export"
     state.exports.supersampling = FACTORS[-1]
     person.click("//Export/###video through time")
-    person.wait(lambda: state.exports.under_way is not None and state.exports.under_way.done > 0, "a frame")
+    person.wait(lambda: state.exports.under_way is not None and state.exports.done > 0, "a frame")
     yield "export under way"
     export_actions.cancelled(person.state)
     person.wait(lambda: not state.exports.is_busy, "the end of the export")

@@ -5,14 +5,15 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from app.report.plots import write_diagrams
-from app.report.saved import read_report
+from app.report.plots import diagrams_figure
+from app.report.section import read_report
 
 
 def main(report: Path, picture: Path) -> None:
     saved = read_report(report)
     plate = saved.sections["training"].plates[0]
-    write_diagrams(picture, plate.diagrams[:3], f"{plate.title}, {saved.clip}: held-out frames")
+    title = f"{plate.title}, {saved.clip}: held-out frames"
+    diagrams_figure(plate.diagrams[:3], title).savefig(picture, dpi=150)
 
 
 if __name__ == "__main__":

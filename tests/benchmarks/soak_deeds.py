@@ -14,10 +14,10 @@ from imgui_bundle import ImVec2, imgui
 from app.gui.actions import actions, edit_actions, export_actions, job_actions, second_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
+from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places
-from app.gui.work.tuning import Choice
 from assets import phantom_path
 from enhance import EnhanceParams
 
@@ -308,7 +308,7 @@ def export(person: Person) -> None:
         person.wait(lambda: person.state.exports.under_way is None, "the export")
     person.click("//Export/###video of both panes")
     exports = person.state.exports
-    person.wait(lambda: exports.under_way is None or exports.under_way.done > 3, "a few frames")
+    person.wait(lambda: exports.under_way is None or exports.done > 3, "a few frames")
     export_actions.cancelled(person.state)
     person.wait(lambda: person.state.exports.under_way is None, "the cancelled export")
     person.press(chord("Ctrl+Shift+E"))

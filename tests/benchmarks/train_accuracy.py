@@ -24,11 +24,10 @@ from app.files.atomic import write_bytes
 from app.files.provenance import provenance, strict_json
 from app.files.records import Source
 from app.report.bench import PHANTOM as PARAMS
+from app.report.diagrams import pareto_front
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
-from app.report.plots import write_diagrams
-from app.report.work_precision import pareto_front
-from app.runs.run_clip import input_clip
-from app.runs.run_folder import RunFolder
+from app.report.plots import diagrams_figure
+from app.runs.run_folder import RunFolder, input_clip
 from app.runs.train_run import TrainRequest, run_training
 from renderer.measuring.training_accuracy import KNOBS, outcome, settings
 from renderer.phantom import Phantom, write_phantom
@@ -73,7 +72,7 @@ def main() -> None:
     write_bytes(flags.out / f"{name}.json", strict_json(facts, indent=1).encode())
     where = "held-out training" if flags.held_out else "test"
     title = f"{clip.name}, {flags.input} frames: {where} frames"
-    write_diagrams(flags.out / f"{name}.png", diagrams(rows, TrainConfig()), title)
+    diagrams_figure(diagrams(rows, TrainConfig()), title).savefig(flags.out / f"{name}.png", dpi=150)
 
 
 def wanted(flags: argparse.Namespace) -> Iterator[tuple[str, TrainConfig]]:

@@ -17,7 +17,7 @@ from typing import get_args
 import numpy as np
 
 from app.report.bench import PHANTOM
-from app.report.schedule import schedule
+from app.report.runs import schedule
 from app.runs.train_run import TrainRequest, run_training
 from renderer.measuring.training_accuracy import Outcome, outcome
 from renderer.phantom import write_phantom

@@ -15,7 +15,7 @@ from pathlib import Path
 from app.enhancement.methods import EnhancementSettings, MethodEnhancer
 from app.files.image_files import ArrayImage
 from app.files.image_series import Series, open_series
-from app.files.prefetch import ahead
+from app.files.stepping import ahead
 from app.files.video import write_video
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -72,9 +73,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         Fact("unit", "scene units"),
         Fact("missing", ("depth, and poses of a camera that moves",), ["depth", "poses"]),
         next_steps(
-            path,
-            ("enhance", "PATH", "OUT.mp4"),
-            ("train", "PATH", "--run", "RUN", "--depth", "brightness"),
+            path, ("enhance", "PATH", "OUT.mp4"), ("train", "PATH", "--run", "RUN", "--depth", "brightness")
         ),
     )
 
@@ -99,12 +98,9 @@ def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
     yield from notices([said for said in clip.notices if said != clip.why_no_depth])
     pictures = str(eyes[0]) if eyes and clip.format == "images" else "PATH"
     output = "OUT.png" if clip.format == "image" else "OUT"
-    train = _train(clip)
-    steps = [
-        ("enhance", pictures, output),
-        *([("train", "PATH", "--run", "RUN", *train)] if train is not None else []),
-    ]
-    yield next_steps(path, *steps)
+    flags = _train(clip)
+    train = [] if flags is None else [("train", "PATH", "--run", "RUN", *flags)]
+    yield next_steps(path, ("enhance", pictures, output), *train)
 
 
 def _has_right(clip: Clip) -> bool:
@@ -130,11 +126,8 @@ def _numbers(clip: Clip) -> Fact:
     found = [re.findall(r"\d+", Path(label).stem)[-1:] for label in clip.labels]
     numbers = sorted({int(each[0]) for each in found if each})
     if len(numbers) < len(clip) or len(clip) == 1:
-        return Fact(
-            "frames",
-            f"{len(clip)}, {clip.labels[0]}" if len(clip) == 1 else str(len(clip)),
-            {"count": len(clip)},
-        )
+        text = f"{len(clip)}, {clip.labels[0]}" if len(clip) == 1 else str(len(clip))
+        return Fact("frames", text, {"count": len(clip)})
     steps = np.diff(numbers)
     step = int(np.median(steps))
     gaps = [(int(one) + step, int(two) - step) for one, two in pairwise(numbers) if two - one > step]
@@ -168,11 +161,8 @@ def _masks(clip: Clip, frames: Sequence[Frame]) -> Fact:
     share = _share([frame.tissue_mask for frame in frames])
     if share is None:
         return Fact("masks", "not checked", {"tissue_share": None})
-    text = (
-        "none used: every pixel is treated as tissue"
-        if share == 1
-        else f"tissue is {share:.0%} of the pixels"
-    )
+    used = f"tissue is {share:.0%} of the pixels"
+    text = "none used: every pixel is treated as tissue" if share == 1 else used
     return Fact("masks", text, {"tissue_share": share})
 
 
@@ -183,14 +173,8 @@ def _share(masks: Sequence[np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]) -> 
 def _camera(clip: Clip) -> Fact:
     camera = clip.cameras[0]
     lens = _assumed() if clip.format in UNCALIBRATED else f"focal length {camera.fx:.1f} px"
-    value = {
-        "fixed": clip.camera_is_fixed,
-        "fx": camera.fx,
-        "fy": camera.fy,
-        "cx": camera.cx,
-        "cy": camera.cy,
-        "assumed": clip.format in UNCALIBRATED,
-    }
+    intrinsics = {name: getattr(camera, name) for name in ("fx", "fy", "cx", "cy")}
+    value = {"fixed": clip.camera_is_fixed, **intrinsics, "assumed": clip.format in UNCALIBRATED}
     if clip.camera_is_fixed:
         still = "no poses: assumed fixed" if clip.format in UNCALIBRATED else "fixed"
         return Fact("camera", f"{still}, {lens}", value)
@@ -222,9 +206,7 @@ def _train(clip: Clip) -> tuple[str, ...] | None:
         return ()
     if not clip.camera_is_fixed:
         return None
-    try:
+    with suppress(ClipError):
         if clip.path.is_dir() and monocular_maps(clip):
             return ("--depth", "monocular")
-    except ClipError:
-        return ("--depth", "brightness")
     return ("--depth", "brightness")

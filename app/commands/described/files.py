@@ -13,7 +13,7 @@ from app.console.flags import problem
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
 from app.gui.session_file import SESSION, SessionSource
-from app.report.saved import holds_report, read_report
+from app.report.section import holds_report, read_report
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
@@ -68,11 +68,8 @@ def of_run(path: Path) -> Facts:
         facts.append(Fact("edits", "edited in the app", True))
     facts += notices([event["message"] for event in events if event["event"] == "Warned"])
     if run.is_finished:
-        steps = [
-            ("render", "PATH", "--out", "OUT"),
-            *([("evaluate", "PATH")] if there else []),
-            ("export", "PATH", "--ply", "OUT"),
-        ]
+        evaluate = [("evaluate", "PATH")] if there else []
+        steps = [("render", "PATH", "--out", "OUT"), *evaluate, ("export", "PATH", "--ply", "OUT")]
     elif process:
         steps = [("gui", "PATH")]
     else:
@@ -84,11 +81,8 @@ def _time(steps: object, wall: float | None) -> Facts:
     """Of a run that has taken steps."""
     if not isinstance(steps, int | float):
         return ()
-    facts = {
-        "train_seconds": steps,
-        "wall_seconds": wall,
-        "definitions": {"train_seconds": STEPS, "wall_seconds": WALL},
-    }
+    definitions = {"train_seconds": STEPS, "wall_seconds": WALL}
+    facts = {"train_seconds": steps, "wall_seconds": wall, "definitions": definitions}
     return (Fact("time", in_all(wall, steps), facts),)
 
 
@@ -104,8 +98,8 @@ def of_splats(path: Path) -> Facts:
         number, said = len(file.raw), file.notices
         told = f"{count(number, 'Gaussian')}, harmonics of {file.raw.harmonics.shape[1]} functions"
     else:
-        found = _announced(path)
-        number, told = found, f"{found} Gaussians, as the file states"
+        number = _announced(path)
+        told = f"{number} Gaussians, as the file states"
     return (
         Fact("what", f"splat file: {path.suffix.lower()}", {"kind": "splats", "format": path.suffix.lower()}),
         Fact("model", told, {"gaussians": number}),
@@ -133,15 +127,16 @@ def of_session(path: Path) -> Facts:
         session = SESSION.validate_json(read_text(path))
     except ValidationError as error:
         raise UserError(f"the session is damaged ({problem(error)}): {path}") from error
-    facts = [Fact("what", "session", {"kind": "session"})]
-    for name, source in (("source", session.source), ("run", session.run)):
-        if source is not None:
-            facts.append(_place(name, source, path))
-    facts.append(Fact("frame", str(session.frame), session.frame))
-    facts.append(made(session.saved, session.version))
-    if session.notes:
-        facts.append(Fact("notes", tuple(session.notes.splitlines()), session.notes))
-    return (*facts, next_steps(path, ("gui", "PATH")))
+    places = (("source", session.source), ("run", session.run))
+    notes = (Fact("notes", tuple(session.notes.splitlines()), session.notes),) if session.notes else ()
+    return (
+        Fact("what", "session", {"kind": "session"}),
+        *(_place(name, source, path) for name, source in places if source is not None),
+        Fact("frame", str(session.frame), session.frame),
+        made(session.saved, session.version),
+        *notes,
+        next_steps(path, ("gui", "PATH")),
+    )
 
 
 def _place(name: str, source: SessionSource, path: Path) -> Fact:
@@ -173,12 +168,10 @@ def of_json(path: Path) -> Facts:
         facts = None
     if not isinstance(facts, dict) or facts.get("app") != "VesselSplat":
         raise UserError(f"expected a report or a provenance, got another JSON file: {path}")
-    there = f"of {export.name}" if export.is_file() else f"of {export.name}, which no longer exists"
-    return (
-        Fact("what", f"provenance {there}", {"kind": "provenance"}),
-        *_told(facts),
-        *((next_steps(export, ("replay", "PATH")),) if export.is_file() else ()),
-    )
+    there = export.is_file()
+    text = f"provenance of {export.name}" + ("" if there else ", which no longer exists")
+    steps = (next_steps(export, ("replay", "PATH")),) if there else ()
+    return (Fact("what", text, {"kind": "provenance"}), *_told(facts), *steps)
 
 
 def of_export(path: Path) -> Facts:

@@ -49,18 +49,9 @@ def _file(path: Path) -> tuple[Fact, ...]:
     if not is_export(path):
         return own
     # An export is told as such first, then what it is like any picture or video.
-    replay = next_steps(path, ("replay", "PATH"), *_commands(own))
-    return (
-        *of_export(path),
-        *(fact for fact in own if fact.name in ("frames", "frame rate", "size")),
-        replay,
-    )
-
-
-def _commands(facts: tuple[Fact, ...]) -> tuple[tuple[str, ...], ...]:
-    return (
-        ("enhance", "PATH", "OUT.png" if not any(fact.name == "frame rate" for fact in facts) else "OUT.mp4"),
-    )
+    kept = [fact for fact in own if fact.name in ("frames", "frame rate", "size")]
+    output = "OUT.mp4" if any(fact.name == "frame rate" for fact in own) else "OUT.png"
+    return *of_export(path), *kept, next_steps(path, ("replay", "PATH"), ("enhance", "PATH", output))
 
 
 def _folder(path: Path) -> tuple[Fact, ...]:
@@ -81,19 +72,11 @@ def _other(path: Path) -> tuple[Fact, ...]:
         raise UserError(
             f"expected images, videos or folders of them, got a folder without any{files}: {path}"
         )
-    parts = [count(len(each), one) for each, one in ((folders, "folder"), (videos, "video")) if each]
-    first = (videos or folders)[0]
+    kinds = {"folder": folders, "video": videos}
+    found = {one: [entry.name for entry in each] for one, each in kinds.items() if each}
+    parts = " and ".join(count(len(names), one) for one, names in found.items())
     return (
-        Fact("what", f"folder of {' and '.join(parts)}, not itself a clip", {"kind": "folder"}),
-        *(
-            (Fact("folders", listed([entry.name for entry in folders]), [entry.name for entry in folders]),)
-            if folders
-            else ()
-        ),
-        *(
-            (Fact("videos", listed([entry.name for entry in videos]), [entry.name for entry in videos]),)
-            if videos
-            else ()
-        ),
-        next_steps(path, ("info", str(first)), ("enhance", "PATH", "OUT", "--recursive")),
+        Fact("what", f"folder of {parts}, not itself a clip", {"kind": "folder"}),
+        *(Fact(f"{one}s", listed(names), names) for one, names in found.items()),
+        next_steps(path, ("info", str((videos or folders)[0])), ("enhance", "PATH", "OUT", "--recursive")),
     )

@@ -10,14 +10,13 @@ from app.errors import UserError
 from app.files.image_series import Series, open_series
 from app.files.provenance import digests
 from app.files.records import Source
-from app.runs.run_clip import input_clip, run_clip
 from app.runs.run_edits import unpacked
-from app.runs.run_folder import RunFolder
+from app.runs.run_folder import RunFolder, input_clip, run_clip
 from app.scenes.drawer import Drawer
-from app.scenes.photos import PhotoRequest
 from app.scenes.records import RunSource, SceneRecord
 from app.scenes.renderers import Renderer, drawer
 from app.scenes.scene import Scene, open_scene
+from app.scenes.view_request import PhotoRequest
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
@@ -99,8 +98,7 @@ class Found:
         if not candidates:
             raise UserError(
                 f"expected the source {name} beside {self.file.name}, in the current folder or "
-                "given with --source, "
-                "found none"
+                "given with --source, found none"
             )
         shown = candidates[0]
         raise UserError(

@@ -12,15 +12,13 @@ from typing import TypeVar
 from app.enhancement.methods import EnhancementSettings
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
-from app.gui.state.camera_list import CameraList
 from app.gui.state.reconstruction import Reconstruction
-from app.gui.state.second import Second
-from app.gui.state.viewer import Viewer
+from app.gui.state.scene import CameraList, Second, Viewer
 from app.gui.state.window import Banner, Choosing, Kind, Toast
 from app.gui.views.picture_view import PictureView
-from app.gui.work.file_writing import WriteRequest
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
 from app.gui.work.settings import Theme, settings_content
+from app.gui.work.writing import WriteRequest
 from app.runs.clip_selection import WHOLE
 from assets import phantom_path
 
@@ -145,11 +143,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
     state.tuning = state.tuning.renewed()
     state.scene.linked, state.scene.own_time, state.timeline.frame_index = True, 0.0, 0
-    state.comparing.chosen, state.comparing.others, state.comparing.difference = (
-        state.comparing.chosen.renewed(),
-        {},
-        None,
-    )
+    state.comparing.chosen = state.comparing.chosen.renewed()
+    state.comparing.others, state.comparing.difference = {}, None
     state.timeline.strip, state.picture.left_out, state.picture.mask_tool = None, None, ""
     said = state.source.known.get(str(opened.clip.path)) if opened.clip is not None else None
     state.source.part = opened.run.record.clip.part if opened.run is not None else said or WHOLE
@@ -225,10 +220,9 @@ def toggle_play(state: AppState) -> None:
 
 def toggle_freeze(state: AppState) -> None:
     """Hold the pictures' frame, or let them follow the time again."""
+    time = state.timeline
     if state.source.clip is not None:
-        state.timeline.frozen_index = (
-            state.timeline.frame_index if state.timeline.frozen_index is None else None
-        )
+        time.frozen_index = time.frame_index if time.frozen_index is None else None
 
 
 def seek_view(state: AppState, time: float) -> None:
@@ -278,10 +272,8 @@ def settle_params(state: AppState) -> None:
 def rebase(state: AppState, looks: Iterable[EnhancementSettings]) -> None:
     """Something else is open: of what was set before, only the looks of pictures can be gone back to."""
     now = state.chosen
-    state.enhancement.past, state.enhancement.future = (
-        [now.with_params(look) for look, _ in groupby(looks)],
-        [],
-    )
+    state.enhancement.past = [now.with_params(look) for look, _ in groupby(looks)]
+    state.enhancement.future = []
 
 
 def reset_params(state: AppState) -> None:

@@ -12,7 +12,7 @@ from app.enhancement.frame_enhancer import POOLED_FRAMES
 from app.enhancement.methods import preset_of, worded
 from app.enhancement.settable import Pixels
 from app.files.legible import located
-from app.files.timestamp import stamp
+from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure

@@ -1,4 +1,4 @@
-"""What a user can do with the camera of the 3D view, as functions on the state."""
+"""What a user can have the 3D view show, and do with its camera, as functions on the state."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from app.gui.actions import camera_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.viewer import MAX_SPEED, MIN_SPEED
+from app.gui.state.scene import MAX_SPEED, MIN_SPEED
 from app.gui.state.window import Toast
 from app.gui.views.measurement import Measurement
-from app.gui.work.picking import PickRequest, Purpose
+from app.gui.work.selecting import PickRequest, Purpose
 from app.scenes.free_camera import FreeView, Vector, vector
 from app.scenes.scene import Scene
+from app.scenes.view_kinds import EXPLAINED, ViewKind
 from app.scenes.view_request import ViewRequest
 
 TOAST_SECONDS = 4.0
@@ -139,3 +141,22 @@ def _carry(state: AppState, view: FreeView) -> None:
     seen = viewer.free.camera.camera_from_world @ [*viewer.pivot, 1.0]
     viewer.pivot = vector(np.asarray(view.camera.world_from_camera @ seen)[:3])
     viewer.free = view
+
+
+def choices(state: AppState) -> tuple[ViewKind, ...]:
+    """The views that this model has: without photos there is no difference to them."""
+    return tuple(kind for kind in EXPLAINED if kind != "difference" or state.has_photos)
+
+
+def choose_view(state: AppState, kind: ViewKind) -> None:
+    """A difference is to the photo, so it is seen through the clip's camera."""
+    state.scene.kind = kind
+    if kind == "difference" and not state.scene.viewer.snapped:
+        camera_actions.toggle_snap(state)
+
+
+def next_view(state: AppState) -> None:
+    if state.scene.model is not None:
+        kinds = choices(state)
+        now = kinds.index(state.scene.kind) if state.scene.kind in kinds else -1
+        choose_view(state, kinds[(now + 1) % len(kinds)])

@@ -7,8 +7,8 @@ from dataclasses import replace
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.work.clip_settings import FILE, clips_content
-from app.gui.work.file_writing import WriteRequest
+from app.gui.work.settings import FILE, clips_content
+from app.gui.work.writing import WriteRequest
 from app.runs.clip_selection import ClipPart
 from enhance.field import find_field
 

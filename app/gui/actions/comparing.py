@@ -7,7 +7,7 @@ from dataclasses import replace
 from app.enhancement.settable import Mode, Slot
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Side
+from app.gui.views.comparison import Side
 
 WIPE_STEP = 0.02
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
@@ -96,26 +97,25 @@ def end_stroke(state: AppState, how: Combination) -> None:
     elif editing.tool == "lasso" and len(stroke) > 2:
         _ask(state, Lasso(stroke), how)
     elif editing.tool in ("sphere", "box"):
-        pixel = int(stroke[0][0]), int(stroke[0][1])
-        kind: Tool = editing.tool
-        _ask(state, Around(pixel, "box" if kind == "box" else "sphere", _radius(state)), how)
+        _ask(state, _around(state, (int(stroke[0][0]), int(stroke[0][1]))), how)
 
 
 def _apart(one: tuple[float, float], other: tuple[float, float]) -> float:
     return max(abs(one[0] - other[0]), abs(one[1] - other[1]))
 
 
-def _radius(state: AppState) -> float:
+def _around(state: AppState, pixel: tuple[int, int]) -> Around:
+    """The sphere or the box behind a pixel, with its present size."""
     base = state.editing.base
-    return state.editing.radius * (base.distance if base else 1.0)
+    radius = state.editing.radius * (base.distance if base else 1.0)
+    return Around(pixel, "box" if state.editing.tool == "box" else "sphere", radius)
 
 
 def select_again(state: AppState) -> None:
     """The last sphere or box with its present size."""
     editing = state.editing
     if editing.center is not None and editing.tool in ("sphere", "box"):
-        around = Around((0, 0), "box" if editing.tool == "box" else "sphere", _radius(state))
-        _ask(state, around.region(editing.center), editing.how)
+        _ask(state, _around(state, (0, 0)).region(editing.center), editing.how)
 
 
 def select_range(state: AppState, trait: Trait, limits: Limits) -> None:
@@ -128,9 +128,13 @@ def _ask(state: AppState, wish: Region | Around | None, how: Combination) -> Non
         editing.wish = SelectRequest(editing.base, view, wish, how)
 
 
-def take_selected(state: AppState, request: SelectRequest, answer: Selected) -> None:
+def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
     """The answer to a wish, and then what was asked for while it was on its way."""
     editing = state.editing
+    if isinstance(answer, Failure):
+        editing.wish = None
+        actions.fail(state, f"nothing was selected: {answer.message}")
+        return
     if request is not editing.wish:
         return
     editing.wish, editing.limits = None, answer.limits
@@ -166,33 +170,17 @@ def change(state: AppState, how: Change) -> None:
     _show(state)
 
 
-def delete(state: AppState) -> None:
-    change(state, Edits.deleting)
-
-
 def crop(state: AppState) -> None:
     """Without a selection nothing would be left: then nothing happens."""
     change(state, lambda edits: edits.cropping() if len(edits.selected) else edits)
 
 
-def hide(state: AppState) -> None:
-    change(state, Edits.hiding)
-
-
-def show_hidden(state: AppState) -> None:
-    change(state, Edits.showing)
-
-
-def select_all(state: AppState) -> None:
-    change(state, Edits.selecting_all)
-
-
-def select_none(state: AppState) -> None:
-    change(state, Edits.selecting_none)
-
-
-def invert(state: AppState) -> None:
-    change(state, Edits.inverted)
+delete = partial(change, how=Edits.deleting)
+hide = partial(change, how=Edits.hiding)
+show_hidden = partial(change, how=Edits.showing)
+select_all = partial(change, how=Edits.selecting_all)
+select_none = partial(change, how=Edits.selecting_none)
+invert = partial(change, how=Edits.inverted)
 
 
 def undo(state: AppState) -> None:
@@ -258,3 +246,18 @@ def answer(state: AppState, reply: str) -> None:
     editing.history = History(editing.saved)
     _show(state)
     go()
+
+
+def choose_how(state: AppState, how: Combination) -> None:
+    """What a new selection does to the one that is there."""
+    state.editing.how = how
+
+
+def choose_radius(state: AppState, radius: float) -> None:
+    """Of the sphere or half of the box, in scene distances."""
+    state.editing.radius = radius
+
+
+def move_range(state: AppState, trait: Trait, limits: Limits) -> None:
+    """Live, while it is dragged; `edit_actions.select_range` selects with it."""
+    state.editing.ranges[trait] = limits

@@ -9,31 +9,31 @@ from typing import Literal
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED
 from app.exports.exporting import ExportRequest, Step
-from app.exports.panes import Shown, pane_record
+from app.exports.make import Views
+from app.exports.panes import pane_record
 from app.exports.records import (
     MEASURES,
     Arrangement,
     FrameRecord,
     MeasuresTable,
+    PaneRecord,
     PanesPicture,
     PanesRecord,
     PanesVideo,
     ViewVideo,
 )
+from app.exports.sizing import Sizing
 from app.exports.sources import Opened
-from app.exports.view_pages import Views
 from app.files.legible import located
 from app.files.records import extended
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES, Side, label_of
-from app.gui.state.exports import Exporting
 from app.gui.state.panes import other_request, shown_mode, why_not
+from app.gui.views.comparison import SIDES, Side, label_of
 from app.gui.work.background import Failure
 from app.scenes.cpu_rendering import ON_CPU
-from app.scenes.photos import PhotoRequest
 from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest, drawn_record, moment_record, view_record
+from app.scenes.view_request import PhotoRequest, ViewRequest, drawn_record, moment_record, view_record
 from app.scenes.view_selection import FRAMES_PER_SECOND
 
 What = Literal[
@@ -153,23 +153,17 @@ def export_request(state: AppState, what: What) -> ExportRequest | None:
     if why_not_export(state, what):
         return None
     request = _request(state, OFFERS[what])
-    state.exports.under_way = Exporting(request)
+    state.exports.under_way, state.exports.done = request, 0
     return request
 
 
-def save_request(state: AppState) -> ExportRequest | None:
-    """A picture of what is shown, beside whatever is exported; None, and said why, where it cannot be."""
+def save_picture(state: AppState) -> None:
+    """A PNG of what is shown, written in the background beside whatever is exported."""
     offer = OFFERS["panes and 3D view"]
     if reason := _lacks(state, offer):
         actions.fail(state, f"the image was not saved: {reason}")
-        return None
-    return _request(state, offer)
-
-
-def save_picture(state: AppState) -> None:
-    """A PNG of what is shown, written in the background."""
-    if (request := save_request(state)) is not None:
-        state.window.wishes += (request,)
+    else:
+        state.window.wishes += (_request(state, offer),)
 
 
 def shown_request(state: AppState) -> ExportRequest | None:
@@ -181,11 +175,11 @@ def shown_request(state: AppState) -> ExportRequest | None:
 def _request(state: AppState, offer: Offer) -> ExportRequest:
     clip, moments = state.source.clip, _moments(state, offer)
     views = tuple(view for views in moments for view in views)
-    panes, scenes = _panes(state, offer)
+    panes = _panes(state, offer)
     stem = clip.path.stem if clip is not None and panes.panes else views[0].scene.name
     rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
     record = _record(state, offer.form, panes, moments, rate or FRAMES_PER_SECOND)
-    return ExportRequest(state.places.pictures, stem, record, Opened(views, clip, scenes))
+    return ExportRequest(state.places.pictures, stem, record, Opened(views, clip, state.scene.model))
 
 
 def _record(
@@ -206,35 +200,34 @@ def _record(
     return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
 
 
-def _panes(state: AppState, offer: Offer) -> tuple[PanesRecord, tuple[Scene, ...]]:
-    """What the sides show, one of them where both show the same, and how they are laid out; and the models
-    in them."""
+def _panes(state: AppState, offer: Offer) -> PanesRecord:
+    """What the sides show, one of them where both show the same, and how they are laid out."""
     picture, sides = state.picture_request, offer.sides
     if picture is None or not sides:
-        return PanesRecord(), ()
+        return PanesRecord()
     mode = shown_mode(state) if offer.as_shown else "side by side"
     if mode == "flip":
         sides, mode = ("left" if state.comparing.chosen.flipped else "right",), "side by side"
-    shown = tuple(dict.fromkeys(_pane(state, side, picture) for side in sides))
-    record = PanesRecord(
+    return PanesRecord(
         clip_options=state.source.options,
         frame=FrameRecord(index=picture.frame_index, label=picture.clip.labels[picture.frame_index]),
         **vars(state.exports.sizing),
         arrangement=Arrangement(mode, state.comparing.wiped),
-        panes=tuple(pane_record(*one) for one in shown),
+        panes=tuple(dict.fromkeys(_pane(state, side, picture) for side in sides)),
     )
-    return record, tuple(by for _, _, by in shown if isinstance(by, Scene))
 
 
-def _pane(state: AppState, side: Side, picture: PictureRequest) -> tuple[str, PictureRequest, Shown]:
+def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
     """What a side shows; in white light and while the original is peeked at the photo, whatever is chosen."""
     source, photo = state.comparing.chosen.source(side), replace(picture, params=None)
     active = state.enhancement.active and not state.enhancement.peeking
     if active and source == ENHANCED:
-        return "Enhanced", photo, picture.params
+        return pane_record("Enhanced", photo, picture.params)
     request = other_request(state, side) if active else None
     # As on screen, the original also where there is nothing else to show.
-    return ("Original", photo, None) if request is None else (label_of(source), request.photo, request.by)
+    if request is None:
+        return pane_record("Original", photo)
+    return pane_record(label_of(source), request.photo, request.by)
 
 
 def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
@@ -294,8 +287,7 @@ def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
 
 def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -> None:
     """It has come further, has ended, or has failed."""
-    under_way = state.exports.under_way
-    if under_way is None or under_way.request is not request:
+    if state.exports.under_way is not request:
         return
     if isinstance(answer, Failure):
         state.exports.under_way = None
@@ -304,10 +296,10 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         state.exports.under_way = None
         actions.announce(state, f"exported {answer.path.name} in {located(answer.path.parent)}")
     else:
-        under_way.done = answer.done
+        state.exports.done = answer.done
 
 
-def take_saved(state: AppState, answer: Step | Failure) -> None:
+def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:
     """The picture of what is shown has been written, or has not."""
     if isinstance(answer, Failure):
         actions.fail(state, f"the image was not saved: {answer.message}")
@@ -319,3 +311,23 @@ def cancelled(state: AppState) -> None:
     """Nothing has been written."""
     state.exports.under_way = None
     actions.announce(state, "export cancelled")
+
+
+def show_exports(state: AppState, shown: bool) -> None:
+    """The panel."""
+    state.exports.shown = shown
+
+
+def choose_sizing(state: AppState, sizing: Sizing) -> None:
+    """Of the panes."""
+    state.exports.sizing = sizing
+
+
+def choose_view_size(state: AppState, size: tuple[int, int] | None) -> None:
+    """Pixels of the 3D view in files; None: its shape on screen."""
+    state.exports.view_size = size
+
+
+def choose_supersampling(state: AppState, factor: int) -> None:
+    """How often finer the 3D view is drawn, one of FACTORS."""
+    state.exports.supersampling = factor

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings_snapshot import SettingsSnapshot, step_name
+from app.gui.state.enhancement import SettingsSnapshot, step_name
 
 
 def undo(state: AppState) -> None:
@@ -28,20 +28,13 @@ def undo_name(state: AppState) -> str:
 
 
 def redo_name(state: AppState) -> str:
-    return (
-        f"Redo {step_name(state.enhancement.past[-1], state.enhancement.future[-1])}"
-        if state.enhancement.future
-        else "Redo"
-    )
+    past, future = state.enhancement.past, state.enhancement.future
+    return f"Redo {step_name(past[-1], future[-1])}" if future else "Redo"
 
 
 def _take(state: AppState, chosen: SettingsSnapshot) -> None:
-    now, draft = state.comparing.chosen, state.runs.reconstruction
-    state.enhancement.params, state.enhancement.scope, state.enhancement.pixels = (
-        chosen.params,
-        chosen.scope,
-        chosen.pixels,
-    )
+    now, draft, look = state.comparing.chosen, state.runs.reconstruction, state.enhancement
+    look.params, look.scope, look.pixels = chosen.params, chosen.scope, chosen.pixels
     state.comparing.chosen = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
     draft.config, draft.input, draft.d_factor = chosen.config, chosen.input, chosen.d_factor
     if state.source.part != chosen.part:

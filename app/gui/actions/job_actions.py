@@ -1,4 +1,4 @@
-"""What a user can do with the running reconstruction, as functions on the state. No ImGui."""
+"""What a user can do with the next and the running reconstruction, as functions on the state. No ImGui."""
 
 from __future__ import annotations
 
@@ -7,17 +7,38 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+from app.enhancement.settable import LONGEST_NAME, InputKind
 from app.files.legible import capital, legible
 from app.gui.actions.actions import latest, leave
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.gui.work.run_models import ModelRequest
+from app.gui.work.runs import ModelRequest
 from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene, Training
 from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
-from renderer.train.config import Part
+from renderer.train.config import Method, Part
+
+
+def choose_input(state: AppState, frames: InputKind) -> None:
+    """The photos as they are, enhanced, or both in turn."""
+    state.runs.reconstruction.input = frames
+
+
+def choose_d_factor(state: AppState, d_factor: float) -> None:
+    """Of frames that are enhanced for it."""
+    state.runs.reconstruction.d_factor = d_factor
+
+
+def choose_method(state: AppState, method: Method, iterations: int) -> None:
+    draft = state.runs.reconstruction
+    draft.config = replace(draft.config, method=method, iterations=iterations)
+
+
+def name_run(state: AppState, name: str) -> None:
+    """Folder of the run; empty: the clip's name and the time."""
+    state.runs.reconstruction.name = name[:LONGEST_NAME]
 
 
 def start_reconstruction(state: AppState) -> None:

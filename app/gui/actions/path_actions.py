@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from app.files.timestamp import stamp
+from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.work.file_writing import WriteRequest
+from app.gui.work.writing import WriteRequest
 from app.scenes.free_camera import FreeView
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, off_center, splatting_json
@@ -35,10 +35,8 @@ def present_camera(state: AppState) -> Camera | None:
 def go_to(state: AppState, camera: Camera) -> None:
     """The 3D view through a camera; it then turns around what is in the middle of it."""
     if state.scene.model is not None:
-        viewer = state.scene.viewer
-        state.scene.viewer = replace(
-            viewer, free=FreeView.of(camera), pivot=None, snapped=False, flying=False
-        )
+        free = FreeView.of(camera)
+        state.scene.viewer = replace(state.scene.viewer, free=free, pivot=None, snapped=False, flying=False)
 
 
 def type_name(state: AppState, name: str) -> None:
@@ -217,11 +215,8 @@ def export_clip_cameras(state: AppState) -> None:
 
 def export_path_cameras(state: AppState) -> None:
     """Those along the path as cameras.json."""
-    keys = (
-        state.scene.cameras.views.path.moments(EXPORT_RATE)
-        if state.scene.cameras.views.path.keyframes
-        else ()
-    )
+    path = state.scene.cameras.views.path
+    keys = path.moments(EXPORT_RATE) if path.keyframes else ()
     named = [NamedCamera(f"path-{index:06d}", key.camera) for index, key in enumerate(keys)]
     _write_cameras(state, named)
 

@@ -15,6 +15,7 @@ from app.gui.work.presets import (
     is_preset_name,
     load_presets,
     presets_file,
+    presets_with,
 )
 from app.gui.work.thumbnails import Thumbnails, ThumbnailsRequest
 
@@ -49,7 +50,7 @@ def take_thumbnails(state: AppState, request: ThumbnailsRequest, thumbnails: Thu
 
 def choose(state: AppState, name: str) -> None:
     """The preset becomes the present setting; a step of undo."""
-    presets = {**BUILT_IN, **state.enhancement.presets}
+    presets = presets_with(state.enhancement.presets)
     if name in presets:
         actions.settle_params(state)
         actions.set_params(state, presets[name])

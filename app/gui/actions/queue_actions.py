@@ -9,10 +9,10 @@ from app.errors import UserError
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.runs.progress_log import TrainingLog
+from app.gui.work.background import Failure
+from app.gui.work.opening import TakenUp, TakeUpRequest
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
-from renderer.clip import Clip
 
 
 def why_held(state: AppState) -> str:
@@ -91,22 +91,24 @@ def without_clip(state: AppState) -> TrainRequest | None:
     return first.request if first is not None and first.clip is None else None
 
 
-def give_clip(state: AppState, request: TrainRequest, clip: Clip, told: TrainingLog) -> None:
-    """Its clip is open. Where it is the one that is shown, that very one."""
-    shown = state.source.clip
-    if shown is not None and (shown.path, state.source.options) == (clip.path, request.clip_options):
-        clip = shown
-    state.runs.queue = tuple(
-        replace(each, clip=clip, told=told) if each.request == request else each for each in state.runs.queue
-    )
+def take_clip(state: AppState, request: TakeUpRequest, answer: TakenUp | Failure) -> None:
+    """Its clip is open: where it is the one that is shown, that very one. Else it waits until it is asked for
+    again, or taken out."""
+    wanted, shown = request.request, state.source.clip
 
+    def renewed(waiting: Waiting) -> Waiting:
+        if waiting.request != wanted:
+            return waiting
+        if isinstance(answer, Failure):
+            return replace(waiting, asleep=True)
+        now = (answer.clip.path, wanted.clip_options)
+        same = shown is not None and (shown.path, state.source.options) == now
+        return replace(waiting, clip=shown if same else answer.clip, told=answer.told)
 
-def put_back(state: AppState, request: TrainRequest, reason: str) -> None:
-    """Its clip cannot be opened: it waits until it is asked for again, or taken out."""
-    state.runs.queue = tuple(
-        replace(each, asleep=True) if each.request == request else each for each in state.runs.queue
-    )
-    actions.fail(state, f"{request.run_path.name} was not started; it stays in the queue: {reason}")
+    state.runs.queue = tuple(map(renewed, state.runs.queue))
+    if isinstance(answer, Failure):
+        said = f"{wanted.run_path.name} was not started; it stays in the queue: {answer.message}"
+        actions.fail(state, said)
 
 
 # ---- closing the window

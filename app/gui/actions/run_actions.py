@@ -8,10 +8,9 @@ from pathlib import Path
 from app.gui.actions import actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
-from app.gui.state.second import Second
+from app.gui.state.scene import Second
 from app.gui.work.background import Failure
-from app.gui.work.run_list import FoundRuns, ListedRun, RunsRequest
-from app.gui.work.run_models import Left, LeftRequest
+from app.gui.work.runs import FoundRuns, Left, LeftRequest, ListedRun, RunsRequest
 
 
 def take_found(state: AppState, request: RunsRequest, answer: FoundRuns | Failure) -> None:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.second import Second
+from app.gui.state.scene import Second
+from app.gui.work.background import Failure
 from app.gui.work.opening import Opened, OpenRequest
 
 
@@ -17,12 +18,16 @@ def open_second(state: AppState, path: Path) -> None:
         state.window.banner = None
 
 
-def take_second(state: AppState, request: OpenRequest, opened: Opened) -> None:
-    """Show what has been opened; what has no reconstruction is refused."""
+def take_second(state: AppState, request: OpenRequest, answer: Opened | Failure) -> None:
+    """Show what has been opened; what cannot be, or has no reconstruction, is refused: what is beside the
+    first stays."""
     if request is not state.scene.second.opening:
         return
-    shown = opened.splats or (opened.run.model if opened.run is not None else None)
     state.scene.second.opening = None
+    if isinstance(answer, Failure):
+        actions.fail(state, answer.message)
+        return
+    shown = answer.splats or (answer.run.model if answer.run is not None else None)
     if shown is None:
         actions.fail(state, f"expected a finished run or a splat file beside the first: {request.path}")
         return
@@ -33,13 +38,6 @@ def take_second(state: AppState, request: OpenRequest, opened: Opened) -> None:
         )
     elif state.scene.model is not None and shown.cameras != state.scene.model.cameras:
         actions.say(state, f"{shown.name} is of another clip: the first one's camera may not see it")
-
-
-def refuse_second(state: AppState, request: OpenRequest, reason: str) -> None:
-    """It cannot be opened; what is beside the first stays."""
-    if request is state.scene.second.opening:
-        state.scene.second.opening = None
-        actions.fail(state, reason)
 
 
 def close_second(state: AppState) -> None:

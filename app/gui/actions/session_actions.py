@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import replace
 from datetime import datetime
 from itertools import groupby
 from pathlib import Path
@@ -16,25 +16,16 @@ from app.gui.actions import actions, edit_actions
 from app.gui.session_file import (
     MOST_STEPS,
     SUFFIX,
-    ComparedAs,
-    FreeCamera,
     Session,
     SessionSource,
     UnsavedEdits,
-    Varied,
     autosave_path,
     recoverable,
 )
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Comparison
 from app.gui.work.background import Failure
-from app.gui.work.session_writing import SessionRequest
-from app.gui.work.tuning import Choice
+from app.gui.work.writing import SessionRequest
 from app.runs.run_edits import packed, unpacked
-from app.scenes.free_camera import FreeView
-from renderer.camera import Camera
-from renderer.json_files import parsed
-from renderer.view_files import views_json, views_of
 
 AUTOSAVE_SECONDS = 1.0
 """At least so long between two sessions that are saved in passing."""
@@ -42,7 +33,7 @@ AUTOSAVE_SECONDS = 1.0
 
 def snapshot(state: AppState, folder: Path) -> Session:
     """The session as it stands, for a file in `folder`."""
-    free, run, draft = state.scene.viewer.free, state.runs.reconstruction.run_path, state.runs.reconstruction
+    run, draft = state.runs.reconstruction.run_path, state.runs.reconstruction
     return Session(
         source=SessionSource.of(state.source.path, folder) if state.source.path else None,
         run=SessionSource.of(run, folder) if run else None,
@@ -57,13 +48,13 @@ def snapshot(state: AppState, folder: Path) -> Session:
         pixels=state.enhancement.pixels,
         enhancing=state.enhancement.active,
         stored=dict(state.enhancement.stored),
-        comparison=ComparedAs(**vars(state.comparing.chosen)),
+        comparison=state.comparing.chosen,
         zoom=state.picture.view.zoom,
         center=state.picture.view.center,
         linked=state.scene.linked,
         view_time=state.scene.own_time,
-        free=FreeCamera(free.camera.to_json(), free.down) if free else None,
-        views=parsed(views_json(state.scene.cameras.views)),
+        free=state.scene.viewer.free,
+        views=state.scene.cameras.views,
         view_kind=state.scene.kind,
         snapped=state.scene.viewer.snapped,
         blend=state.scene.viewer.blend,
@@ -71,7 +62,7 @@ def snapshot(state: AppState, folder: Path) -> Session:
         input=draft.input,
         d_factor=draft.d_factor,
         run_name=draft.name,
-        varied=tuple(Varied(one.name, one.first, one.last, one.count) for one in state.tuning.choices),
+        varied=state.tuning.choices,
         tuning_shown=state.tuning.shown,
         sort=state.tuning.sort,
         notes=state.session.notes,
@@ -96,13 +87,10 @@ def restore(state: AppState, session: Session) -> None:
     last = len(state.source.clip) - 1 if state.source.clip is not None else 0
     state.timeline.frozen_index = min(session.frozen, last) if session.frozen is not None else None
     state.enhancement.params = session.params
-    state.enhancement.scope, state.enhancement.pixels, state.enhancement.active = (
-        session.scope,
-        session.pixels,
-        session.enhancing,
-    )
+    state.enhancement.scope, state.enhancement.pixels = session.scope, session.pixels
+    state.enhancement.active = session.enhancing
     state.enhancement.stored = dict(session.stored)
-    state.comparing.chosen = Comparison(**asdict(session.comparison)).wiped(session.comparison.wipe)
+    state.comparing.chosen = session.comparison.wiped(session.comparison.wipe)
     state.picture.view = replace(state.picture.view, zoom=session.zoom, center=session.center)
     state.scene.linked, state.scene.own_time = session.linked, session.view_time
     _restore_views(state, session)
@@ -111,8 +99,7 @@ def restore(state: AppState, session: Session) -> None:
     if draft.request is None:
         draft.config, draft.input = session.config, session.input
     if len(session.varied) == 2:
-        first, second = (Choice(one.name, one.first, one.last, one.count) for one in session.varied)
-        state.tuning.choices = (first, second)
+        state.tuning.choices = (session.varied[0], session.varied[1])
     state.tuning.shown = session.tuning_shown
     state.tuning.sort = session.sort
     state.session.notes = session.notes
@@ -142,9 +129,9 @@ def _restore_views(state: AppState, session: Session) -> None:
     state.scene.viewer.snapped = session.snapped and state.has_photos
     state.scene.viewer.blend = session.blend
     if session.free is not None:
-        state.scene.viewer.free = FreeView(Camera.from_json(session.free.camera), session.free.down)
+        state.scene.viewer.free = session.free
     if session.views is not None:
-        state.scene.cameras.views = views_of(session.views)
+        state.scene.cameras.views = session.views
 
 
 def write_notes(state: AppState, text: str) -> None:
@@ -152,21 +139,16 @@ def write_notes(state: AppState, text: str) -> None:
     state.session.notes = text[:LONGEST_NOTES]
 
 
-def save_request(state: AppState) -> SessionRequest | None:
-    """A file with the pictures, or the one that was opened or saved before; None: nothing is open."""
+def save(state: AppState) -> None:
+    """A session file of what is open and how it is set, written in the background: among the pictures, or
+    where it was opened or saved before."""
     if state.source.path is None:
-        return None
+        return
     if state.session.path is None:
         stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
         state.session.path = state.places.pictures / f"{state.source.path.stem}-{stamp}{SUFFIX}"
     path = state.session.path
-    return SessionRequest(path, snapshot(state, path.parent), in_passing=False)
-
-
-def save(state: AppState) -> None:
-    """A session file of what is open and how it is set, written in the background."""
-    if (request := save_request(state)) is not None:
-        state.window.wishes += (request,)
+    state.window.wishes += (SessionRequest(path, snapshot(state, path.parent), in_passing=False),)
 
 
 def autosave_request(state: AppState) -> SessionRequest | None:

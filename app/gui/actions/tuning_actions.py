@@ -6,10 +6,11 @@ from app.enhancement.contact_sheet import columns_of
 from app.enhancement.parameter_grid import Axis, Setting, settings
 from app.errors import UserError
 from app.gui.actions import actions
+from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import PictureView, Room
 from app.gui.work.background import Failure
-from app.gui.work.tuning import CellRequest, Choice, Grid, GridCell
+from app.gui.work.tuning import CellRequest, Grid, GridCell
 
 
 def toggle_tuning(state: AppState) -> None:

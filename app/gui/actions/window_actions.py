@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from app.exports.window_shot import WindowRequest
+from dataclasses import replace
+
+from app.exports.exporting import ExportRequest
+from app.exports.records import PanesPicture
+from app.exports.sources import Opened
 from app.gui.actions import export_actions
 from app.gui.state.app_state import AppState
 from renderer.clip import ByteImage
@@ -31,6 +35,11 @@ def is_due(state: AppState) -> bool:
     return state.exports.settling == 0
 
 
-def window_request(state: AppState, image: ByteImage) -> WindowRequest:
-    """The picture (H, W, 3) that was read, with what there was to see."""
-    return WindowRequest(state.places.pictures, image, export_actions.shown_request(state))
+def window_request(state: AppState, image: ByteImage) -> ExportRequest:
+    """The picture (H, W, 3) that was read, with what there was to see of panes and 3D view."""
+    shown = export_actions.shown_request(state)
+    stem, record, sources = "vesselsplat", PanesPicture(), Opened()
+    if shown is not None and isinstance(shown.record, PanesPicture):
+        stem, record, sources = shown.stem, shown.record, shown.sources
+    said = replace(record, kind="window")
+    return ExportRequest(state.places.pictures, f"{stem}-window", said, sources, image)

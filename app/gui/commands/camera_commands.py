@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import actions, camera_actions, path_actions, second_actions, view_actions
+from app.gui.actions import actions, camera_actions, path_actions, second_actions
 from app.gui.commands import recent_commands
-from app.gui.commands.command import Command, Section
+from app.gui.commands.command import Command, Section, menu
 from app.gui.state.app_state import AppState
 
 BLEND_STEP = 0.1
@@ -24,7 +24,7 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
                 applies=lambda s: s.scene.viewer.snapped, repeats=True),
         Command("More of the frame", lambda s: _blend(s, BLEND_STEP), ("]",),
                 applies=lambda s: s.scene.viewer.snapped, repeats=True),
-        Command("Next kind of view", view_actions.next_view, ("N",),
+        Command("Next kind of view", camera_actions.next_view, ("N",),
                 text="3D view: colour, depth, normals and others", applies=_has_model),
         Command("Measure", camera_actions.toggle_measuring, ("M",),
                 text="measure between two clicks on the 3D view",
@@ -50,12 +50,7 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
         Command("Export the path's cameras", path_actions.export_path_cameras,
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes)),
     )  # fmt: skip
-    return (
-        Section("Camera", views),
-        Section("Camera", path),
-        Section("Camera", files),
-        Section("Camera", second_commands(state), "Second view"),
-    )
+    return *menu("Camera", views, path, files), Section("Camera", second_commands(state), "Second view")
 
 
 def second_commands(state: AppState) -> tuple[Command, ...]:
@@ -65,12 +60,9 @@ def second_commands(state: AppState) -> tuple[Command, ...]:
         Command("Run folder beside…", partial(choose, kind="folder"), applies=_has_model),
         Command("Splat file beside…", partial(choose, kind="file"), applies=_has_model),
         *recent_commands.beside(state),
-        Command(
-            "Close the second view",
-            second_actions.close_second,
-            applies=lambda s: s.scene.second.shown is not None,
-        ),
-    )
+        Command("Close the second view", second_actions.close_second,
+                applies=lambda s: s.scene.second.shown is not None),
+    )  # fmt: skip
 
 
 def _blend(state: AppState, by: float) -> None:

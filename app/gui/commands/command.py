@@ -11,11 +11,6 @@ Act = Callable[[AppState], object]
 Asks = Callable[[AppState], bool]
 
 
-def start(ask: Callable[[], None]) -> Act:
-    """An action that needs nothing of the state."""
-    return lambda state: ask()
-
-
 def always(state: AppState) -> bool:
     return True
 
@@ -53,6 +48,11 @@ class Section:
     menu: str
     commands: tuple[Command, ...]
     submenu: str = ""
+
+
+def menu(name: str, *groups: tuple[Command, ...]) -> tuple[Section, ...]:
+    """The sections of a menu, or some of them."""
+    return tuple(Section(name, commands) for commands in groups)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from app.gui.actions import (
 )
 from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
-from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, start
+from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu
 from app.gui.commands.edit_commands import edit_sections
 from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
@@ -67,108 +67,59 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         Command("Open image, video, session or report…", open_file, ("Ctrl+I",)),
         Command("Open the built-in phantom", actions.open_phantom),
     )
-    remember = Command(
-        "Remember recent files",
-        lambda s: actions.remember_recent(s, not s.settings.remember_recent),
-        text="keep a list of opened files; turning this off clears it",
-        ticked=lambda s: s.settings.remember_recent,
-    )
+    remember = (
+        Command("Remember recent files", _toggle_recent, ticked=lambda s: s.settings.remember_recent,
+                text="keep a list of opened files; turning this off clears it"),
+    )  # fmt: skip
     saving = (
-        Command(
-            "Save image",
-            export_actions.save_picture,
-            ("S",),
-            text="save an image of what is shown",
-            applies=has_something,
-        ),
-        Command(
-            "Save the whole window",
-            window_actions.save_window,
-            ("F12",),
-            text="save an image of the window as it is",
-        ),
-        Command(
-            "Export…",
-            export_actions.toggle_export,
-            ("Ctrl+Shift+E",),
-            text="export panes, videos and measures",
-            applies=has_something,
-        ),
-        Command(
-            "Enhance files and folders…",
-            batch_actions.toggle_batches,
-            ("Ctrl+Shift+B",),
-            text="enhance many images, videos and folders with the current settings",
-        ),
-        Command(
-            "Save session",
-            session_actions.save,
-            ("Ctrl+S",),
-            text="save the open files, settings, views and notes; open it like a clip",
-            applies=lambda s: s.source.path is not None,
-        ),
-    )
+        Command("Save image", export_actions.save_picture, ("S",), text="save an image of what is shown",
+                applies=has_something),
+        Command("Save the whole window", window_actions.save_window, ("F12",),
+                text="save an image of the window as it is"),
+        Command("Export…", export_actions.toggle_export, ("Ctrl+Shift+E",),
+                text="export panes, videos and measures", applies=has_something),
+        Command("Enhance files and folders…", batch_actions.toggle_batches, ("Ctrl+Shift+B",),
+                text="enhance many images, videos and folders with the current settings"),
+        Command("Save session", session_actions.save, ("Ctrl+S",),
+                text="save the open files, settings, views and notes; open it like a clip",
+                applies=lambda s: s.source.path is not None),
+    )  # fmt: skip
+    quitting = (Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",)),)
     return (
         Section("File", opening),
         Section("File", recent_commands.opening(state), "Open recent"),
-        Section("File", (remember,)),
-        Section("File", saving),
-        Section("File", (Command("Quit", start(outside.quit), ("Ctrl+Q",)),)),
+        *menu("File", remember, saving, quitting),
     )
+
+
+def _toggle_recent(state: AppState) -> None:
+    actions.remember_recent(state, not state.settings.remember_recent)
 
 
 def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
-        Command(
-            "Enhancement",
-            actions.toggle_enhancement,
-            ("E",),
-            text="enhancement on or off",
-            applies=has_clip,
-            ticked=lambda s: s.enhancement.active,
-        ),
+        Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
+                applies=has_clip, ticked=lambda s: s.enhancement.active),
         Command("Plain white light", actions.white_light, ("Esc",), applies=has_clip),
-        Command(
-            "Freeze",
-            actions.toggle_freeze,
-            ("F",),
-            text="hold this frame in both panes",
-            applies=has_clip,
-            ticked=lambda s: s.timeline.frozen_index is not None,
-        ),
-    )
+        Command("Freeze", actions.toggle_freeze, ("F",), text="hold this frame in both panes",
+                applies=has_clip, ticked=lambda s: s.timeline.frozen_index is not None),
+    )  # fmt: skip
     zooms = (
         Command("Fit", picture_actions.fit, ("0",), text="fit the whole frame", applies=has_clip),
-        Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)",
-                applies=has_clip),
-    )  # fmt: skip
-    parameters = (
-        Command(
-            history_actions.undo_name(state),
-            history_actions.undo,
-            ("Ctrl+Z",),
-            text="undo the last change",
-            applies=lambda s: len(s.enhancement.past) > 1 and not s.editing.active,
-            repeats=True,
-        ),
-        Command(
-            history_actions.redo_name(state),
-            history_actions.redo,
-            ("Ctrl+Y",),
-            text="redo the last undone change",
-            applies=lambda s: bool(s.enhancement.future) and not s.editing.active,
-            repeats=True,
-        ),
-        Command("Reset all parameters", actions.reset_params, ("R",)),
-        Command(
-            "Tuning grid",
-            tuning_actions.toggle_tuning,
-            ("Ctrl+T",),
-            text="tuning grid: compare a range of settings",
-            ticked=lambda s: s.tuning.shown,
-        ),
+        Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)", applies=has_clip),
     )
-    return Section("Image", looks), Section("Image", zooms), Section("Image", parameters)
+    parameters = (
+        Command(history_actions.undo_name(state), history_actions.undo, ("Ctrl+Z",),
+                text="undo the last change", repeats=True,
+                applies=lambda s: len(s.enhancement.past) > 1 and not s.editing.active),
+        Command(history_actions.redo_name(state), history_actions.redo, ("Ctrl+Y",),
+                text="redo the last undone change", repeats=True,
+                applies=lambda s: bool(s.enhancement.future) and not s.editing.active),
+        Command("Reset all parameters", actions.reset_params, ("R",)),
+        Command("Tuning grid", tuning_actions.toggle_tuning, ("Ctrl+T",),
+                text="tuning grid: compare a range of settings", ticked=lambda s: s.tuning.shown),
+    )  # fmt: skip
+    return menu("Image", looks, zooms, parameters)
 
 
 def _compare() -> tuple[Section, ...]:
@@ -177,20 +128,11 @@ def _compare() -> tuple[Section, ...]:
         Command("Original left, enhanced right", comparing.reset_sources, applies=has_clip),
         Command("Wipe to the left", _wipe(-1), ("Shift+[",), applies=has_clip, repeats=True),
         Command("Wipe to the right", _wipe(1), ("Shift+]",), applies=has_clip, repeats=True),
-        Command(
-            "Stripes on clipped pixels",
-            comparing.toggle_zebra,
-            ("Z",),
-            applies=has_clip,
-            ticked=lambda s: s.comparing.chosen.zebra,
-        ),
-    )
+        Command("Stripes on clipped pixels", comparing.toggle_zebra, ("Z",), applies=has_clip,
+                ticked=lambda s: s.comparing.chosen.zebra),
+    )  # fmt: skip
     slots = tuple(command for slot in SLOTS for command in _slot(slot))
-    return (
-        Section("Compare", tuple(map(_mode, MODES))),
-        Section("Compare", sides),
-        Section("Compare", slots),
-    )
+    return menu("Compare", tuple(map(_mode, MODES)), sides, slots)
 
 
 def _mode(mode: Mode) -> Command:
@@ -207,24 +149,16 @@ def _wipe(steps: int) -> Act:
 def _slot(slot: Slot) -> tuple[Command, Command]:
     return (
         Command(f"Store settings {slot}", lambda s: comparing.store(s, slot), (f"Shift+{slot}",)),
-        Command(
-            f"Use settings {slot}",
-            lambda s: comparing.recall(s, slot),
-            applies=lambda s: slot in s.enhancement.stored,
-        ),
-    )
+        Command(f"Use settings {slot}", lambda s: comparing.recall(s, slot),
+                applies=lambda s: slot in s.enhancement.stored),
+    )  # fmt: skip
 
 
 def _clip() -> tuple[Section, ...]:
     time = (
-        Command(
-            "Play",
-            actions.toggle_play,
-            ("P", "K"),
-            text="play or pause",
-            applies=lambda s: s.source.clip is not None and len(s.source.clip) > 1,
-            ticked=lambda s: s.timeline.playing,
-        ),
+        Command("Play", actions.toggle_play, ("P", "K"), text="play or pause",
+                applies=lambda s: s.source.clip is not None and len(s.source.clip) > 1,
+                ticked=lambda s: s.timeline.playing),
         Command("Previous frame", partial(actions.step, frames=-1), ("comma",), applies=has_clip,
                 repeats=True),
         Command("Next frame", partial(actions.step, frames=1), ("period",), applies=has_clip,
@@ -240,24 +174,16 @@ def _clip() -> tuple[Section, ...]:
         Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),
                 text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.picture.overlay),
     )  # fmt: skip
-    return Section("Clip", time), Section("Clip", parts)
+    return menu("Clip", time, parts)
 
 
 def _help() -> tuple[Section, ...]:
-    return (
-        Section(
-            "Help",
-            (
-                Command(
-                    "Find a command…",
-                    lambda s: s.window.palette.open(),
-                    ("Ctrl+Shift+P",),
-                    text="find a command by its name",
-                ),
-                Command("Keys and mouse", toggle_help, ("?", "F1"), text="this help"),
-            ),
-        ),
-    )
+    found = (
+        Command("Find a command…", lambda s: s.window.palette.open(), ("Ctrl+Shift+P",),
+                text="find a command by its name"),
+        Command("Keys and mouse", toggle_help, ("?", "F1"), text="this help"),
+    )  # fmt: skip
+    return menu("Help", found)
 
 
 def one_to_one(state: AppState) -> None:

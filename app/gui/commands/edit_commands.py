@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from app.gui.actions import edit_actions
-from app.gui.commands.command import Command, Section
+from app.gui.commands.command import Command, Section, menu
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import Tool
 
@@ -17,14 +17,10 @@ TOOL_KEYS: dict[Tool, str] = {
 
 def edit_sections() -> tuple[Section, ...]:
     """All but the first need edit mode."""
-    mode = Command(
-        "Edit mode",
-        edit_actions.toggle,
-        ("Ctrl+E",),
-        text="edit the reconstruction, or stop editing",
-        applies=lambda s: s.editing.base is not None,
-        ticked=_active,
-    )
+    mode = (
+        Command("Edit mode", edit_actions.toggle, ("Ctrl+E",), "edit the reconstruction, or stop editing",
+                applies=lambda s: s.editing.base is not None, ticked=_active),
+    )  # fmt: skip
     select = (
         Command("Select all", edit_actions.select_all, ("Ctrl+A",), applies=_active),
         Command("Select none", edit_actions.select_none, ("Ctrl+D",), applies=_some),
@@ -32,28 +28,18 @@ def edit_sections() -> tuple[Section, ...]:
     )
     change = (
         Command("Delete", edit_actions.delete, ("Del",), "delete the selected Gaussians", _some),
-        Command(
-            "Crop to selection",
-            edit_actions.crop,
-            ("Shift+Del",),
-            "delete all other visible Gaussians",
-            _some,
-        ),
+        Command("Crop to selection", edit_actions.crop, ("Shift+Del",), "delete all other visible Gaussians",
+                _some),
         Command("Hide", edit_actions.hide, ("H",), "hide the selected Gaussians", _some),
         Command("Show hidden", edit_actions.show_hidden, ("Shift+H",), applies=_active),
-    )
+    )  # fmt: skip
     keep = (
         Command("Undo edit", edit_actions.undo, ("Ctrl+Z",), applies=_can_undo, repeats=True),
         Command("Redo edit", edit_actions.redo, ("Ctrl+Y",), applies=_can_redo, repeats=True),
         Command("Save edits", edit_actions.save, ("Ctrl+Shift+S",), applies=lambda s: s.editing.is_unsaved),
     )
-    return (
-        Section("Edit", (mode,)),
-        Section("Edit", tuple(map(_tool, TOOL_KEYS)), "Tool"),
-        Section("Edit", select),
-        Section("Edit", change),
-        Section("Edit", keep),
-    )
+    tools = Section("Edit", tuple(map(_tool, TOOL_KEYS)), "Tool")
+    return Section("Edit", mode), tools, *menu("Edit", select, change, keep)
 
 
 def _tool(tool: Tool) -> Command:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.gui.actions import job_actions, queue_actions, run_actions
-from app.gui.commands.command import Command, Section
+from app.gui.commands.command import Command, Section, menu
 from app.gui.state.app_state import AppState
 
 
@@ -34,7 +34,7 @@ def job_sections() -> tuple[Section, ...]:
         Command("Empty the queue", queue_actions.empty,
                 text="remove all queued reconstructions", applies=lambda s: bool(s.runs.queue)),
     )  # fmt: skip
-    return tuple(Section("Reconstruct", commands) for commands in (making, ended, waiting))
+    return menu("Reconstruct", making, ended, waiting)
 
 
 def _can_look(state: AppState) -> bool:

@@ -22,14 +22,10 @@ def opening(state: AppState) -> tuple[Command, ...]:
 def beside(state: AppState) -> tuple[Command, ...]:
     """To see it beside the first 3D view."""
     return tuple(
-        Command(
-            label,
-            partial(second_actions.open_second, path=Path(text)),
-            text=text,
-            applies=lambda s: s.scene.model is not None,
-        )
+        Command(label, partial(second_actions.open_second, path=Path(text)), text=text,
+                applies=lambda s: s.scene.model is not None)
         for label, text in _named(state)
-    )
+    )  # fmt: skip
 
 
 def _named(state: AppState) -> list[tuple[str, str]]:

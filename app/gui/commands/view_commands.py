@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from app.gui.actions import actions, path_actions
-from app.gui.commands.command import Command, Section, WindowServices, start
+from app.gui.commands.command import Command, Section, WindowServices, menu
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 
 
@@ -23,23 +23,16 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
             ("Report", "panel: an opened report of measurements"),
         )
     )
-    path = Command(
-        "Camera path",
-        path_actions.toggle_path_shown,
-        text="show the camera path in the 3D view",
-        applies=lambda s: bool(s.scene.cameras.views.path.keyframes),
-        ticked=lambda s: s.scene.cameras.path_shown,
-    )
-    layout = Command(
-        "Standard layout", start(outside.layout), text="all panels back to their standard places"
-    )
-    return (
-        Section("View", panels),
-        Section("View", (path,)),
-        Section("View", (_theme("dark"), _theme("light"))),
-        Section("View", TEXT_SIZE),
-        Section("View", (layout,)),
-    )
+    path = (
+        Command("Camera path", path_actions.toggle_path_shown, text="show the camera path in the 3D view",
+                applies=lambda s: bool(s.scene.cameras.views.path.keyframes),
+                ticked=lambda s: s.scene.cameras.path_shown),
+    )  # fmt: skip
+    layout = (
+        Command("Standard layout", lambda s: outside.layout(),
+                text="all panels back to their standard places"),
+    )  # fmt: skip
+    return menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
 
 
 def _theme(theme: Theme) -> Command:

@@ -6,9 +6,9 @@ import moderngl
 
 from app.gui.actions import actions
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import GraphicsViewport, OnScreen, ProcessorViewport
+from app.gui.drawing.viewport import SECOND, GraphicsViewport, OnScreen, processor_picture
 from app.gui.state.app_state import AppState
-from app.scenes.viewing import View
+from app.scenes.drawer import View
 from renderer.draw.context import is_software, renderer_name
 
 VIEWS = 4
@@ -25,8 +25,8 @@ class ChosenViewport:
     """
 
     def __init__(self, ctx: moderngl.Context, textures: Textures, state: AppState) -> None:
-        self._ctx = ctx
-        self._graphics, self._processor = GraphicsViewport(ctx, textures), ProcessorViewport(textures)
+        self._ctx, self._textures = ctx, textures
+        self._graphics = GraphicsViewport(ctx, textures)
         self._compares = is_software(ctx)
         self._views: list[View] = []
         state.scene.processor_draws = self._compares
@@ -35,13 +35,12 @@ class ChosenViewport:
     def show(self, state: AppState) -> OnScreen | None:
         if self._compares:
             self._compare(state)
-        if state.scene.processor_draws:
-            return self._processor.show(state)
-        try:
-            return self._graphics.show(state)
-        except FAILURES as error:
-            self._give_up(state, error)
-            return self._processor.show(state)
+        if not state.scene.processor_draws:
+            try:
+                return self._graphics.show(state)
+            except FAILURES as error:
+                self._give_up(state, error)
+        return processor_picture(state, self._textures)
 
     def _compare(self, state: AppState) -> None:
         """Once, between two frames of the window, as long as one picture takes."""
@@ -61,9 +60,8 @@ class ChosenViewport:
         own = min(one.milliseconds for one in alike)
         state.scene.processor_draws = own <= card
         faster = "the numba rasteriser" if state.scene.processor_draws else "OpenGL"
-        self._say(
-            state, f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms an image: {faster} draws"
-        )
+        both = f"numba {own:.0f} ms, {renderer_name(self._ctx)} {card:.0f} ms an image"
+        self._say(state, f"{both}: {faster} draws")
 
     def _give_up(self, state: AppState, error: Exception) -> None:
         state.scene.processor_draws, self._compares = True, False
@@ -75,4 +73,21 @@ class ChosenViewport:
 
     def release(self) -> None:
         self._graphics.release()
-        self._processor.release()
+
+
+class SecondViewport:
+    """Follows `state.scene.processor_draws`, which the first view's drawing decides."""
+
+    def __init__(self, ctx: moderngl.Context, textures: Textures) -> None:
+        self._textures, self._graphics = textures, GraphicsViewport(ctx, textures, SECOND)
+
+    def show(self, state: AppState) -> OnScreen | None:
+        if state.scene.processor_draws:
+            return processor_picture(state, self._textures, SECOND)
+        try:
+            return self._graphics.show(state)
+        except FAILURES:  # The first view fails as well, says so, and leaves drawing to the processor.
+            return None
+
+    def release(self) -> None:
+        self._graphics.release()

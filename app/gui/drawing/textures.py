@@ -14,6 +14,9 @@ from app.gui.views.resample import striped, tinted, visible
 from renderer.clip import BoolImage, ByteImage
 
 Size = tuple[float, float]
+Marks = tuple[bool, BoolImage | None]
+"""What is painted over a picture: stripes on clipped pixels or not, a tint where this (H, W) is True."""
+PLAIN: Marks = (False, None)
 
 
 @dataclass(frozen=True)
@@ -27,30 +30,10 @@ class OnPane:
     height: int
 
 
-@dataclass(frozen=True, eq=False)
-class Marks:
-    """What is painted over a picture."""
-
-    zebra: bool = False
-    """Stripes on clipped pixels."""
-    left_out: BoolImage | None = None
-    """(H, W), True = tinted."""
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Marks):
-            return NotImplemented
-        return self.zebra == other.zebra and self.left_out is other.left_out
-
-    def __hash__(self) -> int:
-        return hash((self.zebra, id(self.left_out)))
-
-
-PLAIN = Marks()
-
-
 class ShowsPictures(Protocol):
     """What panels need of textures; tests of panels put something without OpenGL in its place."""
 
+    def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef: ...
     def part(
         self, slot: str, image: ByteImage, place: Placement, pane: Size, marks: Marks = PLAIN
     ) -> OnPane | None: ...
@@ -63,7 +46,7 @@ class Textures:
         self._ctx = ctx
         self._textures: dict[str, moderngl.Texture] = {}
         self._images: dict[str, ByteImage] = {}
-        self._parts: dict[str, tuple[Placement, Size, Marks, OnPane | None]] = {}
+        self._parts: dict[str, tuple[BoolImage | None, tuple[Placement, Size, bool], OnPane | None]] = {}
 
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         """The texture of an (H, W, 3) image, first row first."""
@@ -75,20 +58,18 @@ class Textures:
     def part(
         self, slot: str, image: ByteImage, place: Placement, pane: Size, marks: Marks = PLAIN
     ) -> OnPane | None:
-        """What a pane of (width, height) screen pixels shows of the image; None when it shows nothing.
-
-        `marks`: what is painted over the picture.
-        """
-        last = self._parts.get(slot)
-        if self._images.get(slot) is image and last is not None and last[:3] == (place, pane, marks):
-            return last[3]
-        patch, shown = (striped if marks.zebra else visible)(image, place, pane), None
-        if patch is not None and marks.left_out is not None:
-            patch = tinted(patch, marks.left_out, place, pane)
+        """What a pane of (width, height) screen pixels shows of the image; None when it shows nothing."""
+        zebra, left_out = marks
+        tint, how, made = self._parts.get(slot, (None, None, None))
+        if self._images.get(slot) is image and tint is left_out and how == (place, pane, zebra):
+            return made
+        patch, shown = (striped if zebra else visible)(image, place, pane), None
+        if patch is not None and left_out is not None:
+            patch = tinted(patch, left_out, place, pane)
         if patch is not None:
             texture = self._write(slot, patch.pixels)
             shown = OnPane(imgui.ImTextureRef(texture.glo), patch.x, patch.y, *texture.size)
-        self._images[slot], self._parts[slot] = image, (place, pane, marks, shown)
+        self._images[slot], self._parts[slot] = image, (left_out, (place, pane, zebra), shown)
         return shown
 
     def _write(self, slot: str, pixels: ByteImage) -> moderngl.Texture:

@@ -14,11 +14,11 @@ from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
 from app.gui.work.baking import Baked
 from app.scenes.cpu_rendering import Drawn
+from app.scenes.drawer import View
 from app.scenes.records import BACKGROUND
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
 from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import View
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
@@ -73,21 +73,12 @@ class Viewport(Protocol):
     def release(self) -> None: ...
 
 
-class ProcessorViewport:
-    """Shows the newest picture that background work has drawn."""
-
-    def __init__(self, textures: Textures, watch: Watch = FIRST) -> None:
-        self._textures, self._watch = textures, watch
-
-    def show(self, state: AppState) -> OnScreen | None:
-        view = self._watch.view(state)
-        if view is None or state.scene.model is None:
-            return None
-        texture = self._textures.whole(self._watch.slot, view.image)
-        return OnScreen(texture, (0, 0), (1, 1), view.request, view.scale)
-
-    def release(self) -> None:
-        """The textures are released by their owner."""
+def processor_picture(state: AppState, textures: Textures, watch: Watch = FIRST) -> OnScreen | None:
+    """The newest one that background work has drawn."""
+    view = watch.view(state)
+    if view is None or state.scene.model is None:
+        return None
+    return OnScreen(textures.whole(watch.slot, view.image), (0, 0), (1, 1), view.request, view.scale)
 
 
 class GraphicsViewport:
@@ -130,25 +121,21 @@ class GraphicsViewport:
         return 1000 * (perf_counter() - began)
 
     def _draw(self, request: ViewRequest, keyframes: Keyframes | None) -> None:
+        """Raises moderngl.Error for a context that is lost, or has run out of memory."""
         _forget_errors(self._ctx)
-        splats = self._upload(request, keyframes)
+        splats, size = self._upload(request, keyframes), (request.camera.width, request.camera.height)
         if request.kind != "color":
             paint, with_depth = _paint(request.kind, keyframes), request.kind == "depth"
             shape = SHAPES[request.kind]
             layers = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
             self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
-            self._finish(request)
-            return
-        self._composed = None
-        size = (request.camera.width, request.camera.height)
-        if self._texture is None or self._texture.size != size:
-            self._resize(size)
-        assert self._target is not None
-        splats.draw(request.camera, self._target, background=BACKGROUND)
-        self._finish(request)
-
-    def _finish(self, request: ViewRequest) -> None:
-        """Raises moderngl.Error for a context that is lost, or has run out of memory."""
+        else:
+            self._composed = None
+            if self._target is None or self._target.size != size:
+                self._release_target()
+                self._texture = self._ctx.texture(size, 4)
+                self._target = self._ctx.framebuffer([self._texture])
+            splats.draw(request.camera, self._target, background=BACKGROUND)
         if (error := self._ctx.error) != "GL_NO_ERROR":
             raise moderngl.Error(error)
         self._drawn = request
@@ -169,11 +156,6 @@ class GraphicsViewport:
         self._uploaded = wanted
         self._splats.seek(time)
         return self._splats
-
-    def _resize(self, size: tuple[int, int]) -> None:
-        self._release_target()
-        self._texture = self._ctx.texture(size, 4)
-        self._target = self._ctx.framebuffer([self._texture])
 
     def _release_target(self) -> None:
         for item in (self._target, self._texture):

@@ -15,7 +15,7 @@ from imgui_bundle import portable_file_dialogs as desktop
 from app.files.legible import legible
 from app.gui.state.window import Kind
 from app.gui.style import theme
-from app.gui.style.widgets import em, within
+from app.gui.style.widgets import button, em, within
 
 TITLES: dict[Kind, str] = {"folder": "Open a folder", "file": "Open a file"}
 EMPTY: dict[Kind, str] = {
@@ -43,22 +43,25 @@ class Entry:
         return legible(self.path.name)
 
 
-@dataclass
 class Browser:
     """The dialog inside the window: where it is, and what has been typed or marked."""
 
-    kind: Kind
-    folder: Path
-    entries: list[Entry]
-    path: Path
-    text: str
+    def __init__(self, folder: Path, kind: Kind) -> None:
+        self.kind = kind
+        self.enter(folder)
 
-    @classmethod
-    def at(cls, folder: Path, kind: Kind) -> Browser:
-        return cls(kind, folder, listing(folder, kind), folder, legible(str(folder)))
+    def enter(self, folder: Path) -> None:
+        self.folder, self.entries = folder, listing(folder, self.kind)
+        self.mark(folder)
 
     def mark(self, path: Path) -> None:
         self.path, self.text = path, legible(str(path))
+
+    def type(self, text: str) -> None:
+        """What stands in the line now; a folder's whole name goes there."""
+        self.path, self.text = self.folder / typed(text), text
+        if self.path != self.folder and kind_of(self.path) == "folder":
+            self.enter(self.path)
 
 
 class Dialogs:
@@ -75,12 +78,11 @@ class Dialogs:
         if self._desktop is not None or self.browser is not None:
             return
         self._then = then
-        if not has_desktop_dialogs():
-            self.browser = Browser.at(self._start, kind)
-        elif kind == "folder":
-            self._desktop = desktop.select_folder(TITLES[kind], legible(str(self._start)))
+        if has_desktop_dialogs():
+            dialog = desktop.select_folder if kind == "folder" else desktop.open_file
+            self._desktop = dialog(TITLES[kind], legible(str(self._start)))
         else:
-            self._desktop = desktop.open_file(TITLES[kind], legible(str(self._start)))
+            self.browser = Browser(self._start, kind)
 
     def draw(self) -> None:
         """Once a frame: take the desktop dialog's answer, or draw our own."""
@@ -113,28 +115,14 @@ class Dialogs:
             self._draw_choice(browser)
 
     def _draw_path(self, browser: Browser) -> None:
-        if imgui.button(f"{icons.ICON_FA_ARROW_UP}##up"):
-            self._enter(browser.folder.parent)
+        button(f"{icons.ICON_FA_ARROW_UP}##up", lambda: browser.enter(browser.folder.parent))
         imgui.same_line()
         imgui.set_next_item_width(-1)
         if imgui.is_window_appearing():
             imgui.set_keyboard_focus_here()
         changed, text = imgui.input_text("##path", browser.text)
         if changed:
-            self.type(text)
-
-    def type(self, text: str) -> None:
-        """What stands in the line now; a folder's whole name goes there."""
-        if self.browser is None:
-            return
-        path = self.browser.folder / typed(text)
-        self.browser.path, self.browser.text = path, text
-        if path != self.browser.folder and kind_of(path) == "folder":
-            self._enter(path)
-
-    def _enter(self, folder: Path) -> None:
-        if self.browser is not None:
-            self.browser = Browser.at(folder, self.browser.kind)
+            browser.type(text)
 
     def _draw_entries(self, browser: Browser) -> None:
         if not browser.entries:
@@ -147,28 +135,20 @@ class Dialogs:
             if not marked:
                 continue
             browser.mark(entry.path)
-            if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-                self._take(entry)
-
-    def _take(self, entry: Entry) -> None:
-        if entry.kind == "file":
-            self._choose(entry.path)
-        elif entry.kind == "folder":
-            self._enter(entry.path)
+            if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) and entry.kind is not None:
+                take = self._choose if entry.kind == "file" else browser.enter
+                take(entry.path)
 
     def _draw_choice(self, browser: Browser) -> None:
         path, fits = browser.path, kind_of(browser.path) == browser.kind
         # Not the Enter that asked for the dialog.
         entered = not imgui.is_window_appearing() and any(imgui.is_key_pressed(key, False) for key in ENTER)
-        imgui.begin_disabled(not fits)
-        with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-            if imgui.button("Open", ImVec2(em(8), 0)) or (fits and entered):
-                self._choose(path)
-                # Else what lies below has a control in focus, which the next Space presses.
-                imgui.set_nav_cursor_visible(False)
-        imgui.end_disabled()
+        if button("Open", enabled=fits, color=theme.now().lit, width=8) or (fits and entered):
+            self._choose(path)
+            # Else what lies below has a control in focus, which the next Space presses.
+            imgui.set_nav_cursor_visible(False)
         imgui.same_line()
-        if imgui.button("Cancel", ImVec2(em(8), 0)) or imgui.is_key_pressed(imgui.Key.escape):
+        if button("Cancel", width=8) or imgui.is_key_pressed(imgui.Key.escape):
             self.browser = None
             imgui.close_current_popup()
 

@@ -52,11 +52,8 @@ def window_size(*, first: bool) -> tuple[int, int]:
     width, height = glfw.get_window_size(glfw_utils.glfw_window_hello_imgui())
     if not first:
         return width, height
-    factor, screen = (
-        hello_imgui.dpi_window_size_factor(),
-        glfw.get_video_mode(glfw.get_primary_monitor()).size,
-    )
-    return min(round(factor * width), screen.width), min(round(factor * height), screen.height)
+    factor, most = hello_imgui.dpi_window_size_factor(), glfw.get_video_mode(glfw.get_primary_monitor()).size
+    return min(round(factor * width), most.width), min(round(factor * height), most.height)
 
 
 def is_low(size: tuple[int, int], text_percent: int) -> bool:
@@ -82,15 +79,10 @@ def arrange(docking: hello_imgui.DockingParams, size: tuple[int, int], text_perc
 def splits(side: float = LEAST, *, low: bool = False) -> list[hello_imgui.DockingSplit]:
     """How the window is divided at first: pictures, below them the 3D view, two panels at the side, which has
     that share of the width."""
-    split = hello_imgui.DockingSplit
+    split, down = hello_imgui.DockingSplit, imgui.Dir.down
     column = split("MainDockSpace", "Side", imgui.Dir.right, side)
-    if low:
-        return [column]
-    return [
-        column,
-        split("Side", "SideBelow", imgui.Dir.down, 0.4),
-        split("MainDockSpace", "Below", imgui.Dir.down, 0.44),
-    ]
+    below = [split("Side", "SideBelow", down, 0.4), split("MainDockSpace", "Below", down, 0.44)]
+    return [column] if low else [column, *below]
 
 
 def widen(factor: float) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import glfw
-from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui, imgui_ctx
+from imgui_bundle import glfw_utils, hello_imgui
 
 from app.gui.actions import actions, queue_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import em, question
+from app.gui.style.widgets import ask
 
 
 def ask_before_quitting(state: AppState) -> None:
@@ -29,20 +29,10 @@ def ask_before_quitting(state: AppState) -> None:
 def _draw_question(state: AppState) -> None:
     if state.window.closing != "asked":
         return
-    with question("Close VesselSplat?", 27) as opened:
-        if not opened:
-            return
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_unformatted(queue_actions.at_stake(state))
-            imgui.text_unformatted(queue_actions.what_is_kept(state))
-        imgui.spacing()
-        half = (imgui.get_content_region_avail().x - em(0.5)) / 2
-        close = imgui.button("Close", ImVec2(half, em(2)))
-        imgui.same_line(0, em(0.5))
-        stay = imgui.button("Stay", ImVec2(half, em(2))) or imgui.is_key_pressed(imgui.Key.escape)
-        # All may have ended while the question stood there.
-        if close or stay or not queue_actions.at_stake(state):
-            imgui.close_current_popup()
-            queue_actions.answer_closing(state, close=close)
-        if close:
-            dockings.quit_app()
+    said = (queue_actions.at_stake(state), queue_actions.what_is_kept(state))
+    # All may have ended while the question stood there.
+    reply = ask("Close VesselSplat?", said, ("Close", "Stay"), moot=not said[0])
+    if reply:
+        queue_actions.answer_closing(state, close=reply == "Close")
+    if reply == "Close":
+        dockings.quit_app()

@@ -7,29 +7,20 @@ import moderngl
 import numpy as np
 from imgui_bundle import glfw_utils
 
-from app.exports.exporting import Step
-from app.exports.window_shot import WindowRequest
+from app.exports.exporting import ExportRequest, Step
 from app.gui.actions import window_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Channel
 from renderer.clip import ByteImage
 
 
-class WindowShots:
-    """Asks `channel` to write what it has read."""
-
-    def __init__(self, state: AppState, channel: Channel[WindowRequest, Step]) -> None:
-        self._state, self._channel = state, channel
-        self._ctx: moderngl.Context | None = None
-
-    def begin(self, ctx: moderngl.Context) -> None:
-        """The OpenGL context is there."""
-        self._ctx = ctx
-
-    def follow(self) -> None:
-        """Once a frame, when it has been drawn and not yet shown."""
-        if self._ctx is not None and window_actions.is_due(self._state):
-            self._channel.ask(window_actions.window_request(self._state, _read(self._ctx)))
+def shoot_window(
+    ctx: moderngl.Context | None, state: AppState, channel: Channel[ExportRequest, Step]
+) -> None:
+    """Once a frame, when it has been drawn and not yet shown: asks `channel` to write what it has read. There
+    is no `ctx` before OpenGL is there."""
+    if ctx is not None and window_actions.is_due(state):
+        channel.ask(window_actions.window_request(state, _read(ctx)))
 
 
 def _read(ctx: moderngl.Context) -> ByteImage:

@@ -11,13 +11,20 @@ from app.enhancement.batch import Failed
 from app.files.legible import legible
 from app.gui.actions import actions, batch_actions
 from app.gui.state.app_state import AppState
+from app.gui.state.window import Kind
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, floating, note, row
+from app.gui.style.widgets import button, em, explain, floating, muted, note, row
 
 TEXT = (
     "Enhances every image and video in the list, subfolders included, with the current settings into "
     "a new folder of the same structure. The originals are not changed."
 )
+KINDS: dict[Kind, str] = {
+    "folder": "A folder of images, videos or subfolders, or a clip.",
+    "file": "One image or one video.",
+}
+REMOVE_TEXT = "Remove from the list; no file is touched."
+RUNS_TEXT = "Runs in the background; the window stays usable. Each file records how it was made."
 LISTED = 6
 """Lines of a list before it scrolls."""
 
@@ -45,15 +52,11 @@ def draw_batches(state: AppState) -> None:
 
 def _draw_adding(state: AppState) -> None:
     add = partial(actions.choose_path, state, take=batch_actions.add_input)
-    button(f"{icons.ICON_FA_PLUS}  Folder…###add folder", partial(add, "folder"), width=8)
-    explain("A folder of images, videos or subfolders, or a clip.")
-    imgui.same_line()
-    button(f"{icons.ICON_FA_PLUS}  File…###add file", partial(add, "file"), width=8)
-    explain("One image or one video.")
-    imgui.same_line()
-    clear, some = lambda: batch_actions.clear_inputs(state), bool(state.batches.inputs)
-    button("Clear###clear", clear, enabled=some, width=6)
-    explain("Clear the list; no file is touched.")
+    for kind, text in KINDS.items():
+        button(f"{icons.ICON_FA_PLUS}  {kind.capitalize()}…###add {kind}", partial(add, kind), text, width=8)
+        imgui.same_line()
+    clear, some = partial(batch_actions.clear_inputs, state), bool(state.batches.inputs)
+    button("Clear###clear", clear, "Clear the list; no file is touched.", enabled=some, width=6)
 
 
 def _draw_inputs(state: AppState) -> None:
@@ -62,12 +65,11 @@ def _draw_inputs(state: AppState) -> None:
     height = lines * imgui.get_text_line_height_with_spacing() + em(1.1)
     with imgui_ctx.begin_child("inputs", ImVec2(0, height), imgui.ChildFlags_.borders):
         if not inputs:
-            imgui.text_colored(theme.now().muted, "Nothing to enhance yet: add folders or files.")
+            muted("Nothing to enhance yet: add folders or files.")
         for place, path in enumerate(inputs):
             with imgui_ctx.push_id(str(place)):
-                if imgui.small_button(f"{icons.ICON_FA_TRASH}###remove"):
-                    batch_actions.remove_input(state, place)
-                explain("Remove from the list; no file is touched.")
+                remove = partial(batch_actions.remove_input, state, place)
+                button(f"{icons.ICON_FA_TRASH}###remove", remove, REMOVE_TEXT, small=True)
                 imgui.same_line()
                 imgui.text_unformatted(legible(path.name))
                 explain(str(path))
@@ -78,8 +80,7 @@ def _draw_choices(state: AppState) -> None:
     imgui.text_unformatted(batch_actions.summary(state))
     row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
     choose = partial(actions.choose_path, state, "folder", batch_actions.choose_folder)
-    button("Choose…###target", choose)
-    explain("Choose another folder for the results.")
+    button("Choose…###target", choose, "Choose another folder for the results.")
     imgui.same_line()
     folder = batch_actions.results_folder(state)
     imgui.text_unformatted(f"{legible(folder.name)}/enhanced-…/")
@@ -89,12 +90,8 @@ def _draw_choices(state: AppState) -> None:
 def _draw_progress(state: AppState) -> None:
     reason, batches = batch_actions.why_not_start(state), state.batches
     if batches.under_way is None:
-        start = partial(batch_actions.batch_request, state)
-        with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-            button("Enhance all###start", start, enabled=not reason, width=-1)
-        explain(
-            reason or "Runs in the background; the window stays usable. Each file records how it was made."
-        )
+        start, color = partial(batch_actions.batch_request, state), theme.now().lit
+        button("Enhance all###start", start, RUNS_TEXT, reason=reason, color=color, width=-1)
         return
     step = batches.progressed.step if batches.progressed is not None else None
     if step is None:
@@ -104,8 +101,8 @@ def _draw_progress(state: AppState) -> None:
         said = f"{step.place} of {step.count}   {legible(step.name)}   {step.done} / {step.total}"
     imgui.progress_bar(min(share, 1.0), ImVec2(-em(7), 0), said)
     imgui.same_line()
-    button("Cancel", lambda: batch_actions.cancelled(state), width=6)
-    explain("Finished files are kept; no file is left incomplete.")
+    text = "Finished files are kept; no file is left incomplete."
+    button("Cancel", partial(batch_actions.cancelled, state), text, width=6)
 
 
 def _draw_failed(failed: tuple[Failed, ...]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
@@ -13,9 +14,15 @@ from app.gui.commands.camera_commands import import_views
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import button, em, explain, note
 from app.scenes.scene import Scene
+from renderer.camera_files import NamedCamera
 from renderer.camera_path import Keyframe
 
-Act = Callable[[], None]
+IMPORT_TEXT = (
+    "Saved views, cameras.json, transforms.json or COLMAP's images.txt; or drop the file on the window."
+)
+SAVE_TEXT = "Save all views and the path, for this app and for vesselsplat export --path."
+KEY_TEXT = "I: add this view and time to the path, at its current second or after its end."
+PLAY_TEXT = "L: play or stop the path. Needs two keyframes."
 
 
 def draw_cameras(state: AppState) -> None:
@@ -24,27 +31,27 @@ def draw_cameras(state: AppState) -> None:
         return
     _draw_files(state)
     imgui.separator_text("Views")
-    _draw_new_view(state)
-    for index in range(len(state.scene.cameras.views.named)):
-        if index < len(state.scene.cameras.views.named):
-            _draw_view(state, index)
+    imgui.set_next_item_width(-em(6))
+    _, name = imgui.input_text_with_hint("##name", "name of this view", state.scene.cameras.name)
+    path_actions.type_name(state, name)
+    imgui.same_line()
+    add, text = partial(path_actions.save_view, state), "B: add this viewpoint under this name."
+    button(f"{icons.ICON_FA_PLUS} Add###keep", add, text, width=-1)
+    for index, view in enumerate(state.scene.cameras.views.named):
+        _draw_view(state, index, view)
     imgui.separator_text("Path")
     _draw_path(state, state.scene.model)
 
 
 def _draw_files(state: AppState) -> None:
     views = state.scene.cameras.views
-    button("Import…###import", lambda: import_views(state))
-    explain(
-        "Saved views, cameras.json, transforms.json or COLMAP's images.txt; or drop the file on the window."
-    )
+    button("Import…###import", partial(import_views, state), IMPORT_TEXT)
     imgui.same_line()
-    has_some = bool(views.named or views.path.keyframes)
-    button("Save###save", lambda: path_actions.save_views(state), enabled=has_some)
-    explain("Save all views and the path, for this app and for vesselsplat export --path.")
+    some = bool(views.named or views.path.keyframes)
+    button("Save###save", partial(path_actions.save_views, state), SAVE_TEXT, enabled=some)
     imgui.same_line()
-    button("Export…###export", lambda: imgui.open_popup("export"))
-    explain("Export the poses as cameras.json for other programs.")
+    open_menu = partial(imgui.open_popup, "export")
+    button("Export…###export", open_menu, "Export the poses as cameras.json for other programs.")
     with imgui_ctx.begin_popup("export") as popup:
         if popup:
             if imgui.menu_item_simple("The clip's cameras"):
@@ -53,30 +60,17 @@ def _draw_files(state: AppState) -> None:
                 path_actions.export_path_cameras(state)
 
 
-def _draw_new_view(state: AppState) -> None:
-    imgui.set_next_item_width(-em(6))
-    _, name = imgui.input_text_with_hint("##name", "name of this view", state.scene.cameras.name)
-    path_actions.type_name(state, name)
-    imgui.same_line()
-    button(f"{icons.ICON_FA_PLUS} Add###keep", lambda: path_actions.save_view(state), width=-1)
-    explain("B: add this viewpoint under this name.")
-
-
-def _draw_view(state: AppState, index: int) -> None:
-    one = state.scene.cameras.views.named[index]
+def _draw_view(state: AppState, index: int, one: NamedCamera) -> None:
     with imgui_ctx.push_id(f"view {index}"):
         width = imgui.get_content_region_avail().x - em(5.2)
         if imgui.selectable(f"{legible(one.name)}###go", False, 0, ImVec2(width, 0))[0]:
             path_actions.go_to(state, one.camera)
         explain("View the reconstruction from here.")
         imgui.same_line()
-        if imgui.small_button(f"{icons.ICON_FA_EDIT}###rename"):
-            imgui.open_popup("name")
-        explain("Rename")
+        button(f"{icons.ICON_FA_EDIT}###rename", lambda: imgui.open_popup("name"), "Rename", small=True)
         imgui.same_line()
-        if imgui.small_button(f"{icons.ICON_FA_TRASH}###delete"):
-            path_actions.delete_view(state, index)
-        explain("Delete")
+        delete = partial(path_actions.delete_view, state, index)
+        button(f"{icons.ICON_FA_TRASH}###delete", delete, "Delete", small=True)
         with imgui_ctx.begin_popup("name") as popup:
             if popup:
                 _draw_rename(state, index, one.name)
@@ -94,13 +88,11 @@ def _draw_rename(state: AppState, index: int, name: str) -> None:
 
 def _draw_path(state: AppState, model: Scene) -> None:
     cameras, path = state.scene.cameras, state.scene.cameras.views.path
-    button(f"{icons.ICON_FA_PLUS} Keyframe###keyframe", lambda: path_actions.add_keyframe(state))
-    explain("I: add this view and time to the path, at its current second or after its end.")
+    button(f"{icons.ICON_FA_PLUS} Keyframe###keyframe", partial(path_actions.add_keyframe, state), KEY_TEXT)
     imgui.same_line()
     icon = icons.ICON_FA_PAUSE if cameras.playing else icons.ICON_FA_PLAY
-    enabled = len(path.keyframes) > 1
-    button(f"{icon}###path", lambda: path_actions.toggle_path(state), enabled=enabled, width=2.2)
-    explain("L: play or stop the path. Needs two keyframes.")
+    play, enabled = partial(path_actions.toggle_path, state), len(path.keyframes) > 1
+    button(f"{icon}###path", play, PLAY_TEXT, enabled=enabled, width=2.2)
     imgui.same_line()
     changed, loop = imgui.checkbox("Loop", cameras.views.loop)
     explain("Repeat from the start; smooth where the last keyframe has the view of the first.")
@@ -152,17 +144,12 @@ def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> 
     if changed:
         path_actions.retime_keyframe(state, index, model.time_of(number))
     imgui.table_next_column()
-    acts: tuple[tuple[str, str, Act], ...] = (
-        (icons.ICON_FA_EYE, "Go to it", lambda: path_actions.seek_path(state, key.seconds)),
-        (
-            icons.ICON_FA_SYNC,
-            "Set to this view and time",
-            lambda: path_actions.replace_keyframe(state, index),
-        ),
-        (icons.ICON_FA_TRASH, "Delete", lambda: path_actions.delete_keyframe(state, index)),
+    replace = partial(path_actions.replace_keyframe, state, index)
+    acts: tuple[tuple[str, str, Callable[[], None]], ...] = (
+        (icons.ICON_FA_EYE, "Go to it", partial(path_actions.seek_path, state, key.seconds)),
+        (icons.ICON_FA_SYNC, "Set to this view and time", replace),
+        (icons.ICON_FA_TRASH, "Delete", partial(path_actions.delete_keyframe, state, index)),
     )
     for icon, text, act in acts:
-        if imgui.small_button(f"{icon}###{text}"):
-            act()
-        explain(text)
+        button(f"{icon}###{text}", act, text, small=True)
         imgui.same_line()

@@ -1,31 +1,43 @@
-"""The two panes: left the original by default, right the enhanced one, zoom and pan linked."""
+"""The two panes: left the original by default, right the enhanced one, zoom and pan linked. Before there is a
+clip: what to do first."""
 
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.methods import preset_of
 from app.enhancement.settable import MODES, SLOTS, SOURCES
+from app.files.legible import legible, named
 from app.gui.actions import actions, comparing, laid_out, picture_actions
-from app.gui.commands.commands import one_to_one
+from app.gui.commands.command import Act
+from app.gui.commands.commands import one_to_one, open_file, open_folder
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.fainter import draw_fainter
-from app.gui.panels.picture_pane import Area, draw_bar, draw_divider, draw_side, draw_single
-from app.gui.panels.welcome import draw_welcome
+from app.gui.panels.picture_pane import draw_bar, draw_divider, draw_pane
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES, Side, label_of
-from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
+from app.gui.state.panes import difference_pane, fainter, pane, shown_mode, why_not
 from app.gui.style import theme
-from app.gui.style.widgets import beside, beside_of, button, centered, em, explain
+from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, muted
+from app.gui.views.comparison import SIDES, Side, label_of
+from enhance import EnhanceParams, VesselParams
 
-MODE_LABELS = [mode.capitalize() for mode in MODES]
+MODE_LABELS = {mode: mode.capitalize() for mode in MODES}
+WELCOME_WIDTH = 17.0
 MODE_TEXT = (
     "V: side by side. W: wipe, with a line to drag. T: one pane that flips between left and "
     "right. D: where and by how much they differ."
 )
+ENHANCING_TEXT = "E: on or off. Esc: plain white light. Hold Space: the original in every pane."
+FREEZE_TEXT = "F: hold this frame in both panes while the clip plays on."
+FAINTER_TEXT = (
+    "Colour difference (CIEDE2000) between the strongest dark lines of the original frame and what lies "
+    "beside them. 1 is just noticeable."
+)
+VESSEL_TEXT = "Switch to the preset that darkens and reddens narrow dark structures as blood would."
 ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, blue where all are at 0."
 
 
@@ -43,58 +55,40 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
         centered("Reading the first frame…")
         return
     draw_fainter(state)
-    space = imgui.get_content_region_avail()
-    height = max(space.y, em(4))
+    height = max(imgui.get_content_region_avail().y, em(4))
     if shown_mode(state) == "side by side":
         _draw_pair(state, state.picture.pictures, textures, ImVec2(half, height), gap)
     else:
-        _draw_one(state, state.picture.pictures, textures, ImVec2(2 * half + gap, height))
+        _draw_one(state, state.picture.pictures, textures, Area.here(ImVec2(2 * half + gap, height)))
 
 
 def _draw_toolbar(state: AppState) -> None:
-    label = "Enhancement on" if state.enhancement.active else "Enhancement off"
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.enhancement.active)):
-        button(f"{label}###enhancing", lambda: actions.toggle_enhancement(state), width=8)
-    explain("E: on or off. Esc: plain white light. Hold Space: the original in every pane.")
+    chosen, label = state.comparing.chosen, f"Enhancement {'on' if state.enhancement.active else 'off'}"
+    turn, color = partial(actions.toggle_enhancement, state), theme.switch(state.enhancement.active)
+    button(f"{label}###enhancing", turn, ENHANCING_TEXT, color=color, width=8)
     beside("Frozen")
-    freezing = state.timeline.frozen_index is not None
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(freezing, caution=True)):
-        button("Frozen###freeze" if freezing else "Freeze###freeze", lambda: actions.toggle_freeze(state))
-    explain("F: hold this frame in both panes while the clip plays on.")
+    frozen = state.timeline.frozen_index is not None
+    freeze, color = partial(actions.toggle_freeze, state), theme.switch(frozen, caution=True)
+    button("Frozen###freeze" if frozen else "Freeze###freeze", freeze, FREEZE_TEXT, color=color)
     beside_of(em(7), 1)
-    _draw_modes(state)
+    mode = choose("mode", chosen.mode, MODE_LABELS, MODE_TEXT, 7)
+    if mode != chosen.mode:
+        comparing.choose_mode(state, mode)
+    beside("Zebra")
+    button("Zebra", partial(comparing.toggle_zebra, state), ZEBRA_TEXT, color=theme.switch(chosen.zebra))
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit, 1)
-    button(fit, lambda: picture_actions.fit(state))
-    explain("0 or double click: fit the whole frame.")
+    button(fit, partial(picture_actions.fit, state), "0 or double click: fit the whole frame.")
     beside("1:1")
-    button("1:1", lambda: one_to_one(state))
-    explain("1: actual pixels (1:1).")
+    button("1:1", partial(one_to_one, state), "1: actual pixels (1:1).")
     beside_of(em(4))
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.now().muted, f"{100 * state.picture.zoom:.0f} %".rjust(6))
+    muted(f"{100 * state.picture.zoom:.0f} %".rjust(6))
     explain("Screen pixels per image pixel.")
-    _draw_slots(state)
-
-
-def _draw_slots(state: AppState) -> None:
     for slot, gap in zip(SLOTS, (1.0, 0.5), strict=True):
+        text = f"Shift+{slot}: store the current settings as {slot}, to compare with or return to."
         beside(f"Store {slot}", gap)
-        button(f"Store {slot}", partial(comparing.store, state, slot))
-        explain(f"Shift+{slot}: store the current settings as {slot}, to compare with or return to.")
-
-
-def _draw_modes(state: AppState) -> None:
-    imgui.set_next_item_width(em(7))
-    now = MODES.index(state.comparing.chosen.mode)
-    changed, chosen = imgui.combo("##mode", now, MODE_LABELS)
-    explain(MODE_TEXT)
-    if changed and chosen != now:
-        comparing.choose_mode(state, MODES[chosen])
-    beside("Zebra")
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(state.comparing.chosen.zebra)):
-        button("Zebra", lambda: comparing.toggle_zebra(state))
-    explain(ZEBRA_TEXT)
+        button(f"Store {slot}", partial(comparing.store, state, slot), text)
 
 
 def _draw_sources(state: AppState, half: float, gap: float) -> None:
@@ -102,8 +96,7 @@ def _draw_sources(state: AppState, half: float, gap: float) -> None:
     start = imgui.get_cursor_pos_x()
     _draw_source(state, "left", half - em(4))
     imgui.same_line()
-    button("Swap", lambda: comparing.swap(state))
-    explain("X: swap left and right.")
+    button("Swap", partial(comparing.swap, state), "X: swap left and right.")
     imgui.same_line(start + half + gap)
     _draw_source(state, "right", half)
 
@@ -126,28 +119,71 @@ def _draw_source(state: AppState, side: Side, width: float) -> None:
 def _draw_pair(
     state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2, gap: float
 ) -> None:
-    panes = {side: pane(state, pictures, side) for side in SIDES}
-    pointer = None
+    panes, pointer = {side: pane(state, pictures, side) for side in SIDES}, None
     for side, shown in panes.items():
         if side == "right":
             imgui.same_line(0, gap)
-        area = Area.here(size)
-        pointer = draw_side(state, textures, side, shown, area) or pointer
+        pointer = draw_pane(state, textures, side, shown, (shown,), Area.here(size)) or pointer
     laid_out.point(state, pointer)
 
 
-def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2) -> None:
+def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, area: Area) -> None:
     """Wipe, flip or difference: one pane for both."""
-    area, mode = Area.here(size), shown_mode(state)
+    mode, difference = shown_mode(state), state.comparing.difference
     left, right = (pane(state, pictures, side) for side in SIDES)
     if mode == "wipe":
         laid_out.point(state, draw_divider(state, textures, left, right, area))
         return
-    difference = state.comparing.difference
-    if mode == "difference" and difference is not None and not state.enhancement.peeking:
-        heat = difference_pane(state, pictures, difference)
-        laid_out.point(state, draw_single(state, textures, heat, (left, right), area))
-        draw_bar(difference.top, area)
-        return
     shown = left if state.comparing.chosen.flipped else right
-    laid_out.point(state, draw_single(state, textures, shown, (left, right), area))
+    if mode != "difference" or state.enhancement.peeking:
+        difference = None
+    if difference is not None:
+        shown = difference_pane(state, pictures, difference)
+    laid_out.point(state, draw_pane(state, textures, "single", shown, (left, right), area))
+    if difference is not None:
+        draw_bar(difference.top, area)
+
+
+def draw_fainter(state: AppState) -> None:
+    """One line where the enhancement makes vessels fainter, with the way out of it."""
+    found = fainter(state)
+    if found is None:
+        return
+    params = state.enhancement.params
+    imgui.align_text_to_frame_padding()
+    name, now = named(preset_of(params)), f"{found.after:.1f}, was {found.before:.1f}"
+    imgui.text_colored(theme.now().warning, f"{name} makes vessels fainter here: {now}.")
+    explain(FAINTER_TEXT)
+    if isinstance(params, EnhanceParams):
+        beside("Use Vessel")
+        button("Use Vessel", partial(actions.choose_method, state, VesselParams), VESSEL_TEXT)
+
+
+def draw_welcome(state: AppState) -> None:
+    """Shown in place of the pictures as long as there is no clip."""
+    space = imgui.get_content_region_avail()
+    imgui.dummy(ImVec2(0, max((space.y - em(18)) / 2.4, 0)))
+    with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
+        centered("Make blood vessels visible", theme.now().text)
+    centered("Open an endoscopic clip, or drop a folder, an image, a video or a splat file here.")
+    imgui.spacing()
+    choices: tuple[tuple[str, Act], ...] = (
+        (f"{icons.ICON_FA_FOLDER_OPEN}   Open folder…", open_folder),
+        (f"{icons.ICON_FA_FILM}   Open image or video…", open_file),
+        (f"{icons.ICON_FA_MAGIC}   Open the built-in phantom###phantom", actions.open_phantom),
+    )
+    for label, act in choices:
+        imgui.set_cursor_pos_x((imgui.get_window_width() - em(WELCOME_WIDTH)) / 2)
+        button(label, partial(act, state), width=WELCOME_WIDTH)
+    if state.source.opening is not None:
+        centered(f"Opening {state.source.opening.path.name}…", theme.now().text)
+        return
+    if state.settings.recent:
+        imgui.spacing()
+        centered("Recent")
+    for place, text in enumerate(state.settings.recent[:5]):
+        name = legible(Path(text).name)
+        imgui.set_cursor_pos_x((imgui.get_window_width() - imgui.calc_text_size(name).x) / 2)
+        if imgui.text_link(f"{name}##{place}"):
+            actions.open_path(state, Path(text))
+        explain(text)

@@ -1,23 +1,29 @@
-"""Editing of the reconstruction: tools, ranges, what to do with the selection."""
+"""Editing of the reconstruction: tools, ranges, what to do with the selection; the mouse in the 3D view."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
+from itertools import combinations, product
 from typing import get_args
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import ImVec2, ImVec2Like, imgui, imgui_ctx
 
 from app.files.legible import grouped
-from app.gui.actions import edit_actions, edit_choices
+from app.gui.actions import edit_actions
+from app.gui.commands.command import Act
+from app.gui.panels.scene_marks import Sight
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, question, row
+from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, row, tag
 from app.gui.work.selecting import TRAITS, Limits
+from app.scenes.free_camera import Vector
 from renderer.editing.edits import Combination
 from renderer.editing.sight import Trait
 
 PANEL = "Edit"
-HOWS: tuple[Combination, ...] = get_args(Combination)
+HOWS: dict[Combination, str] = {how: how.capitalize() for how in get_args(Combination)}
 TOOL_TEXTS: dict[Tool, str] = {
     "look": "Shift+V: dragging turns the view, as outside edit mode. Alt+drag turns it with any tool.",
     "rectangle": "Shift+R: drag a rectangle. Selects the Gaussians whose centres are inside, at any depth.",
@@ -35,13 +41,16 @@ HOW_TEXT = (
     "What a tool does to the selection. Shift adds, Ctrl subtracts, Shift+Ctrl intersects, "
     "whatever is set here."
 )
+HIDE_TEXT = "H: hide the selection; it is neither rendered, exported nor edited until shown again."
+UNDO_TEXT = "Ctrl+Z in edit mode: undo an edit or selection."
+REDO_TEXT = "Ctrl+Y in edit mode: redo an edit or selection."
 
 
 def draw_editing(state: AppState) -> None:
     """Everything that has a key has a button here."""
     editing = state.editing
     if editing.base is None:
-        imgui.text_colored(theme.now().muted, "No finished reconstruction to edit.")
+        muted("No finished reconstruction to edit.")
         return
     _draw_tools(state, editing)
     _draw_counts(editing)
@@ -52,20 +61,11 @@ def draw_editing(state: AppState) -> None:
 
 
 def _draw_tools(state: AppState, editing: Editing) -> None:
-    width = _share(len(TOOLS), 0.25)
-    for place, tool in enumerate(TOOLS):
-        if place:
-            imgui.same_line(0, em(0.25))
-        chosen = tool == editing.tool
-        with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(chosen)):
-            label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
-            button(f"{label}###tool {tool}", lambda t=tool: edit_actions.choose_tool(state, t), width=width)  # type: ignore[misc]
-        explain(TOOL_TEXTS[tool])
-    row("Result", HOW_TEXT)
-    imgui.set_next_item_width(-em(0.1))
-    _, index = imgui.combo("##how", HOWS.index(editing.how), [how.capitalize() for how in HOWS])
-    explain(HOW_TEXT)
-    edit_choices.choose_how(state, HOWS[index])
+    for tool, width in in_line(TOOLS, 0.25):
+        label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
+        choose, color = partial(edit_actions.choose_tool, state, tool), theme.switch(tool == editing.tool)
+        button(f"{label}###tool {tool}", choose, TOOL_TEXTS[tool], color=color, width=width)
+    edit_actions.choose_how(state, choose_row("Result", editing.how, HOWS, HOW_TEXT))
     if editing.tool in ("sphere", "box"):
         _draw_radius(state, editing)
 
@@ -74,13 +74,12 @@ def _draw_radius(state: AppState, editing: Editing) -> None:
     text = "Radius of the sphere, or half the edge of the box, in the clip's unit. Release to select again."
     distance = editing.base.distance if editing.base else 1.0
     row("Radius", text)
-    imgui.set_next_item_width(-em(0.1))
     flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp
     shown = editing.radius * distance
     changed, radius = imgui.slider_float("##radius", shown, 1e-3 * distance, distance, "%.3g", flags)
     explain(text)
     if changed:
-        edit_choices.choose_radius(state, radius / distance)
+        edit_actions.choose_radius(state, radius / distance)
     if imgui.is_item_deactivated_after_edit():
         edit_actions.select_again(state)
 
@@ -88,18 +87,17 @@ def _draw_radius(state: AppState, editing: Editing) -> None:
 def _draw_counts(editing: Editing) -> None:
     edits = editing.edits
     chosen, seen = len(edits.selected), len(edits.visible)
-    imgui.text_colored(
-        theme.now().warning if chosen else theme.now().text, f"{grouped(chosen)} of {grouped(seen)} selected"
-    )
-    gone = f"{grouped(len(edits.deleted))} deleted, {grouped(len(edits.hidden - edits.deleted))} hidden"
+    color = theme.now().warning if chosen else theme.now().text
+    imgui.text_colored(color, f"{grouped(chosen)} of {grouped(seen)} selected")
     imgui.same_line(em(11))
-    imgui.text_colored(theme.now().muted, gone)
+    muted(f"{grouped(len(edits.deleted))} deleted, {grouped(len(edits.hidden - edits.deleted))} hidden")
 
 
 def _draw_changes(state: AppState, editing: Editing) -> None:
-    some, history = len(editing.edits.selected) > 0, editing.history
-    hidden = len(editing.edits.hidden) > 0
-    rows = (
+    some, hidden = len(editing.edits.selected) > 0, len(editing.edits.hidden) > 0
+    history = editing.history
+    kept = "beside the run; the trained model is not changed" if editing.is_of_run else "as a new PLY file"
+    rows: tuple[tuple[tuple[str, Act, bool, str], ...], ...] = (
         (
             ("All", edit_actions.select_all, True, "Ctrl+A: select everything visible."),
             ("None", edit_actions.select_none, some, "Ctrl+D: clear the selection."),
@@ -108,43 +106,19 @@ def _draw_changes(state: AppState, editing: Editing) -> None:
         (
             ("Delete", edit_actions.delete, some, "Del: delete the selected Gaussians, at all times."),
             ("Crop", edit_actions.crop, some, "Shift+Del: delete everything visible that is not selected."),
-            (
-                "Hide",
-                edit_actions.hide,
-                some,
-                "H: hide the selection; it is neither rendered, exported nor edited until shown again.",
-            ),
+            ("Hide", edit_actions.hide, some, HIDE_TEXT),
             ("Show", edit_actions.show_hidden, hidden, "Shift+H: show everything hidden."),
         ),
         (
-            (
-                "Undo",
-                edit_actions.undo,
-                bool(history.past),
-                "Ctrl+Z in edit mode: undo an edit or selection.",
-            ),
-            (
-                "Redo",
-                edit_actions.redo,
-                bool(history.future),
-                "Ctrl+Y in edit mode: redo an edit or selection.",
-            ),
-            (
-                "Save",
-                edit_actions.save,
-                editing.is_unsaved,
-                f"Ctrl+Shift+S: save the edits {_kept(editing)}.",
-            ),
+            ("Undo", edit_actions.undo, bool(history.past), UNDO_TEXT),
+            ("Redo", edit_actions.redo, bool(history.future), REDO_TEXT),
+            ("Save", edit_actions.save, editing.is_unsaved, f"Ctrl+Shift+S: save the edits {kept}."),
             ("Done", edit_actions.toggle, True, "Ctrl+E: leave edit mode. Edits stay, saved or not."),
         ),
     )
     for line in rows:
-        width = _share(len(line), 0.25)
-        for place, (label, act, enabled, text) in enumerate(line):
-            if place:
-                imgui.same_line(0, em(0.25))
-            button(f"{label}###edit {label}", lambda act=act: act(state), enabled=enabled, width=width)  # type: ignore[misc]
-            explain(text)
+        for (label, act, enabled, text), width in in_line(line, 0.25):
+            button(f"{label}###edit {label}", partial(act, state), text, enabled=enabled, width=width)
 
 
 def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
@@ -152,53 +126,119 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
     whole: Limits = (0.0, 1.0) if trait == "opacity" else editing.limits.get(trait, (0.0, 0.0))
     low, high = editing.ranges.get(trait, whole)
     row(label, text)
-    imgui.set_next_item_width(-em(0.1))
     enabled = whole[1] > whole[0]
     imgui.begin_disabled(not enabled)
     speed = max(whole[1] - whole[0], 1e-6) / 400
     unit = editing.base.unit if editing.base is not None and trait != "opacity" else ""
     form, flags = f"%.3g {unit}".rstrip(), imgui.SliderFlags_.always_clamp
-    changed, low, high = imgui.drag_float_range2(
-        f"##{trait}", low, high, speed, whole[0], whole[1], f"from {form}", f"to {form}", flags
-    )
+    ends = (f"from {form}", f"to {form}")
+    changed, low, high = imgui.drag_float_range2(f"##{trait}", low, high, speed, *whole, *ends, flags)
     ended = imgui.is_item_deactivated_after_edit()
     imgui.end_disabled()
     explain(f"{text} Drag either end, or double click to type; release to select." if enabled else text)
     if changed:
-        edit_choices.move_range(state, trait, (low, high))
+        edit_actions.move_range(state, trait, (low, high))
     if ended:
         edit_actions.select_range(state, trait, (low, high))
-
-
-def _kept(editing: Editing) -> str:
-    return "beside the run; the trained model is not changed" if editing.is_of_run else "as a new PLY file"
-
-
-def _share(parts: int, gap: float) -> float:
-    """Width in em of one of so many equal controls in what is left of the line."""
-    return (imgui.get_content_region_avail().x / em() - gap * (parts - 1)) / parts
 
 
 def draw_question(state: AppState) -> None:
     """Before unsaved edits are lost."""
     if state.editing.leaving is None:
         return
-    with question("Unsaved edits", 27) as opened:
-        if not opened:
-            return
-        edits = state.editing.edits
-        with imgui_ctx.push_text_wrap_pos(0):
-            left_out = grouped(edits.count - len(edits.visible))
-            imgui.text_unformatted(
-                f"{left_out} of {grouped(edits.count)} Gaussians are removed, and this is not saved."
-            )
-        imgui.spacing()
-        width, reply = _share(3, 0.5), ""
-        for place, (label, said) in enumerate((("Save", "save"), ("Discard", "discard"), ("Stay", "stay"))):
-            if place:
-                imgui.same_line(0, em(0.5))
-            if imgui.button(label, ImVec2(width * em(), em(2))):
-                reply = said
-        if reply or imgui.is_key_pressed(imgui.Key.escape):
-            imgui.close_current_popup()
-            edit_actions.answer(state, reply or "stay")
+    edits = state.editing.edits
+    left_out = grouped(edits.count - len(edits.visible))
+    said = f"{left_out} of {grouped(edits.count)} Gaussians are removed, and this is not saved."
+    if reply := ask("Unsaved edits", (said,), ("Save", "Discard", "Stay")):
+        edit_actions.answer(state, reply.lower())
+
+
+def draw_edit_tools(state: AppState) -> None:
+    """Over the item before, which is the 3D view."""
+    request = state.plain_view_request
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    if text := said(state):
+        tag(text, ImVec2(low.x + em(0.4), high.y - em(1.9)), theme.TAG_CAUTION)
+    if not state.editing.active or request is None:
+        return
+    sight = Sight(request.camera, Area(low, high - low))
+    _follow_mouse(state, sight)
+    with imgui_ctx.push_clip_rect(low, high, True):
+        _draw_stroke(state, sight)
+        _draw_solid(state, sight)
+
+
+def said(state: AppState) -> str:
+    """That this is not the model as it was trained, and how much is selected; empty where neither is so."""
+    editing = state.editing
+    seen, chosen = len(editing.edits.visible), len(editing.edits.selected)
+    selected = f"EDIT MODE · {grouped(chosen)} of {grouped(seen)} selected" if editing.active else ""
+    left_out = f"EDITED · {grouped(editing.edits.count - seen)} removed" if not editing.edits.is_empty else ""
+    unsaved = "UNSAVED" if editing.is_unsaved else ""
+    return " · ".join(part for part in (selected, left_out, unsaved) if part)
+
+
+def combination(chosen: Combination) -> Combination:
+    """With Shift added, with Ctrl taken away, with both what is in both; else as chosen."""
+    io = imgui.get_io()
+    held: dict[tuple[bool, bool], Combination] = {
+        (True, True): "intersect", (True, False): "add", (False, True): "subtract"
+    }  # fmt: skip
+    return held.get((io.key_shift, io.key_ctrl), chosen)
+
+
+def _follow_mouse(state: AppState, sight: Sight) -> None:
+    if imgui.is_item_active() and imgui.is_mouse_down(imgui.MouseButton_.left):
+        if state.editing.takes_drags and not imgui.get_io().key_alt:
+            edit_actions.draw_on(state, sight.mouse())
+    elif state.editing.stroke:
+        edit_actions.end_stroke(state, combination(state.editing.how))
+
+
+def _draw_stroke(state: AppState, sight: Sight) -> None:
+    points: list[ImVec2Like] = [sight.at(x, y) for x, y in state.editing.stroke]
+    draw, line = imgui.get_window_draw_list(), imgui.get_color_u32(theme.MARK)
+    if state.editing.tool == "rectangle" and len(points) == 2:
+        draw.add_rect_filled(*_ends(points), imgui.get_color_u32(theme.grey(1.0, 0.08)))
+        draw.add_rect(*_ends(points), line, thickness=em(0.1))
+    elif state.editing.tool == "lasso" and len(points) > 1:
+        draw.add_polyline(points, line, thickness=em(0.1), flags=imgui.ImDrawFlags_.closed)
+
+
+def _ends(points: Sequence[ImVec2Like]) -> tuple[ImVec2, ImVec2]:
+    one, other = (ImVec2(*point) for point in points)
+    low = ImVec2(min(one.x, other.x), min(one.y, other.y))
+    return low, ImVec2(max(one.x, other.x), max(one.y, other.y))
+
+
+def _draw_solid(state: AppState, sight: Sight) -> None:
+    """The outline of the last sphere or box, where it is in space."""
+    editing = state.editing
+    if editing.center is None or editing.base is None or editing.tool not in ("sphere", "box"):
+        return
+    radius = editing.radius * editing.base.distance
+    draw, line = imgui.get_window_draw_list(), imgui.get_color_u32(theme.MARK)
+    if (at := sight.point(editing.center)) is None:
+        return
+    if editing.tool == "sphere":
+        pose = sight.camera.camera_from_world
+        depth = float(pose[2, :3] @ editing.center + pose[2, 3])
+        draw.add_circle(at, sight.place.zoom * sight.camera.fx * radius / depth, line, thickness=em(0.1))
+        return
+    for one, other in EDGES:
+        start, end = (sight.point(_moved(editing.center, radius, signs)) for signs in (one, other))
+        if start is not None and end is not None:
+            draw.add_line(start, end, line, em(0.1))
+
+
+EDGES = tuple(
+    (one, other)
+    for one, other in combinations(product((-1, 1), repeat=3), 2)
+    if sum(a != b for a, b in zip(one, other, strict=True)) == 1
+)
+"""Of a box, between its corners."""
+
+
+def _moved(center: Vector, radius: float, signs: tuple[int, ...]) -> Vector:
+    x, y, z = (value + radius * sign for value, sign in zip(center, signs, strict=True))
+    return x, y, z

@@ -3,64 +3,142 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import get_args
 
-from imgui_bundle import imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
-from app.enhancement.settable import PIXELS, Scope
-from app.files.legible import named
-from app.gui.actions import actions, history_actions, picture_actions
+from app.enhancement.settable import Pixels, Scope
+from app.files.legible import legible, named
+from app.gui.actions import actions, picture_actions, preset_actions
+from app.gui.actions import history_actions as history
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
-from app.gui.panels.enhancement_scales import draw_scales
-from app.gui.panels.presets import Texture, draw_presets
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
-from app.gui.style import theme
-from app.gui.style.widgets import button, choose_row, em, explain, row, slide, slide_auto
+from app.gui.style.fields import declared, slide, slide_auto, slider
+from app.gui.style.widgets import NAMES, button, choose_row, em, explain, in_line, muted, row
+from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
+from renderer.clip import ByteImage
 
 __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
-METHODS: tuple[type[EnhancementSettings], ...] = (EnhanceParams, VesselParams)
-METHOD_LABELS = [named(PAPER), named(VESSEL)]
+METHODS: dict[type[EnhancementSettings], str] = {EnhanceParams: named(PAPER), VesselParams: named(VESSEL)}
 VESSEL_SLIDERS = {
-    "strength": "Strength",
-    "radius": "Radius",
-    "shading": "Shading",
-    "coring": "Coring",
-    "lift": "Lift",
-    "gamma": "Gamma",
-    "d_factor": "Colour d",
-    "most_color": "Most colour",
-}
+    "strength": "Strength", "radius": "Radius", "shading": "Shading", "coring": "Coring",
+    "lift": "Lift", "gamma": "Gamma", "d_factor": "Colour d", "most_color": "Most colour",
+}  # fmt: skip
+Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
+HEIGHT, WIDEST = 3.4, 6.0
+"""Em of a small picture."""
 MAIN_VESSEL = ("strength", "radius", "lift", "d_factor")
-SCOPES: tuple[Scope, ...] = get_args(Scope)
-SCOPE_LABELS = ["Of each frame", "Of the whole clip"]
-PIXEL_LABELS = ["Automatic", "All", "Tissue only"]
+SCOPES: dict[Scope, str] = {"image": "Of each frame", "clip": "Of the whole clip"}
+PIXELS: dict[Pixels, str] = {"automatic": "Automatic", "all": "All", "tissue": "Tissue only"}
+SUBSAMPLES = {1: "Off", 2: "2×", 4: "4×", 8: "8×"}
+METHOD_TEXT = (
+    "The paper's method, or VesselSplat's preset, which darkens and reddens narrow dark "
+    "structures as blood would."
+)
+RESET_TEXT = "R. For a single value, double click or right click its slider."
+SCOPE_TEXT = (
+    "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
+)
+PIXELS_TEXT = (
+    "Automatic: what the endoscope sees; a dark surround is found and stays as it is. All: every pixel, "
+    "as in the paper. Tissue only: every pixel, by statistics without tools and black borders."
+)
 
 
 def draw_enhancement(state: AppState, texture: Texture) -> None:
     """Method, preset and the main sliders always; windows, curves and measures by tab."""
-    _draw_method(state)
+    now = type(state.enhancement.params)
+    chosen = choose_row("Method", now, METHODS, METHOD_TEXT)
+    if chosen is not now:
+        actions.choose_method(state, chosen)
     draw_presets(state, texture)
     used = state.picture.pictures.statistics if state.picture.pictures else None
     _change(state, _draw_main(state.enhancement.params, used))
     _draw_edits(state)
     imgui.spacing()
     with imgui_ctx.begin_tab_bar("details") as bar:
-        if not bar:
-            return
-        _draw_tabs(state, used)
+        if bar:
+            first = "Windows" if isinstance(state.enhancement.params, EnhanceParams) else "More"
+            _draw_tab(f"{first}###windows", partial(_draw_settings, state, used))
+            _draw_tab("Curves", partial(draw_curves, state))
+            _draw_tab("Measures", partial(draw_measures, state))
 
 
-def _draw_tabs(state: AppState, used: Statistics | None) -> None:
-    first = "Windows" if isinstance(state.enhancement.params, EnhanceParams) else "More"
-    _draw_tab(f"{first}###windows", partial(_draw_settings, state, used))
-    _draw_tab("Curves", partial(draw_curves, state))
-    _draw_tab("Measures", partial(draw_measures, state))
+def draw_presets(state: AppState, texture: Texture) -> None:
+    row("Preset", "Named settings. Save stores the current ones under a name of yours.", -4.0)
+    shown = preset_name(state.enhancement.params, state.enhancement.presets) or "custom"
+    is_open = imgui.begin_combo("##preset", legible(shown), imgui.ComboFlags_.height_largest)
+    preset_actions.look_at(state, is_open)
+    if is_open:
+        for name in BUILT_IN:
+            _draw_preset(state, name, shown, texture)
+        if state.enhancement.presets:
+            imgui.separator()
+        for name in sorted(state.enhancement.presets):
+            with imgui_ctx.push_id(name):
+                _draw_preset(state, name, shown, texture, beside=em(2))
+                imgui.same_line(0, 0)
+                forget = partial(preset_actions.forget, state, name)
+                button("×", forget, f"Delete {legible(name)}.", small=True)
+        imgui.end_combo()
+    imgui.same_line()
+    name_it = partial(imgui.open_popup, "keep preset")
+    button("Save…", name_it, "Save under a name of yours, for later sessions.", width=-1)
+    with imgui_ctx.begin_popup("keep preset") as popup:
+        if popup:
+            _draw_keep(state)
+
+
+def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, beside: float = 0.0) -> None:
+    """A line of the menu; `beside` it is room for a button."""
+    chosen = _draw_thumbnail(state, name, texture)
+    imgui.same_line()
+    size = ImVec2(max(em(9), imgui.get_content_region_avail().x - beside), em(HEIGHT))
+    with imgui_ctx.push_style_var(imgui.StyleVar_.selectable_text_align, ImVec2(0, 0.5)):
+        chosen = imgui.selectable(legible(name), name == shown, size=size)[0] or chosen
+    if chosen:
+        preset_actions.choose(state, name)
+        imgui.close_current_popup()
+
+
+def _draw_thumbnail(state: AppState, name: str, texture: Texture) -> bool:
+    """Room for one where it is not made yet; whether it is clicked."""
+    pictures, made = state.picture.pictures, state.enhancement.thumbnails
+    if pictures is None:
+        imgui.dummy(ImVec2(0, em(HEIGHT)))
+        return False
+    height, width = pictures.photo.shape[:2]
+    scale = min(em(HEIGHT) / height, em(WIDEST) / width)
+    corner, room = imgui.get_cursor_screen_pos(), ImVec2(em(WIDEST), em(HEIGHT))
+    imgui.dummy(room)
+    clicked = imgui.is_item_clicked()
+    if made is not None and made.request.pictures.photo is pictures.photo and name in made.images:
+        size = ImVec2(scale * width, scale * height)
+        low, drawn = corner + (room - size) / 2, texture(f"preset {name}", made.images[name])
+        imgui.get_window_draw_list().add_image(drawn, low, low + size)
+    return clicked
+
+
+def _draw_keep(state: AppState) -> None:
+    if imgui.is_window_appearing():
+        preset_actions.type_name(state, "")
+        imgui.set_keyboard_focus_here()
+    imgui.set_next_item_width(em(14))
+    flags = imgui.InputTextFlags_.enter_returns_true
+    entered, name = imgui.input_text_with_hint("##name", "name", state.enhancement.preset_draft, flags)
+    preset_actions.type_name(state, name)
+    imgui.same_line()
+    named = bool(state.enhancement.preset_draft.strip())
+    entered |= button("Save", enabled=named)
+    if entered and named:
+        preset_actions.keep(state, state.enhancement.preset_draft)
+        imgui.close_current_popup()
 
 
 def _draw_tab(label: str, draw: Callable[[], None]) -> None:
@@ -72,24 +150,19 @@ def _draw_tab(label: str, draw: Callable[[], None]) -> None:
 
 
 def _draw_settings(state: AppState, used: Statistics | None) -> None:
-    _change(state, _draw_rest(state.enhancement.params, used))
-    _draw_scope(state)
+    """What the main sliders leave, and what the automatic values are taken from."""
+    params, chosen = state.enhancement.params, state.enhancement
+    if isinstance(params, VesselParams):
+        _change(state, _draw_vessel(params, [name for name in VESSEL_SLIDERS if name not in MAIN_VESSEL]))
+    elif isinstance(params, EnhanceParams):
+        _change(state, _draw_windows(params, used))
+    picture_actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
+    picture_actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))
 
 
 def _change(state: AppState, params: EnhancementSettings) -> None:
     if params != state.enhancement.params:
         actions.set_params(state, params)
-
-
-def _draw_method(state: AppState) -> None:
-    text = (
-        "The paper's method, or VesselSplat's preset, which darkens and reddens narrow dark "
-        "structures as blood would."
-    )
-    now = METHODS.index(type(state.enhancement.params))
-    chosen = choose_row("Method", now, METHOD_LABELS, text)
-    if chosen != now:
-        actions.choose_method(state, METHODS[chosen])
 
 
 def _draw_main(params: EnhancementSettings, used: Statistics | None) -> EnhancementSettings:
@@ -107,13 +180,11 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
     text = "Each window has its own P, see Windows below."
     row("Detail P", text)
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.now().muted, "   ".join(f"{p:.2f}" for p in params.p))
+    muted("   ".join(f"{p:.2f}" for p in params.p))
     explain(text)
     imgui.same_line()
-    made: list[EnhanceParams] = []
-    button("One P", lambda: made.append(scales.together(params)), width=-1.0)
-    explain("Use the same P for every window.")
-    return made[0] if made else params
+    pressed = button("One P", text="Use the same P for every window.", width=-1)
+    return scales.together(params) if pressed else params
 
 
 def _draw_vessel(params: VesselParams, names: Sequence[str]) -> VesselParams:
@@ -122,36 +193,71 @@ def _draw_vessel(params: VesselParams, names: Sequence[str]) -> VesselParams:
     return params
 
 
-def _draw_rest(params: EnhancementSettings, used: Statistics | None) -> EnhancementSettings:
-    if isinstance(params, EnhanceParams):
-        return draw_scales(params, used)
-    return _draw_vessel(params, [name for name in VESSEL_SLIDERS if name not in MAIN_VESSEL])
-
-
-def _draw_scope(state: AppState) -> None:
-    """What the automatic values are taken from."""
-    text = (
-        "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
-    )
-    chosen = state.enhancement
-    scope = choose_row("Statistics", SCOPES.index(chosen.scope), SCOPE_LABELS, text)
-    picture_actions.choose_scope(state, SCOPES[scope])
-    text = (
-        "Automatic: what the endoscope sees; a dark surround is found and stays as it is. All: every pixel, "
-        "as in the paper. Tissue only: every pixel, by statistics without tools and black borders."
-    )
-    pixels = choose_row("Pixels", PIXELS.index(chosen.pixels), PIXEL_LABELS, text)
-    picture_actions.choose_pixels(state, PIXELS[pixels])
-
-
 def _draw_edits(state: AppState) -> None:
-    width = (imgui.get_content_region_avail().x / em() - 1) / 3
-    button("Undo", partial(history_actions.undo, state), enabled=len(state.enhancement.past) > 1, width=width)
-    explain("Ctrl+Z")
-    imgui.same_line(0, em(0.5))
-    button("Redo", partial(history_actions.redo, state), enabled=bool(state.enhancement.future), width=width)
-    explain("Ctrl+Y")
-    imgui.same_line(0, em(0.5))
-    changed = state.enhancement.params != type(state.enhancement.params)()
-    button("Reset all", partial(actions.reset_params, state), enabled=changed, width=width)
-    explain("R. For a single value, double click or right click its slider.")
+    chosen = state.enhancement
+    edits = (
+        ("Undo", history.undo, "Ctrl+Z", len(chosen.past) > 1),
+        ("Redo", history.redo, "Ctrl+Y", bool(chosen.future)),
+        ("Reset all", actions.reset_params, RESET_TEXT, chosen.params != type(chosen.params)()),
+    )
+    for (label, act, text, enabled), width in in_line(edits):
+        button(label, partial(act, state), text, enabled=enabled, width=width)
+
+
+def _draw_windows(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
+    """A row for each window, then what all have in common."""
+    exponents = scales.exponents(params, used.p if used else ())
+    changed = params
+    for index in range(len(params.radii)):
+        # These sliders are narrow: a handle of the usual width hides what they say.
+        thin = imgui_ctx.push_style_var(imgui.StyleVar_.grab_min_size, em(0.3))
+        with imgui_ctx.push_id(f"window {index}"), thin:
+            changed = _draw_scale(changed, index, exponents)
+        if len(changed.radii) != len(params.radii):
+            return changed
+    changed = _draw_counts(changed)
+    changed = slide(changed, "eps", "Smoothing", "%.4f", log=True)
+    changed = _draw_subsample(changed)
+    return slide(changed, "omit_below", "Omit below", "%.2f levels")
+
+
+def _draw_scale(params: EnhanceParams, index: int, exponents: tuple[float, ...]) -> EnhanceParams:
+    about, p = declared(EnhanceParams, "radii"), declared(EnhanceParams, "p")
+    row(f"Window {index + 1}", about.text)
+    width, clamped = (imgui.get_content_region_avail().x - em(2.3)) / 2, imgui.SliderFlags_.always_clamp
+    imgui.set_next_item_width(width)
+    flags = clamped | imgui.SliderFlags_.logarithmic
+    changed, radius = slider("##radius", params.radii[index], about, "%d px", flags)
+    explain(about.text)
+    params = scales.with_radius(params, index, radius) if changed else params
+    imgui.same_line(0, em(0.25))
+    imgui.set_next_item_width(width - em(0.25))
+    moved, value = slider("##p", float(exponents[index]), p, "P %.2f", clamped)
+    explain(f"{p.text} Changed here, each window has its own P.")
+    params = scales.with_exponent(params, index, value, exponents) if moved else params
+    imgui.same_line(0, em(0.25))
+    removed = button("–", text="Remove this window.", enabled=len(params.radii) > 1, width=-1)
+    return scales.without_scale(params, index) if removed else params
+
+
+def _draw_counts(params: EnhanceParams) -> EnhanceParams:
+    made, more = [params], len(params.radii) < scales.MOST_SCALES
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + em(NAMES))
+    text = f"Add a window twice as wide; at most {scales.MOST_SCALES}."
+    button("Add window", lambda: made.append(scales.with_scale(params)), text, enabled=more)
+    imgui.same_line()
+    text, apart = "Use the mean of the exponents above for every window.", isinstance(params.p, tuple)
+    button("One P for all", lambda: made.append(scales.together(params)), text, enabled=apart)
+    return made[-1]
+
+
+def _draw_subsample(params: EnhanceParams) -> EnhanceParams:
+    about = declared(EnhanceParams, "subsample")
+    now = params.subsample
+    factors = SUBSAMPLES if now in SUBSAMPLES else SUBSAMPLES | {now: f"{now}×"}
+    chosen = choose_row("Subsample", now, factors, about.text, 4.2)
+    params = replace(params, subsample=chosen) if chosen != now else params
+    imgui.same_line()
+    changed, keep = imgui.checkbox("Keep black", params.keep_black)
+    explain(declared(EnhanceParams, "keep_black").text)
+    return replace(params, keep_black=keep) if changed else params

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
+from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import Pictures
@@ -14,18 +14,10 @@ from app.enhancement.parameter_grid import DEFINITIONS, Measures
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import em, explain
+from app.gui.style.widgets import cell, em, explain, in_table, muted
 from app.gui.work.measuring import BINS, Measured, curves
 from enhance import Statistics
 
-PLOT_FLAGS = (
-    implot.Flags_.no_title
-    | implot.Flags_.no_menus
-    | implot.Flags_.no_box_select
-    | implot.Flags_.no_mouse_text
-    | implot.Flags_.no_legend
-    | implot.Flags_.no_inputs
-)
 AXIS_FLAGS = (
     implot.AxisFlags_.no_tick_labels | implot.AxisFlags_.no_tick_marks | implot.AxisFlags_.no_highlight
 )
@@ -64,12 +56,15 @@ def draw_curves(state: AppState) -> None:
     """V and S before and after, over their histograms, with L and S_m marked."""
     pictures = state.picture.pictures
     if pictures is None or pictures.statistics is None or pictures.request.params is None:
-        imgui.text_colored(theme.now().muted, "—")
+        muted("—")
         return
     used, made = pictures.statistics, curves(pictures.request.params, pictures.statistics)
     space = imgui.get_content_region_avail()
     size = ImVec2((space.x - em(0.5)) / 2, min(max(space.y - 1.6 * em(), em(5)), em(11)))
-    seen = state.picture.measured if _is_of_frame(state.picture.measured, pictures) else None
+    now, seen = pictures.request, state.picture.measured
+    then = None if seen is None else seen.pictures.request
+    if then is None or then.clip is not now.clip or then.frame_index != now.frame_index:
+        seen = None  # A histogram of another setting is worth showing, one of another frame is not.
     spreads = None if seen is None else (seen.photo.value, seen.enhanced.value)
     _draw_plot("V", size, spreads, (made.given, made.value), used.level / 255)
     explain("Eq 1: V to Vn, at the marked L. Histograms: grey, the original frame; blue, the enhanced one.")
@@ -82,27 +77,19 @@ def draw_curves(state: AppState) -> None:
 
 def _captions(used: Statistics, width: float) -> None:
     start = imgui.get_cursor_pos_x()
-    imgui.text_colored(theme.now().muted, "V to Vn")
+    muted("V to Vn")
     imgui.same_line(0, em(0.6))
     imgui.text_colored(theme.now().warning, f"L {used.level:.0f}")
     imgui.same_line(start + width + em(0.5))
-    imgui.text_colored(theme.now().muted, "S to S*")
+    muted("S to S*")
     imgui.same_line(0, em(0.6))
     imgui.text_colored(theme.now().warning, f"S_m {used.saturation_mean:.2f}")
-
-
-def _is_of_frame(seen: Measured | None, pictures: Pictures) -> bool:
-    """A histogram of another setting is worth showing, one of another frame is not."""
-    if seen is None:
-        return False
-    now, then = pictures.request, seen.pictures.request
-    return now.clip is then.clip and now.frame_index == then.frame_index
 
 
 def _draw_plot(
     name: str, size: ImVec2, spreads: tuple[Array, Array] | None, line: tuple[Array, Array], mark: float
 ) -> None:
-    if not implot.begin_plot(f"##{name}", size, PLOT_FLAGS):
+    if not implot.begin_plot(f"##{name}", size, theme.QUIET_PLOT | implot.Flags_.no_inputs):
         return
     implot.setup_axes("", "", AXIS_FLAGS, AXIS_FLAGS)
     implot.setup_axis_limits(implot.ImAxis_.x1, 0, 1, implot.Cond_.always)
@@ -121,33 +108,28 @@ def draw_measures(state: AppState) -> None:
     """Photo and enhanced picture in numbers, greyed while they are of an earlier setting."""
     seen, pictures = state.picture.measured, state.picture.pictures
     if seen is None or pictures is None:
-        imgui.text_colored(theme.now().muted, "Not measured yet.")
+        muted("Not measured yet.")
     else:
         imgui.begin_disabled(seen.pictures is not pictures)
         _draw_table(seen)
         imgui.end_disabled()
     if pictures is not None and pictures.statistics is not None:
-        _draw_facts(pictures.statistics, pictures.milliseconds)
+        facts = facts_of(pictures.statistics, pictures.milliseconds)
+        for name, value, text in in_table("measured", (3.6, 4.5, 2.6, 6.5), facts):
+            cell(name, tooltip=text)
+            cell(value, None if value == UNUSED else theme.now().text, text)
         _draw_omitted(pictures)
 
 
 def _draw_table(seen: Measured) -> None:
-    with imgui_ctx.begin_table("measures", 3, imgui.TableFlags_.row_bg) as table:
-        if not table:
-            return
-        for column, width in enumerate((8.0, 4.4, 4.4)):
-            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        _row("inferred definition:", "original", "enhanced", DV_TEXT, theme.now().muted)
-        for name, key, text in ROWS:
-            why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
-            _row(name, text(seen.before), text(seen.after), why, theme.now().text)
-
-
-def _row(name: str, before: str, after: str, why: str, color: ImVec4) -> None:
-    for text, ink in ((name, theme.now().muted), (before, theme.now().muted), (after, color)):
-        imgui.table_next_column()
-        imgui.text_colored(ink, text)
-        explain(why)
+    rows = [("inferred definition:", "original", "enhanced", DV_TEXT)]
+    for name, key, text in ROWS:
+        why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
+        rows.append((name, text(seen.before), text(seen.after), why))
+    for name, before, after, why in in_table("measures", (8.0, 4.4, 4.4), rows, imgui.TableFlags_.row_bg):
+        cell(name, tooltip=why)
+        cell(before, tooltip=why)
+        cell(after, None if after == "enhanced" else theme.now().text, why)
 
 
 def _draw_omitted(pictures: Pictures) -> None:
@@ -155,9 +137,7 @@ def _draw_omitted(pictures: Pictures) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for omission in pictures.omitted:
             bound = f"at most {omission.error:.2f} levels" if omission.error else "changes nothing"
-            imgui.text_colored(
-                theme.now().muted, legible(f"Left out: {omission.what} ({omission.why}; {bound})")
-            )
+            muted(legible(f"Left out: {omission.what} ({omission.why}; {bound})"))
 
 
 def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str], ...]:
@@ -173,18 +153,3 @@ def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str
         ("colour", f"{used.color:.0%}", COLOR_TEXT),
         ("time", f"{milliseconds:.0f} ms", "Time to enhance this frame on this computer."),
     )
-
-
-def _draw_facts(used: Statistics, milliseconds: float) -> None:
-    with imgui_ctx.begin_table("measured", 4) as table:
-        if not table:
-            return
-        for column, width in enumerate((3.6, 4.5, 2.6, 6.5)):
-            imgui.table_setup_column(str(column), imgui.TableColumnFlags_.width_fixed, em(width))
-        for name, value, text in facts_of(used, milliseconds):
-            imgui.table_next_column()
-            imgui.text_colored(theme.now().muted, name)
-            explain(text)
-            imgui.table_next_column()
-            imgui.text_colored(theme.now().muted if value == UNUSED else theme.now().text, value)
-            explain(text)

@@ -9,16 +9,20 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.legible import legible
-from app.gui.actions import export_actions, export_choices, window_actions
-from app.gui.actions.export_actions import OFFERS, Offer, What
+from app.gui.actions import export_actions, window_actions
+from app.gui.actions.export_actions import OFFERS
 from app.gui.state.app_state import AppState
-from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, floating, note, row
+from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note
 from app.scenes.supersampling import FACTORS
 
-SCALES = (1, 2, 3, 4)
+OTHER_WIDTH, OTHER_SIZE = Sizing(width=1024), (1024, 1024)
+SCALES = {Sizing(scale): f"{scale}×" for scale in (1, 2, 3, 4)} | {OTHER_WIDTH: "Width…"}
 SCALE_TEXT = "File pixels per image pixel along each axis, or a width in pixels to resample to."
-VIEW_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
+SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
+VIEW_SIZES: dict[tuple[int, int] | None, str] = {
+    None: "As shown", **{size: f"{size[0]} × {size[1]}" for size in SIZES}, OTHER_SIZE: "Other…"
+}  # fmt: skip
+SAMPLINGS = {factor: "No supersampling" if factor == 1 else f"{factor}× supersampling" for factor in FACTORS}
 VIEW_TEXT = (
     "Size of the 3D view in pixels. As shown: its shape on screen, at least as large as the clip's frames."
 )
@@ -27,7 +31,6 @@ FACTOR_TEXT = (
     "Smoother edges, slower."
 )
 WINDOW_TEXT = "F12: the whole window as it is on screen. It cannot be replayed."
-FIRST_WIDTH = 1024
 GROUPS = (("Images", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
 REPLAY = "Each file records how it was made: vesselsplat replay FILE reproduces it."
 
@@ -43,7 +46,7 @@ def draw_export(state: AppState) -> None:
         imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
         imgui_ctx.begin("Export", True, beside) as window,
     ):
-        export_choices.show_exports(state, bool(window.opened))
+        export_actions.show_exports(state, bool(window.opened))
         if not window:
             return
         _draw_picture_size(state)
@@ -54,21 +57,16 @@ def draw_export(state: AppState) -> None:
             imgui.separator_text(title)
             for what, offer in OFFERS.items():
                 if offer.form in forms:
-                    _draw_offer(state, what, offer)
+                    start = partial(export_actions.export_request, state, what)
+                    reason = export_actions.why_not_export(state, what)
+                    _draw_row(f"{offer.label}###{what}", offer.text, start, reason)
             if "picture" in forms:
                 _draw_row("Window###window", WINDOW_TEXT, lambda: window_actions.save_window(state))
 
 
-def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
-    reason = export_actions.why_not_export(state, what)
-    start = partial(export_actions.export_request, state, what)
-    _draw_row(f"{offer.label}###{what}", offer.text, start, reason)
-
-
 def _draw_row(label: str, text: str, act: Callable[[], object], reason: str = "") -> None:
     """A button and what it does; greyed for a `reason`."""
-    button(label, act, enabled=not reason, width=10)
-    explain(reason)
+    button(label, act, reason=reason, width=10)
     imgui.same_line()
     imgui.align_text_to_frame_padding()
     note(text)
@@ -76,49 +74,35 @@ def _draw_row(label: str, text: str, act: Callable[[], object], reason: str = ""
 
 def _draw_picture_size(state: AppState) -> None:
     sizing = state.exports.sizing
-    row("Panes", SCALE_TEXT)
-    imgui.set_next_item_width(em(8))
-    labels = [f"{scale}×" for scale in SCALES] + ["Width…"]
-    now = len(SCALES) if sizing.width is not None else SCALES.index(sizing.scale)
-    changed, index = imgui.combo("##scale", now, labels)
-    explain(SCALE_TEXT)
-    if changed:
-        chosen = Sizing(SCALES[index]) if index < len(SCALES) else Sizing(width=FIRST_WIDTH)
-        export_choices.choose_sizing(state, chosen)
+    now = sizing if sizing.width is None else OTHER_WIDTH
+    chosen = choose_row("Panes", now, SCALES, SCALE_TEXT, 8)
+    if chosen != now:
+        export_actions.choose_sizing(state, chosen)
     if state.exports.sizing.width is not None:
         imgui.same_line()
         width = _pixels("##width", state.exports.sizing.width, "Width of each pane, in pixels.")
         imgui.same_line()
-        imgui.text_colored(theme.now().muted, "pixels")
-        export_choices.choose_sizing(state, Sizing(width=width))
+        muted("pixels")
+        export_actions.choose_sizing(state, Sizing(width=width))
 
 
 def _draw_view_size(state: AppState) -> None:
-    row("3D view", VIEW_TEXT)
-    imgui.set_next_item_width(em(8))
-    labels = ["As shown", *(f"{width} × {height}" for width, height in VIEW_SIZES), "Other…"]
     size = state.exports.view_size
-    now = 0 if size is None else VIEW_SIZES.index(size) + 1 if size in VIEW_SIZES else len(labels) - 1
-    changed, index = imgui.combo("##view size", now, labels)
-    explain(VIEW_TEXT)
-    if changed:
-        wanted = None if index == 0 else (*VIEW_SIZES, (1024, 1024))[index - 1]
-        export_choices.choose_view_size(state, wanted)
-    if now == len(labels) - 1 and state.exports.view_size is not None:
-        width, height = state.exports.view_size
+    now = size if size in VIEW_SIZES else OTHER_SIZE
+    chosen = choose_row("3D view", now, VIEW_SIZES, VIEW_TEXT, 8)
+    if chosen != now:
+        export_actions.choose_view_size(state, chosen)
+    elif now == OTHER_SIZE and size is not None:
         imgui.same_line()
-        width = _pixels("##view width", width, "Width in pixels.")
+        width = _pixels("##view width", size[0], "Width in pixels.")
         imgui.same_line()
         imgui.text("×")
         imgui.same_line()
-        height = _pixels("##view height", height, "Height in pixels.")
-        export_choices.choose_view_size(state, (width, height))
+        height = _pixels("##view height", size[1], "Height in pixels.")
+        export_actions.choose_view_size(state, (width, height))
     imgui.same_line()
-    imgui.set_next_item_width(em(10))
-    labels = ["No supersampling" if factor == 1 else f"{factor}× supersampling" for factor in FACTORS]
-    _, index = imgui.combo("##supersampling", FACTORS.index(state.exports.supersampling), labels)
-    explain(FACTOR_TEXT)
-    export_choices.choose_supersampling(state, FACTORS[index])
+    factor = choose("supersampling", state.exports.supersampling, SAMPLINGS, FACTOR_TEXT, 10)
+    export_actions.choose_supersampling(state, factor)
 
 
 def _pixels(label: str, value: int, text: str) -> int:
@@ -135,10 +119,9 @@ def _draw_progress(state: AppState) -> None:
         note(f"Saved to {legible(str(state.places.pictures))}")
         note(REPLAY)
         return
-    total = max(under_way.request.steps, 1)
-    imgui.progress_bar(under_way.done / total, ImVec2(-em(7), 0), f"{under_way.done} of {total}")
+    total, done = max(under_way.steps, 1), state.exports.done
+    imgui.progress_bar(done / total, ImVec2(-em(7), 0), f"{done} of {total}")
     imgui.same_line()
-    button("Cancel", lambda: export_actions.cancelled(state), width=6)
-    explain("No file is left incomplete.")
+    button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=6)
     # As high as the two lines in its place, so that no button moves away from the pointer.
     imgui.dummy(ImVec2(0, 2 * imgui.get_text_line_height() - imgui.get_frame_height()))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import legible
 from app.gui.commands.command import Command, Section
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import em, explain
+from app.gui.style.widgets import em, explain, muted
 
 SEPARATOR = "   ·   "
 
@@ -56,7 +56,7 @@ def draw_status(state: AppState) -> None:
     room = imgui.get_window_width() - imgui.calc_text_size(LONG_NOTICE).x - em(4)
     if text := fitting(_facts(state), room):
         imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(text).x - em(1))
-        imgui.text_colored(theme.now().muted, text)
+        muted(text)
         if state.scene.model is not None:
             explain(state.scene.drawn_by)
 
@@ -69,12 +69,10 @@ def fitting(facts: list[str], room: float) -> str:
 
 def _hide_border(ground: imgui.Col_) -> None:
     """The runner's bars have every window's border, which at the edge of the screen is a line too many."""
-    low, size, style = imgui.get_window_pos(), imgui.get_window_size(), imgui.get_style()
-    high, draw = ImVec2(low.x + size.x, low.y + size.y), imgui.get_window_draw_list()
-    draw.push_clip_rect(low, high)
-    ink = imgui.get_color_u32(style.color_(ground))
-    draw.add_rect(low, high, ink, thickness=style.window_border_size)
-    draw.pop_clip_rect()
+    low, style = imgui.get_window_pos(), imgui.get_style()
+    high, ink = low + imgui.get_window_size(), imgui.get_color_u32(style.color_(ground))
+    with imgui_ctx.push_clip_rect(low, high, False):
+        imgui.get_window_draw_list().add_rect(low, high, ink, thickness=style.window_border_size)
 
 
 def _facts(state: AppState) -> list[str]:
@@ -84,14 +82,11 @@ def _facts(state: AppState) -> list[str]:
         facts.append(f"{legible(state.source.clip.name)}  {width}×{height}")
     if state.picture.pictures is not None and state.picture.pictures.enhanced is not None:
         facts.append(f"enhanced in {_while(state.picture.pictures.milliseconds)}")
-    if state.scene.model is not None:
-        who = "on the CPU" if state.scene.processor_draws else "with OpenGL"
-        took = (
-            f" in {_while(state.scene.view.milliseconds)}"
-            if state.scene.view and state.scene.processor_draws
-            else ""
-        )
-        facts.append(f"3D rendered {who}{took}")
+    if state.scene.model is not None and not state.scene.processor_draws:
+        facts.append("3D rendered with OpenGL")
+    elif state.scene.model is not None:
+        took = f" in {_while(state.scene.view.milliseconds)}" if state.scene.view else ""
+        facts.append(f"3D rendered on the CPU{took}")
     return facts
 
 

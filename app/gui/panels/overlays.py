@@ -1,4 +1,4 @@
-"""What lies over the window: the first-start notice, errors, toasts, the help."""
+"""What lies over the window: the first-start notice, errors, toasts, the help; the log, and notes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import capital
 from app.files.provenance import NOTICE
-from app.gui.actions import actions
+from app.gui.actions import actions, session_actions
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, MOUSE, PEEK_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, note, question, within
+from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, question, within
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
@@ -22,6 +22,7 @@ DETAILS = (
     "enhanced images may show structures that are not there. Screens and cameras are not "
     "calibrated. You are responsible for how you use it. Nothing leaves this computer."
 )
+OFFER = "An earlier session ended unexpectedly"
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_docking
@@ -40,7 +41,7 @@ def draw_notice(state: AppState) -> None:
             imgui.spacing()
             imgui.text_unformatted(LONG_NOTICE)
             imgui.spacing()
-            imgui.text_colored(theme.now().muted, DETAILS)
+            muted(DETAILS)
         imgui.spacing()
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             understood = imgui.button("I understand", ImVec2(-1, em(2)))
@@ -70,8 +71,7 @@ def draw_banner(state: AppState) -> None:
             imgui.text_unformatted(message)
         imgui.same_line(0, em(1))
         can_stop = state.window.banner.can_stop
-        if imgui.button("Dismiss"):
-            actions.dismiss(state)
+        button("Dismiss", lambda: actions.dismiss(state))
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
@@ -118,24 +118,19 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
 
 def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
     imgui.separator_text(title)
-    with imgui_ctx.begin_table(title, 2, imgui.TableFlags_.row_bg) as table_shown:
-        if not table_shown:
-            return
-        imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, em(11))
-        for keys, text in rows:
-            imgui.table_next_column()
-            imgui.text_colored(theme.now().accent, keys)
-            imgui.table_next_column()
-            imgui.text_wrapped(f"{text[:1].upper()}{text[1:]}")
+    for keys, text in in_table(title, (11.0, None), rows, imgui.TableFlags_.row_bg):
+        cell(keys, theme.now().accent)
+        imgui.table_next_column()
+        imgui.text_wrapped(f"{text[:1].upper()}{text[1:]}")
 
 
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
     """What happened in this session, newest last; the newest stays in sight unless one scrolls back."""
-    button("Copy all", lambda: copy("\n".join(state.window.log)), enabled=bool(state.window.log))
-    explain("Copy all lines to the clipboard. Click a line to copy it alone.")
+    text = "Copy all lines to the clipboard. Click a line to copy it alone."
+    button("Copy all", lambda: copy("\n".join(state.window.log)), text, enabled=bool(state.window.log))
     with imgui_ctx.begin_child("lines"):
         if not state.window.log:
-            imgui.text_colored(theme.now().muted, "No messages yet.")
+            muted("No messages yet.")
         with imgui_ctx.push_text_wrap_pos(0):
             for line in state.window.log:
                 imgui.text_unformatted(capital(line))
@@ -143,3 +138,36 @@ def draw_log(state: AppState, copy: Callable[[str], None]) -> None:
                     copy(line)
         if imgui.get_scroll_y() >= imgui.get_scroll_max_y():
             imgui.set_scroll_here_y(1.0)
+
+
+def draw_notes(state: AppState) -> None:
+    """What a person writes down; kept with the session."""
+    space = imgui.get_content_region_avail()
+    size = ImVec2(-1, max(space.y, em(3)))
+    changed, text = imgui.input_text_multiline("##notes", state.session.notes, size)
+    explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
+    if changed:
+        session_actions.write_notes(state, text)
+
+
+def draw_recovery(state: AppState) -> None:
+    """Once at the start, after the notice."""
+    if state.session.recoverable is None or not state.settings.acknowledged:
+        return
+    imgui.open_popup(OFFER)
+    center = imgui.get_main_viewport().get_center()
+    imgui.set_next_window_pos(center, imgui.Cond_.always, ImVec2(0.5, 0.5))
+    flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move | imgui.WindowFlags_.always_auto_resize
+    with imgui_ctx.begin_popup_modal(OFFER, flags) as opened:
+        if not opened:
+            return
+        imgui.spacing()
+        if state.session.recoverable_since:
+            imgui.text_unformatted(f"It was last saved {state.session.recoverable_since}.")
+        imgui.text_unformatted("Restore the open files, settings, views and notes?")
+        imgui.spacing()
+        for label, act in (("Restore", session_actions.recover), ("Start fresh", session_actions.decline)):
+            if imgui.button(label, ImVec2(em(12), em(2))):
+                act(state)
+                imgui.close_current_popup()
+            imgui.same_line()

@@ -8,8 +8,7 @@ from app.files.legible import legible
 from app.gui.commands.command import Section
 from app.gui.commands.finding import Found, find
 from app.gui.state.app_state import AppState
-from app.gui.style import theme
-from app.gui.style.widgets import em, explain
+from app.gui.style.widgets import em, explain, muted
 
 NAME = "##palette"
 ROWS = 12.0
@@ -43,8 +42,10 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         _, words = imgui.input_text_with_hint("##words", "Type to find a command", palette.words)
         palette.type(words)
         found = find(sections, palette.words, state)
-        moved = _move(state, len(found))
-        chosen = _draw_found(found, palette.marked, moved)
+        by = imgui.is_key_pressed(imgui.Key.down_arrow) - imgui.is_key_pressed(imgui.Key.up_arrow)
+        if by:
+            palette.move(by, len(found))
+        chosen = _draw_found(found, palette.marked, by != 0)
         if imgui.is_key_pressed(imgui.Key.enter) or imgui.is_key_pressed(imgui.Key.keypad_enter):
             chosen = found[palette.marked] if found else None
         runs = chosen is not None and chosen.applies
@@ -55,22 +56,13 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         chosen.command.act(state)
 
 
-def _move(state: AppState, count: int) -> bool:
-    """The arrows; whether the mark has moved."""
-    ways = ((imgui.Key.up_arrow, -1), (imgui.Key.down_arrow, 1))
-    by = sum(way for key, way in ways if imgui.is_key_pressed(key))
-    if by:
-        state.window.palette.move(by, count)
-    return bool(by)
-
-
 def _draw_found(found: list[Found], marked: int, moved: bool) -> Found | None:
     """The list, and what was clicked in it."""
     chosen = None
     height = imgui.get_text_line_height_with_spacing()
     with imgui_ctx.begin_child("found", ImVec2(0, ROWS * height), 0, imgui.WindowFlags_.no_nav):
         if not found:
-            imgui.text_colored(theme.now().muted, "No command matches.")
+            muted("No command matches.")
         for place, one in enumerate(found):
             if _draw_row(one, place, place == marked):
                 chosen = one
@@ -81,13 +73,12 @@ def _draw_found(found: list[Found], marked: int, moved: bool) -> Found | None:
 
 def _draw_row(one: Found, place: int, marked: bool) -> bool:
     """Name on the left, menu and key on the right; greyed when it does not apply now."""
-    start, flags = imgui.get_cursor_pos_x(), imgui.SelectableFlags_.none
-    if not one.applies:
-        flags = imgui.SelectableFlags_.disabled
+    start, can = imgui.get_cursor_pos_x(), imgui.SelectableFlags_
+    flags = can.none if one.applies else can.disabled
     clicked, _ = imgui.selectable(f"{legible(one.name)}##{place}", marked, flags)
     explain(one.command.text)
     keys = one.command.keys[0] if one.command.keys else ""
     for text, x in ((one.where, em(20)), (keys, em(29))):
         imgui.same_line(start + x)
-        imgui.text_colored(theme.now().muted, text)
+        muted(text)
     return clicked

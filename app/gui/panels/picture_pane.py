@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import Pictures
-from app.exports.comparison_images import heat_colors
+from app.exports.comparison_images import heat_scale
 from app.gui.actions import clip_actions, laid_out, picture_actions
-from app.gui.drawing.textures import Marks, ShowsPictures
+from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Side
 from app.gui.state.panes import Pane, Tag, pixel, tinted
 from app.gui.style import theme
-from app.gui.style.widgets import em, fill_around, stack_tags, tag, tag_height
-from app.gui.views.picture_view import Placement
+from app.gui.style.widgets import Area, em, fill_around, stack_tags, tag, tag_height
+from app.gui.views.picture_view import PictureView, Placement
 from renderer.clip import ByteImage
 
 WHEEL_STEP = 1.15
@@ -28,50 +26,20 @@ NARROW = 20.0
 Pointer = tuple[int, int]
 
 
-@dataclass(frozen=True)
-class Area:
-    """A rectangle of the screen, in the window system's units."""
-
-    corner: ImVec2
-    size: ImVec2
-
-    @classmethod
-    def here(cls, size: ImVec2) -> Area:
-        return cls(imgui.get_cursor_screen_pos(), size)
-
-    @property
-    def end(self) -> ImVec2:
-        return ImVec2(self.corner.x + self.size.x, self.corner.y + self.size.y)
-
-    @property
-    def inside(self) -> tuple[float, float]:
-        """Width and height."""
-        return self.size.x, self.size.y
-
-
-def draw_side(state: AppState, textures: ShowsPictures, side: Side, pane: Pane, area: Area) -> Pointer | None:
-    """One of two panes; the picture position under the mouse if that is here."""
-    pointer = _button(state, side, pane.image, area)
-    imgui.get_window_draw_list().push_clip_rect(area.corner, area.end, True)
-    _draw_image(state, textures, side, pane.image, area)
-    if pointer is None:
-        _draw_cross(state, pane.image, area)
-    _draw_tags(pane.tags, area.corner, area.size.x)
-    _draw_readout(state, (pane,), area)
-    imgui.get_window_draw_list().pop_clip_rect()
-    return pointer
-
-
-def draw_single(
-    state: AppState, textures: ShowsPictures, pane: Pane, pair: Sequence[Pane], area: Area
+def draw_pane(
+    state: AppState, textures: ShowsPictures, slot: str, pane: Pane, read: Sequence[Pane], area: Area
 ) -> Pointer | None:
-    """One picture in all the space; the values of both under the pointer."""
-    pointer = _button(state, "single", pane.image, area)
-    imgui.get_window_draw_list().push_clip_rect(area.corner, area.end, True)
-    _draw_image(state, textures, "single", pane.image, area)
-    _draw_tags(pane.tags, area.corner, area.size.x)
-    _draw_readout(state, pair, area)
-    imgui.get_window_draw_list().pop_clip_rect()
+    """One picture in the area, and the values under the pointer in those that are `read`, one or both.
+
+    Returns the picture position under the mouse if that is here.
+    """
+    pointer = _button(state, slot, pane.image, area)
+    with imgui_ctx.push_clip_rect(area.corner, area.end, True):
+        _draw_image(state, textures, slot, pane.image, area)
+        if pointer is None and len(read) == 1:
+            _draw_cross(state, pane.image, area)
+        _draw_tags(pane.tags, area.corner, area.size.x)
+        _draw_readout(state, read, area)
     return pointer
 
 
@@ -79,42 +47,33 @@ def draw_divider(
     state: AppState, textures: ShowsPictures, left: Pane, right: Pane, area: Area
 ) -> Pointer | None:
     """Left and right of a line that can be dragged; each side has its own tags."""
-    pointer = _button(state, "wipe", left.image, area, allow_overlap=True)
+    imgui.set_next_item_allow_overlap()
+    pointer = _button(state, "wipe", left.image, area)
     x = _drag_line(state, area)
     across = _placement(state, left.image, area).picture_at(x - area.corner.x, 0)[0] / left.image.shape[1]
     laid_out.place_wipe(state, across)
-    draw = imgui.get_window_draw_list()
-    draw.push_clip_rect(area.corner, area.end, True)
-    for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
-        draw.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True)
-        _draw_image(state, textures, side, pane.image, area)
-        draw.pop_clip_rect()
-    draw.push_clip_rect(area.corner, ImVec2(x, area.end.y), True)
-    _draw_tags(left.tags, area.corner, x - area.corner.x)
-    draw.pop_clip_rect()
-    _draw_tags(right.tags, ImVec2(x, area.corner.y), area.end.x - x)
-    _draw_line(area, x)
-    _draw_readout(state, (left, right), area)
-    draw.pop_clip_rect()
+    with imgui_ctx.push_clip_rect(area.corner, area.end, True):
+        for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
+            with imgui_ctx.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True):
+                _draw_image(state, textures, side, pane.image, area)
+                _draw_tags(pane.tags, ImVec2(start, area.corner.y), end - start)
+        _draw_line(area, x)
+        _draw_readout(state, (left, right), area)
     return pointer
 
 
 def draw_bar(top: int, area: Area) -> None:
     """The colours of the heat map and the grey levels that they stand for."""
-    draw, colors = imgui.get_window_draw_list(), heat_colors()
+    draw, colors = imgui.get_window_draw_list(), heat_scale(top).table
     width, height = em(0.9), min(em(12), 0.6 * area.size.y)
     left, bottom = area.end.x - em(4.2), area.corner.y + (area.size.y + height) / 2
-    ground = (
-        ImVec2(left - em(0.5), bottom - height - em(1.8)),
-        ImVec2(area.end.x - em(0.4), bottom + em(0.6)),
-    )
-    draw.add_rect_filled(*ground, imgui.get_color_u32(theme.TAG_ORIGINAL), em(0.2))
+    ground, end = imgui.get_color_u32(theme.TAG_ORIGINAL), ImVec2(area.end.x - em(0.4), bottom + em(0.6))
+    draw.add_rect_filled(ImVec2(left - em(0.5), bottom - height - em(1.8)), end, ground, em(0.2))
     for step in range(BAR_STEPS):
-        red, green, blue = (int(value) / 255 for value in colors[step * 255 // (BAR_STEPS - 1)])
+        color = theme.packed(*colors[step * 255 // (BAR_STEPS - 1)].tolist())
         low = bottom - height * step / BAR_STEPS
-        end = ImVec2(left + width, low)
-        color = imgui.get_color_u32(imgui.ImVec4(red, green, blue, 1))
-        draw.add_rect_filled(ImVec2(left, low - height / BAR_STEPS - 0.5), end, color)
+        high = ImVec2(left, low - height / BAR_STEPS - 0.5)
+        draw.add_rect_filled(high, ImVec2(left + width, low), color)
     ink = imgui.get_color_u32(theme.INK)
     draw.add_text(ImVec2(left - em(0.2), bottom - height - em(1.6)), ink, "levels")
     for share, text in ((0.0, "0"), (0.5, f"{top / 2:.0f}"), (1.0, f"{top}" if top == 255 else f"≥{top}")):
@@ -130,18 +89,13 @@ def frame_text(pictures: Pictures, *, short: bool = False) -> str:
     return place if short or name.isdigit() else f"{place}   {name}"
 
 
-def _button(
-    state: AppState, name: str, image: ByteImage, area: Area, *, allow_overlap: bool = False
-) -> Pointer | None:
+def _button(state: AppState, name: str, image: ByteImage, area: Area) -> Pointer | None:
     """The whole pane as a control to zoom and pan with; where in the picture the mouse is."""
-    if allow_overlap:
-        imgui.set_next_item_allow_overlap()
     imgui.invisible_button(name, area.size, PANE_BUTTONS)
     _look_around(state, image, area)
     if not imgui.is_item_hovered():
         return None
-    mouse = imgui.get_io().mouse_pos
-    x, y = _placement(state, image, area).picture_at(mouse.x - area.corner.x, mouse.y - area.corner.y)
+    x, y = _placement(state, image, area).picture_at(*area.mouse())
     inside = 0 <= x < image.shape[1] and 0 <= y < image.shape[0]
     return (int(x), int(y)) if inside else None
 
@@ -156,8 +110,7 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
     if imgui.is_item_hovered():
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel != 0:
-            at = (io.mouse_pos.x - area.corner.x, io.mouse_pos.y - area.corner.y)
-            picture_actions.zoom(state, WHEEL_STEP**io.mouse_wheel, at, picture, pane)
+            picture_actions.zoom(state, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, pane)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             picture_actions.fit(state)
             return
@@ -172,8 +125,7 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
 
 def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
     """A drag draws the box or the circle that was asked for."""
-    mouse = imgui.get_io().mouse_pos
-    at = _placement(state, image, area).picture_at(mouse.x - area.corner.x, mouse.y - area.corner.y)
+    at = _placement(state, image, area).picture_at(*area.mouse())
     if imgui.is_item_hovered():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
     if imgui.is_item_activated():
@@ -186,18 +138,23 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
 
 
 def _draw_image(state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, area: Area) -> None:
-    """Sampled and placed in whole pixels of the screen, which a window may count in larger units."""
-    scale = imgui.get_io().display_framebuffer_scale.x
+    view = state.picture.view.scaled(imgui.get_io().display_framebuffer_scale.x)
+    draw_part(textures, slot, image, view, area, (state.comparing.chosen.zebra, tinted(state)))
+
+
+def draw_part(
+    textures: ShowsPictures, slot: str, image: ByteImage, view: PictureView, area: Area, marks: Marks = PLAIN
+) -> None:
+    """In whole pixels of the screen, which `view` counts, and which a window may count in larger units."""
+    scale, low, high = imgui.get_io().display_framebuffer_scale.x, area.end, area.end
     pane = (area.size.x * scale, area.size.y * scale)
-    place = state.picture.view.scaled(scale).place((image.shape[1], image.shape[0]), pane)
-    shown = textures.part(slot, image, place, pane, Marks(state.comparing.chosen.zebra, tinted(state)))
-    if shown is None:
-        fill_around(area.corner, area.end, area.end, area.end, theme.SURROUND)
-        return
-    x, y = round(area.corner.x) + shown.x / scale, round(area.corner.y) + shown.y / scale
-    low, high = ImVec2(x, y), ImVec2(x + shown.width / scale, y + shown.height / scale)
-    fill_around(area.corner, area.end, low, high, theme.SURROUND)
-    imgui.get_window_draw_list().add_image(shown.texture, low, high)
+    place = view.place((image.shape[1], image.shape[0]), pane)
+    shown = textures.part(slot, image, place, pane, marks)
+    if shown is not None:
+        low = ImVec2(round(area.corner.x) + shown.x / scale, round(area.corner.y) + shown.y / scale)
+        high = low + ImVec2(shown.width / scale, shown.height / scale)
+        imgui.get_window_draw_list().add_image(shown.texture, low, high)
+    fill_around(area, low, high, theme.SURROUND)
 
 
 def _draw_tags(tags: Sequence[Tag], corner: ImVec2, width: float) -> None:
@@ -208,10 +165,8 @@ def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:
     """At the bottom: the frame, and above it the values of the pixel under the pointer."""
     assert state.picture.pictures is not None
     short = area.size.x < em(NARROW)
-    lines = [
-        *_values(panes, state.picture.pointer, short=short),
-        frame_text(state.picture.pictures, short=short),
-    ]
+    lines = _values(panes, state.picture.pointer, short=short)
+    lines.append(frame_text(state.picture.pictures, short=short))
     y, room = area.end.y - em(0.26), area.size.x - em(0.8)
     for line in reversed(lines):
         y -= tag_height(line, room) + em(0.14)
@@ -243,13 +198,11 @@ def _draw_cross(state: AppState, image: ByteImage, area: Area) -> None:
     if state.picture.pointer is None:
         return
     place = _placement(state, image, area)
-    x = area.corner.x + place.offset_x + place.zoom_x * (state.picture.pointer[0] + 0.5)
-    y = area.corner.y + place.offset_y + place.zoom * (state.picture.pointer[1] + 0.5)
-    draw, reach = imgui.get_window_draw_list(), em(0.5)
+    column, row = state.picture.pointer
+    at, draw = area.corner + place.pane_at(column + 0.5, row + 0.5), imgui.get_window_draw_list()
     for color, weight in ((theme.grey(0.0, 0.8), 3.0), (theme.grey(1.0), 1.0)):
-        ink = imgui.get_color_u32(color)
-        draw.add_line(ImVec2(x - reach, y), ImVec2(x + reach, y), ink, weight)
-        draw.add_line(ImVec2(x, y - reach), ImVec2(x, y + reach), ink, weight)
+        for reach in ((em(0.5), 0), (0, em(0.5))):
+            draw.add_line(at - reach, at + reach, imgui.get_color_u32(color), weight)
 
 
 def _drag_line(state: AppState, area: Area) -> float:
@@ -263,8 +216,7 @@ def _drag_line(state: AppState, area: Area) -> float:
     if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
         picture_actions.center_wipe(state)
     elif imgui.is_item_active() and imgui.get_io().mouse_delta.x:
-        wipe = (imgui.get_io().mouse_pos.x - area.corner.x) / area.size.x
-        picture_actions.set_wipe(state, wipe)
+        picture_actions.set_wipe(state, area.mouse()[0] / area.size.x)
     return area.corner.x + state.comparing.chosen.wipe * area.size.x
 
 

@@ -2,51 +2,60 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import get_args
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+import numpy as np
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
+from numpy.typing import NDArray
 
 from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
-from app.gui.actions import draft_actions, job_actions, laid_out, run_actions
-from app.gui.panels.curves import draw_curves
+from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.quality import QUALITIES, expected_seconds, quality_of
-from app.gui.state.reconstruction import Reconstruction
+from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style import theme
+from app.gui.style.fields import declared, slider, wants_default
 from app.gui.style.widgets import (
     button,
     choose_row,
-    declared,
     em,
     explain,
+    in_line,
+    in_table,
+    muted,
     note,
     row,
     seconds,
-    slider,
-    wants_default,
 )
 from app.runs.wall_clock import in_all
+from app.scenes.view_kinds import SCENE_UNITS
 from enhance import EnhanceParams
 from renderer.train.config import Method, TrainConfig
-from renderer.train.events import Omission, Preparing
+from renderer.train.events import Evaluated, Omission, Progress
 
-METHODS: tuple[Method, ...] = get_args(Method)
-INPUTS: tuple[InputKind, ...] = get_args(InputKind)
+METHODS: dict[Method, str] = {method: named(method) for method in get_args(Method)}
+INPUTS: dict[InputKind, str] = {kind: named(kind) for kind in get_args(InputKind)}
+INPUTS_TEXT = (
+    "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
+    "runs two reconstructions to compare."
+)
+LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 STATUS = {
-    "none": "",
-    "starting": "Starting…",
-    "running": "Reconstructing",
-    "paused": "Paused",
-    "finished": "Finished",
-    "failed": "Stopped",
-    "cancelled": "Interrupted",
-}
-
+    "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
+    "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
+}  # fmt: skip
 FIRST_STEP = "Preparing the first step…"
 FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
 """Its kernels are compiled then."""
+PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
+DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
+LOSS = "Mean since the previous point."
+COUNT = "Number of Gaussians in the model."
+Line = NDArray[np.float64]
+NO_DOTS: Line = np.empty((2, 0))
 PART = (
     "Trim and mask are set below the panes (In, Out, All, Mask). What they leave out is neither "
     "trained on nor evaluated; a run keeps the trim and mask it was started with."
@@ -64,7 +73,7 @@ def draw_reconstruction(state: AppState) -> None:
         _draw_next(state, run)
     if run.status != "none":
         _draw_status(run)
-    draw_curves(run)
+    _draw_curves(run)
     _draw_messages(run)
     if run.is_alive:
         waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
@@ -75,7 +84,9 @@ def draw_reconstruction(state: AppState) -> None:
 
 def _draw_next(state: AppState, run: Reconstruction) -> None:
     _draw_choices(state, run)
-    _draw_part(state)
+    if (clip := state.source.clip) is not None and (told := state.source.training_part.told(len(clip))):
+        note(f"Trains on {told}", theme.now().warning)
+        explain(PART)
     imgui.spacing()
     _draw_start(state)
     if not run.is_alive and state.source.clip is not None:
@@ -84,56 +95,37 @@ def _draw_next(state: AppState, run: Reconstruction) -> None:
 
 def _draw_choices(state: AppState, run: Reconstruction) -> None:
     config = run.config
-    text = declared(TrainConfig, "method").text
-    method = choose_row("Method", METHODS.index(config.method), [*map(named, METHODS)], text)
-    frames = (
-        "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
-        "runs two reconstructions to compare."
-    )
-    chosen = choose_row("Frames", INPUTS.index(run.input), [*map(named, INPUTS)], frames)
-    draft_actions.choose_input(state, INPUTS[chosen])
+    method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
+    job_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
     if run.input != "original":
         about = declared(EnhanceParams, "d_factor")
         row("Colour d", "For the frames to reconstruct; the paper uses 0.5. " + about.text)
-        imgui.set_next_item_width(-em(0.1))
         _, d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
-        draft_actions.choose_d_factor(state, d_factor)
+        job_actions.choose_d_factor(state, d_factor)
     iterations = _steps(replace(config, iterations=_quality(run)))
-    if (method, iterations) != (METHODS.index(config.method), config.iterations):
-        draft_actions.choose_method(state, METHODS[method], iterations)
+    if (method, iterations) != (config.method, config.iterations):
+        job_actions.choose_method(state, method, iterations)
     row("Name", "Folder of the run; if empty, the clip's name and the time.")
-    imgui.set_next_item_width(-em(0.1))
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
-    draft_actions.name_run(state, name)
-
-
-def _draw_part(state: AppState) -> None:
-    """What of the clip it will be of, where that is not all of it."""
-    told = "" if state.source.clip is None else state.source.training_part.told(len(state.source.clip))
-    if told:
-        note(f"Trains on {told}", theme.now().warning)
-        explain(PART)
+    job_actions.name_run(state, name)
 
 
 def _quality(run: Reconstruction) -> int:
     """The iterations that are chosen by a word, and what they will take where that is known."""
-    now, names = quality_of(run.config.iterations), [*QUALITIES]
-    choices = names if now in names else [*names, now]
+    now, took = quality_of(run.config.iterations), expected_seconds(run)
     steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
     text = f"Number of iterations: {steps}. More are slower and better."
-    took = expected_seconds(run)
+    shown = {name: name for name in (*QUALITIES, now)}
     if took is not None:
         text += f" About {seconds(took)} at the speed of the run shown."
-    shown = [f"{name}, about {seconds(took)}" if took and name == now else name for name in choices]
-    index = choose_row("Quality", choices.index(now), shown, text)
-    return QUALITIES.get(choices[index], run.config.iterations)
+        shown |= {now: f"{now}, about {seconds(took)}" if took else now}
+    return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
 
 
 def _steps(config: TrainConfig) -> int:
     about = declared(TrainConfig, "iterations")
     text = about.text or "Training steps; more are slower and better."
     row("Iterations", text)
-    imgui.set_next_item_width(-em(0.1))
     changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
     explain(text)
     if wants_default("iterations"):
@@ -142,14 +134,12 @@ def _steps(config: TrainConfig) -> int:
 
 
 def _draw_start(state: AppState) -> None:
-    run = state.runs.reconstruction
-    reason = job_actions.why_not_reconstruct(state)
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
-        start = lambda: job_actions.start_reconstruction(state)  # noqa: E731
-        label = "Add to the queue" if run.is_alive else "Reconstruct"
-        button(f"{label}###start", start, enabled=not reason, width=-1.0)
-    soon = "Starts with the current settings when the runs before it have ended." if run.is_alive else ""
-    explain(reason or soon or "Runs in the background; the window stays usable.")
+    start, reason = partial(job_actions.start_reconstruction, state), job_actions.why_not_reconstruct(state)
+    label, text = "Reconstruct", "Runs in the background; the window stays usable."
+    if state.runs.reconstruction.is_alive:
+        label = "Add to the queue"
+        text = "Starts with the current settings when the runs before it have ended."
+    button(f"{label}###start", start, text, reason=reason, color=theme.now().lit, width=-1.0)
     if reason and state.source.clip is not None:
         note(reason)
 
@@ -159,33 +149,25 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
     if run.failure:
         note(f"{capital(legible(run.failure))}.", theme.now().danger)
         note(run.way_out)
-    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
-    onward = lambda: job_actions.continue_reconstruction(state)  # noqa: E731
-    again = job_actions.can_continue(state)
-    button("Continue", onward, enabled=again, width=half)
-    explain(
-        "From the run's last checkpoint."
-        if again
-        else "It can continue only on its own clip: open that first."
-    )
-    imgui.same_line(0, em(0.5))
+    own = "" if job_actions.can_continue(state) else "It can continue only on its own clip: open that first."
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
-    button("View model", lambda: run_actions.look_at_present(state), enabled=not reason, width=half)
-    explain(reason or "The model as last shown, or at the last checkpoint, before the interruption.")
+    ways = (
+        ("Continue", job_actions.continue_reconstruction, "From the run's last checkpoint.", own),
+        ("View model", run_actions.look_at_present, LOOK_TEXT, reason),
+    )
+    for (label, act, text, why), width in in_line(ways):
+        button(label, partial(act, state), text, reason=why, width=width)
     imgui.separator()
 
 
 def _draw_hold(state: AppState) -> None:
-    run = state.runs.reconstruction
-    half = (imgui.get_content_region_avail().x / em() - 0.5) / 2
+    run, text = state.runs.reconstruction, "Paused; the queue waits."
+    pause = ("Pause###pause", job_actions.pause, text, run.can_pause)
     if run.status == "paused":
-        button("Resume###pause", lambda: job_actions.resume(state), enabled=run.can_resume, width=half)
-    else:
-        button("Pause###pause", lambda: job_actions.pause(state), enabled=run.can_pause, width=half)
-    explain("Paused; the queue waits.")
-    imgui.same_line(0, em(0.5))
-    button("Cancel", lambda: job_actions.cancel(state), width=half)
-    explain("The last checkpoint is kept: Continue resumes from it.")
+        pause = ("Resume###pause", job_actions.resume, text, run.can_resume)
+    cancel = ("Cancel", job_actions.cancel, "The last checkpoint is kept: Continue resumes from it.", True)
+    for (label, act, text, enabled), width in in_line((pause, cancel)):
+        button(label, partial(act, state), text, enabled=enabled, width=width)
 
 
 def status_of(run: Reconstruction) -> str:
@@ -201,7 +183,11 @@ def _draw_status(run: Reconstruction) -> None:
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
     if progress is None:
         if run.is_alive and run.preparing is not None:
-            _draw_preparing(run.preparing)
+            stage = run.preparing
+            left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
+            note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
+            if stage.total:
+                _draw_bar(stage.done, stage.total)
             note(capital(run.planned))
         elif run.status == "running":
             note(FIRST_USE)
@@ -210,19 +196,13 @@ def _draw_status(run: Reconstruction) -> None:
     imgui.same_line()
     wall = progress.wall_seconds
     shown = f"{seconds(progress.seconds)} training" if wall is None else f"{seconds(wall)} in total"
-    imgui.text_colored(theme.now().muted, f"{shown}{left}")
+    muted(f"{shown}{left}")
     explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses are not counted.")
-    done = f"{grouped(progress.iteration)} / {grouped(progress.iterations)}"
-    imgui.progress_bar(progress.iteration / progress.iterations, ImVec2(-1, em(1.25)), done)
+    _draw_bar(progress.iteration, progress.iterations)
 
 
-def _draw_preparing(stage: Preparing) -> None:
-    """What is done before the first step, and how far it is where that is known."""
-    left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
-    note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
-    if stage.total:
-        done = f"{grouped(stage.done)} / {grouped(stage.total)}"
-        imgui.progress_bar(stage.done / stage.total, ImVec2(-1, em(1.25)), done)
+def _draw_bar(done: int, total: int) -> None:
+    imgui.progress_bar(done / total, ImVec2(-1, em(1.25)), f"{grouped(done)} / {grouped(total)}")
 
 
 def _draw_omissions(state: AppState) -> None:
@@ -234,16 +214,12 @@ def _draw_omissions(state: AppState) -> None:
     found, request = state.runs.omissions, state.omissions_request
     # While a part that was just kept or let go is looked at, the lines stay under the hand.
     if found is None or request is None or found.request.unkept != request.unkept:
-        imgui.text_colored(theme.now().muted, "Analysing the clip…")
+        muted("Analysing the clip…")
     elif not found.lines:
-        imgui.text_colored(theme.now().muted, "Nothing: this clip needs every part.")
+        muted("Nothing: this clip needs every part.")
     else:
-        with imgui_ctx.begin_table("omissions", 2) as table:
-            if table:
-                imgui.table_setup_column("what", imgui.TableColumnFlags_.width_stretch)
-                imgui.table_setup_column("keep", imgui.TableColumnFlags_.width_fixed)
-                for omission in found.lines:
-                    _draw_omission(state, omission)
+        for omission in in_table("omissions", (None, 0.0), found.lines):
+            _draw_omission(state, omission)
     imgui.tree_pop()
 
 
@@ -268,5 +244,55 @@ def _draw_messages(run: Reconstruction) -> None:
         for warning in run.warnings[-3:]:
             imgui.text_colored(theme.now().warning, capital(legible(warning)))
         for omission in run.omitted:
-            imgui.text_colored(theme.now().muted, f"Left out: {omission.what}")
+            muted(f"Left out: {omission.what}")
             explain(f"{omission.why} Saves {omission.saves}.")
+
+
+def _draw_curves(run: Reconstruction) -> None:
+    """Nothing before the first Progress; no depth where none is measured."""
+    if not run.told.progress:
+        return
+    curve, end, ink = run.told.progress, run.iterations, theme.now()
+    now, seen = curve[-1], _line(run.told.evaluated, "psnr")
+    held_out = f", held out {seen[1, -1]:.1f} dB" if seen.size else ""
+    psnr, loss, count = (_line(curve, name) for name in ("psnr", "loss", "n_gaussians"))
+    _draw_curve("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, psnr, ".1f", PSNR, end, seen)
+    depth = _line([each for each in run.told.evaluated if each.depth_rmse is not None], "depth_rmse")
+    if depth.size:
+        unit = run.clip.unit if run.clip is not None else SCENE_UNITS
+        said = f"{depth[1, -1]:.3g} {unit}"
+        _draw_curve("Depth error", said, ink.danger, depth, ".2g", DEPTH, end, depth)
+    _draw_curve("Loss", f"{now.loss:.4f}", ink.warning, loss, ".2g", LOSS, end)
+    _draw_curve("Gaussians", grouped(now.n_gaussians), ink.shade(0.75), count, ",.0f", COUNT, end)
+
+
+def _line(events: Sequence[Progress] | Sequence[Evaluated], name: str) -> Line:
+    """(2, N): iterations, values."""
+    values = [getattr(event, name) for event in events]
+    return np.array([[event.iteration for event in events], values], float)
+
+
+def _draw_curve(
+    name: str, value: str, color: ImVec4, line: Line, form: str, text: str, most: int, dots: Line = NO_DOTS
+) -> None:
+    imgui.text_colored(color, name)
+    explain(text)
+    imgui.same_line()
+    muted(value)
+    if not implot.begin_plot(f"##{name}", ImVec2(-1, em(4.6)), theme.QUIET_PLOT):
+        return
+    axis, quiet = implot.ImAxis_, implot.AxisFlags_.no_highlight
+    implot.setup_axis(axis.x1, "", quiet)
+    implot.setup_axis(axis.y1, "", implot.AxisFlags_.auto_fit | quiet)
+    low, high = float(line[1].min()), float(line[1].max())
+    # So low a diagram has room for two labels.
+    implot.setup_axis_ticks(axis.y1, [low, high], [format(low, form), format(high, form)])
+    # None at the end, where its half would be cut off.
+    across = [most * quarter / 4 for quarter in range(4)]
+    implot.setup_axis_ticks(axis.x1, across, [grouped(round(tick)) for tick in across])
+    implot.setup_axis_limits(axis.x1, 0, max(most, line[0, -1]), implot.Cond_.always)
+    implot.plot_line(name, line[0], line[1], implot.Spec(line_color=color, line_weight=em(0.1)))
+    if dots.size:
+        marks = implot.Spec(marker_fill_color=color, marker_size=em(0.25))
+        implot.plot_scatter("held out", dots[0], dots[1], marks)
+    implot.end_plot()

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from imgui_bundle import ImVec2, imgui, implot
+from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui.actions import actions
-from app.gui.panels.report_tables import draw_part
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import centered, em, explain
-from app.gui.work.reported import Chart, Reported, Scale, current, plain
+from app.gui.style.widgets import centered, choose, em, muted
+from app.gui.work.reported import Chart, Scale, current, plain
+from app.gui.work.reported_tables import ReportPart, ShownTable
 
-FLAGS = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
+TABLE_FLAGS = (
+    imgui.TableFlags_.sortable | imgui.TableFlags_.sort_tristate | imgui.TableFlags_.row_bg
+    | imgui.TableFlags_.scroll_x | imgui.TableFlags_.scroll_y | imgui.TableFlags_.sizing_fixed_fit
+)  # fmt: skip
+FIRST_CLICK = {
+    True: imgui.TableColumnFlags_.prefer_sort_descending,
+    False: imgui.TableColumnFlags_.prefer_sort_ascending,
+}
+"""Numbers: the largest first; words by the alphabet."""
+MOST_ROWS = 12
+"""That are in sight at once."""
+CHART_TEXT = "Which diagram to show. Each point is a setting; the line joins the Pareto-optimal settings."
 NEAR = 0.75
 """Text heights from the pointer to a point that it names."""
 
@@ -23,28 +34,22 @@ def draw_report(state: AppState) -> None:
         centered("Open a report.json written by vesselsplat report: Ctrl+I, or drop it here.")
         return
     report = state.reports.shown
-    imgui.text_colored(theme.now().muted, report.about)
+    muted(report.about)
     if report.charts:
-        chart = report.charts[_chosen(state, report)]
-        _draw_chart(state, chart)
+        names = {place: chart.name for place, chart in enumerate(report.charts)}
+        now = min(state.reports.place, len(names) - 1)
+        chosen = choose("diagram", now, names, CHART_TEXT, -1 / em())
+        if chosen != now:
+            actions.choose_chart(state, chosen)
+        _draw_chart(state, report.charts[chosen])
     for part in report.parts:
         draw_part(part)
-
-
-def _chosen(state: AppState, report: Reported) -> int:
-    names = [chart.name for chart in report.charts]
-    imgui.set_next_item_width(-1)
-    changed, place = imgui.combo("##diagram", min(state.reports.place, len(names) - 1), names)
-    explain("Which diagram to show. Each point is a setting; the line joins the Pareto-optimal settings.")
-    if changed:
-        actions.choose_chart(state, place)
-    return place
 
 
 def _draw_chart(state: AppState, chart: Chart) -> None:
     now = current(chart, state.enhancement.params)
     size = ImVec2(-1, max(em(12), imgui.get_content_region_avail().y * 0.62))
-    if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, FLAGS):
+    if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, theme.PLOT):
         return
     implot.setup_axes(chart.against, chart.measure)
     _setup(implot.ImAxis_.x1, chart.across, logarithmic=True)
@@ -68,7 +73,7 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
         text = f"Now: {now.setting}, {plain(now.error)} in {plain(1e3 * now.seconds)} ms"
         imgui.text_colored(theme.now().accent, f"{text}, the default" if now.is_default else text)
     elif chart.part == "enhancement":
-        imgui.text_colored(theme.now().muted, "The current settings are not among those measured.")
+        muted("The current settings are not among those measured.")
 
 
 def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:
@@ -99,3 +104,64 @@ def _explain_nearest(chart: Chart) -> None:
             measured = f"{plain(point.error, 4)} in {plain(1e3 * point.seconds, 4)} ms"
             imgui.set_tooltip(f"{point.series}: {point.setting}{default}\n{measured}")
             return
+
+
+def draw_part(part: ReportPart) -> None:
+    """Closed until it is asked for."""
+    if not imgui.collapsing_header(part.title):
+        return
+    with imgui_ctx.push_text_wrap_pos(0):
+        for sentence in part.sentences:
+            imgui.text_wrapped(sentence)
+    for place, table in enumerate(part.tables):
+        if imgui.tree_node(f"{table.title}##{part.title}{place}"):
+            draw_table(table, f"{part.title}{place}")
+            imgui.tree_pop()
+    if part.not_measured and imgui.tree_node(f"Not measured##{part.title}"):
+        for line in part.not_measured:
+            imgui.bullet()
+            imgui.text_wrapped(line)
+        imgui.tree_pop()
+
+
+def draw_table(table: ShownTable, key: str) -> None:
+    """Sorted by the heading that was clicked last; a third click brings the rows back as they were."""
+    line = imgui.get_text_line_height() + 2 * imgui.get_style().cell_padding.y
+    height = line * (min(len(table.rows), MOST_ROWS) + 1.4) + imgui.get_style().scrollbar_size
+    with imgui_ctx.begin_table(key, len(table.heads), TABLE_FLAGS, ImVec2(0, height)) as drawn:
+        if drawn:
+            imgui.table_setup_scroll_freeze(1, 1)
+            for head, holds_numbers in zip(table.heads, table.numbers, strict=True):
+                imgui.table_setup_column(head, FIRST_CLICK[holds_numbers])
+            imgui.table_headers_row()
+            _draw_rows(table)
+    if table.note:
+        with imgui_ctx.push_style_color(imgui.Col_.text, theme.now().muted):
+            imgui.text_wrapped(table.note)
+    imgui.dummy(ImVec2(0, em(0.3)))
+
+
+def _draw_rows(table: ShownTable) -> None:
+    order = _order(table)
+    clipper = imgui.ListClipper()
+    clipper.begin(len(order))
+    while clipper.step():
+        for row in order[clipper.display_start : clipper.display_end]:
+            imgui.table_next_row()
+            for column, text in enumerate(table.rows[row]):
+                imgui.table_next_column()
+                if table.numbers[column]:
+                    room = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
+                    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(0.0, room))
+                if (row, column) in table.failed:
+                    imgui.text_colored(theme.now().danger, text)
+                else:
+                    imgui.text(text)
+
+
+def _order(table: ShownTable) -> tuple[int, ...]:
+    specs = imgui.table_get_sort_specs()
+    if specs.specs_count == 0:
+        return tuple(range(len(table.rows)))
+    spec = specs.get_specs(0)
+    return table.order(spec.column_index, falls=spec.get_sort_direction() == imgui.SortDirection.descending)

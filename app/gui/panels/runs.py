@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from datetime import datetime
+from functools import partial
 
 from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import legible, named
 from app.gui.actions import laid_out, queue_actions, run_actions
+from app.gui.panels.reconstruction import LOOK_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, note
-from app.gui.work.run_list import ListedRun
+from app.gui.style.widgets import button, em, explain, muted, note
+from app.gui.work.runs import ListedRun
+
+ASLEEP_TEXT = "These were queued when the window was closed. Press Start the queue to run them."
 
 
 def draw_runs(state: AppState) -> None:
@@ -23,14 +27,14 @@ def draw_runs(state: AppState) -> None:
         _draw_queue(state)
         imgui.separator()
     if state.source.clip is None:
-        imgui.text_colored(theme.now().muted, "Open a clip to see its reconstructions.")
+        muted("Open a clip to see its reconstructions.")
         return
     found = state.runs.found
     if found is None or found.request.clip is not state.source.clip:
-        imgui.text_colored(theme.now().muted, "Looking for reconstructions of this clip…")
+        muted("Looking for reconstructions of this clip…")
         return
     if not found.runs:
-        imgui.text_colored(theme.now().muted, "No reconstruction of this clip yet.")
+        muted("No reconstruction of this clip yet.")
     for run in found.runs:
         with imgui_ctx.push_id(run.path.name):
             _draw_run(state, run)
@@ -45,8 +49,7 @@ def _draw_queue(state: AppState) -> None:
     if not state.runs.reconstruction.is_alive and (reason := queue_actions.why_held(state)):
         note(reason, theme.now().warning)
     if queue_actions.sleeps(state):
-        button("Start the queue", lambda: queue_actions.wake(state), width=-1.0)
-        explain("These were queued when the window was closed. Press Start the queue to run them.")
+        button("Start the queue", partial(queue_actions.wake, state), ASLEEP_TEXT, width=-1.0)
     for place, waiting in enumerate(state.runs.queue):
         with imgui_ctx.push_id(f"queued {place}"):
             _draw_waiting(state, waiting, first=place == 0 and not waiting.asleep)
@@ -61,33 +64,29 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
         run_actions.open_run(state, run)
     imgui.end_disabled()
     beside = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
-    part = f" Trained on {said}." if (said := run.request.part.told_alone()) else ""
+    part = f" Trained on {said}." if (said := run.request.part.told()) else ""
     explain(reason or f"{beside}{run.path}.{part}")
     if run.psnr is not None:
         psnr = f"{run.psnr:.1f} dB"
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
         imgui.text_colored(theme.now().accent, psnr)
         explain("PSNR of held-out frames where measured, otherwise of the training frames.")
-    steps = f"{config.iterations:,} iterations"
-    if run.made != "finished":
-        steps = f"{run.iteration:,} of {config.iterations:,}"
+    finished, steps = run.made == "finished", f"{config.iterations:,}"
+    steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
     imgui.align_text_to_frame_padding()
-    imgui.text_colored(theme.now().muted, f"{_when(run.created)} · {steps} · {_made(state, run)}")
+    muted(f"{_when(run.created)} · {steps} · {_made(state, run)}")
     if run.made == "unfinished" and not run_actions.is_present(state, run):
         _draw_unfinished(state, run)
     imgui.spacing()
 
 
 def _draw_unfinished(state: AppState, run: ListedRun) -> None:
-    reason = run_actions.why_not_continue(state, run)
-    onward = lambda: run_actions.continue_run(state, run)  # noqa: E731
-    button("Continue", onward, enabled=not reason)
     kept = "Continue from the last checkpoint." if run.has_checkpoint else "No checkpoint: starts over."
-    explain(reason or kept)
+    reason = run_actions.why_not_continue(state, run)
+    button("Continue", partial(run_actions.continue_run, state, run), kept, reason=reason)
     imgui.same_line(0, em(0.5))
     reason = run_actions.why_not_look(state, run.path, has_checkpoint=run.has_checkpoint)
-    button("View model", lambda: run_actions.look(state, run.path), enabled=not reason)
-    explain(reason or "The model as last shown, or at the last checkpoint, before the interruption.")
+    button("View model", partial(run_actions.look, state, run.path), LOOK_TEXT, reason=reason)
 
 
 def _made(state: AppState, run: ListedRun) -> str:
@@ -114,12 +113,8 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     since = " Queued in an earlier session." if waiting.asleep else ""
     explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)
-    imgui.begin_disabled(first)
-    if imgui.button(f"{icons.ICON_FA_ARROW_UP}###to front"):
-        queue_actions.to_front(state, waiting)
-    imgui.end_disabled()
-    explain("Move to the front of the queue.")
+    front, remove = partial(queue_actions.to_front, state, waiting), "Remove from the queue."
+    text = "Move to the front of the queue."
+    button(f"{icons.ICON_FA_ARROW_UP}###to front", front, text, enabled=not first)
     imgui.same_line(0, em(0.3))
-    if imgui.button(f"{icons.ICON_FA_TIMES}###withdraw"):
-        queue_actions.withdraw(state, waiting)
-    explain("Remove from the queue.")
+    button(f"{icons.ICON_FA_TIMES}###withdraw", partial(queue_actions.withdraw, state, waiting), remove)

@@ -1,77 +1,133 @@
-"""Where things of the scene are on screen, and the marks that lie over the 3D view: centre and distance."""
+"""What lies over the 3D view: its centre, the measured distance, the camera path, the scale of colours."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2, ImVec4, imgui
 
-from app.gui.state.viewer import Viewer
+from app.gui.actions import path_actions
+from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import em, tag
+from app.gui.style.widgets import Area, em, tag
+from app.gui.views.lines import frustum, seen
 from app.gui.views.picture_view import PictureView, Placement
 from app.scenes.free_camera import Vector
+from app.scenes.view_kinds import Scale
 from app.scenes.view_request import ViewRequest
-from renderer.camera import Camera
+from renderer.camera import Camera, FloatArray
+
+SHARE = 0.12
+"""Depth of a small camera, of the scene's distance."""
+SEGMENTS = 32
+"""Of the scale."""
 
 
-def placement(camera: Camera, size: ImVec2) -> Placement:
-    """Where a camera's picture lies in the view: as large as fits, in the middle."""
-    return PictureView().place((camera.width, camera.height), (size.x, size.y))
+@dataclass(frozen=True)
+class Sight:
+    """A camera's picture in an area of the screen: as large as fits, in the middle."""
+
+    camera: Camera
+    area: Area
+
+    @cached_property
+    def place(self) -> Placement:
+        return PictureView().place((self.camera.width, self.camera.height), self.area.inside)
+
+    @property
+    def bounds(self) -> tuple[ImVec2, ImVec2]:
+        """Upper left and lower right end of the picture on the screen."""
+        return self.at(0, 0), self.at(self.camera.width, self.camera.height)
+
+    def at(self, x: float, y: float) -> ImVec2:
+        """Where a position of the picture is on the screen."""
+        return self.area.corner + self.place.pane_at(x, y)
+
+    def point(self, point: Vector) -> ImVec2 | None:
+        """Where a point of the world is seen; None behind the camera."""
+        (pixel,), (depth,) = self.camera.project(np.array([point]))
+        return self.at(*pixel) if depth > 0 else None
+
+    def mouse(self) -> tuple[float, float]:
+        """Position in the picture under the pointer; it may lie outside."""
+        return self.place.picture_at(*self.area.mouse())
+
+    def pixel(self) -> tuple[int, int]:
+        """Column and row under the pointer."""
+        x, y = self.mouse()
+        return math.floor(x), math.floor(y)
 
 
-def pixel_at(camera: Camera, corner: ImVec2, size: ImVec2) -> tuple[int, int]:
-    """Column and row of the picture under the pointer; it may lie outside the picture."""
-    mouse = imgui.get_mouse_pos()
-    x, y = placement(camera, size).picture_at(mouse.x - corner.x, mouse.y - corner.y)
-    return math.floor(x), math.floor(y)
-
-
-def on_screen(camera: Camera, point: Vector, corner: ImVec2, size: ImVec2) -> ImVec2 | None:
-    """Where a point of the world is seen; None behind the camera."""
-    (pixel,), (depth,) = camera.project(np.array([point]))
-    if depth <= 0:
-        return None
-    place = placement(camera, size)
-    return ImVec2(
-        corner.x + place.offset_x + place.zoom * pixel[0], corner.y + place.offset_y + place.zoom * pixel[1]
-    )
-
-
-def bounds(camera: Camera, corner: ImVec2, size: ImVec2) -> tuple[ImVec2, ImVec2]:
-    """Upper left and lower right end of a camera's picture on screen."""
-    place = placement(camera, size)
-    low = ImVec2(corner.x + place.offset_x, corner.y + place.offset_y)
-    return low, ImVec2(low.x + place.zoom * camera.width, low.y + place.zoom * camera.height)
-
-
-def draw_marks(viewer: Viewer, request: ViewRequest, corner: ImVec2, size: ImVec2) -> None:
-    """Over a picture of the request: what the view turns around, and the measured distance."""
-    if viewer.pivot is not None and not viewer.flying:
-        at = on_screen(request.camera, viewer.pivot, corner, size)
-        if at is not None:
-            _draw_ring(at)
+def draw_marks(state: AppState, request: ViewRequest, area: Area) -> None:
+    """Over a picture of the request: the path, what the view turns around, and the measured distance."""
+    sight, viewer = Sight(request.camera, area), state.scene.viewer
+    _draw_path(state, request, sight)
+    if viewer.pivot is not None and not viewer.flying and (at := sight.point(viewer.pivot)) is not None:
+        for color, weight in ((theme.grey(0.0, 0.7), 0.18), (theme.grey(1.0, 0.9), 0.08)):
+            ink = imgui.get_color_u32(color)
+            imgui.get_window_draw_list().add_circle(at, em(0.32), ink, thickness=em(weight))
     measured = viewer.measurement
     points = measured.points if measured.of == request.scene.name else ()
-    ends = [on_screen(request.camera, point, corner, size) for point in points]
-    shown = [end for end in ends if end is not None]
+    shown = [end for point in points if (end := sight.point(point)) is not None]
     draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.MARK)
     if len(shown) == 2:
-        first, last = shown
-        draw.add_line(first, last, imgui.get_color_u32(theme.grey(0.0, 0.7)), em(0.22))
-        draw.add_line(first, last, ink, em(0.1))
+        draw.add_line(shown[0], shown[1], imgui.get_color_u32(theme.grey(0.0, 0.7)), em(0.22))
+        draw.add_line(shown[0], shown[1], ink, em(0.1))
     for end in shown:
         draw.add_circle_filled(end, em(0.22), ink)
     if len(shown) == 2:
         text = measured.text(request.scene.unit)
         if request.time != measured.time:
             text += f" at {request.scene.moment(measured.time)}"
-        beside = ImVec2((shown[0].x + shown[1].x) / 2 + em(0.5), (shown[0].y + shown[1].y) / 2)
-        tag(text, beside, theme.TAG_CAUTION)
+        tag(text, (shown[0] + shown[1]) / 2 + ImVec2(em(0.5), 0), theme.TAG_CAUTION)
 
 
-def _draw_ring(at: ImVec2) -> None:
-    draw, radius = imgui.get_window_draw_list(), em(0.32)
-    draw.add_circle(at, radius, imgui.get_color_u32(theme.grey(0.0, 0.7)), thickness=em(0.18))
-    draw.add_circle(at, radius, imgui.get_color_u32(theme.grey(1.0, 0.9)), thickness=em(0.08))
+def _draw_path(state: AppState, request: ViewRequest, sight: Sight) -> None:
+    """Its line, a small camera at each keyframe and where it is now, unless this is what it sees itself."""
+    if not path_actions.sees_path(state):
+        return
+    path, depth = state.scene.cameras.views.path, SHARE * request.scene.distance
+    track = path.track
+    _draw_lines(np.stack([track[:-1], track[1:]], axis=1), theme.PATH, request, sight)
+    for key in path.keyframes:
+        _draw_lines(frustum(key.camera, depth), theme.PATH, request, sight)
+    _draw_lines(frustum(path.at(state.scene.cameras.playhead).camera, depth), theme.MARK, request, sight)
+
+
+def _draw_lines(segments: FloatArray, color: ImVec4, request: ViewRequest, sight: Sight) -> None:
+    """With dark edges, since tissue is bright and its surround black."""
+    draw, corner = imgui.get_window_draw_list(), sight.at(0, 0)
+    ends = (sight.place.zoom * seen(request.camera, segments, request.near)).tolist()
+    for ink, width in ((theme.grey(0.0, 0.6), em(0.2)), (color, em(0.1))):
+        for first, last in ends:
+            draw.add_line(corner + first, corner + last, imgui.get_color_u32(ink), width)
+
+
+def draw_color_bar(scale: Scale, area: Area) -> None:
+    """The scale of the colours, in the upper right corner of the area; high values above."""
+    draw, texts = imgui.get_window_draw_list(), [scale.text(tick) for tick in scale.ticks]
+    across = em(0.9)
+    wide = max(imgui.calc_text_size(text).x for text in texts) + across + em(1.0)
+    wide = max(wide, imgui.calc_text_size(scale.unit).x) + em(1.0)
+    tall = min(area.size.y - em(1.0), em(15))
+    if tall < em(6):
+        return
+    low, high = area.end.x - wide - em(0.5), ImVec2(area.end.x - em(0.5), area.corner.y + em(0.5) + tall)
+    corner = ImVec2(low, area.corner.y + em(0.5))
+    draw.add_rect_filled(corner, high, imgui.get_color_u32(theme.grey(0.0, 0.62)), em(0.25))
+    ink = imgui.get_color_u32(theme.grey(0.92))
+    draw.add_text(corner + ImVec2(em(0.5), em(0.3)), ink, scale.unit)
+    left, right, first, last = low + em(0.5), low + em(0.5) + across, corner.y + em(1.9), high.y - em(0.8)
+    table = scale.table
+    for sides in pairwise(index / SEGMENTS for index in range(SEGMENTS + 1)):
+        above, below = (theme.packed(*table[int((1 - side) * (len(table) - 1))].tolist()) for side in sides)
+        top, bottom = (first + (last - first) * side for side in sides)
+        draw.add_rect_filled_multi_color((left, top), (right, bottom), above, above, below, below)
+    for tick, text in zip(scale.ticks, texts, strict=True):
+        y = last - (tick - scale.low) / (scale.high - scale.low) * (last - first)
+        draw.add_line((right, y), (right + em(0.25), y), ink)
+        draw.add_text((right + em(0.45), y - imgui.get_text_line_height() / 2), ink, text)

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import grouped, legible, named
-from app.gui.actions import actions, camera_actions, laid_out, view_actions
+from app.gui.actions import actions, camera_actions, laid_out
 from app.gui.commands.camera_commands import second_commands
 from app.gui.drawing.viewport import OnScreen, Viewport
-from app.gui.panels.color_bar import draw_color_bar
 from app.gui.panels.menus import draw_commands
-from app.gui.panels.path_marks import draw_path_marks
-from app.gui.panels.scene_marks import bounds, draw_marks, pixel_at, placement
+from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import beside, beside_of, button, centered, em, explain, stack_tags
-from app.scenes.photos import Photo
+from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, stack_tags
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, ViewRequest
 from renderer.clip import ByteImage
 
 TURN = 2.2
@@ -31,28 +29,36 @@ WHEEL_STEP = 1.12
 SPEED_STEP = 1.25
 CLICK = 4.0
 """Pixels that a hand may slip in a click."""
+VIEW_BUTTONS = (
+    imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
+    | imgui.ButtonFlags_.mouse_button_middle
+)  # fmt: skip
 PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
 """What shows a whole photo."""
 FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
 MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
 PHOTO = f"{icons.ICON_FA_CLONE}  Frame###snap"
+FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back."
+MEASURE_TEXT = "M: click two points on the surface. Measured on the model, at its expected depth."
+SECOND_TEXT = (
+    "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
+)
+PHOTO_TEXT = (
+    "C: align with the clip's camera, with its frame over the reconstruction. Moving the view ends this."
+)
 Tag = tuple[str, ImVec4]
 
 
-def draw_view3d(
-    state: AppState,
-    viewport: Viewport,
-    second: Viewport,
-    photo_texture: PhotoTexture,
-) -> None:
+def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, photo_texture: PhotoTexture) -> None:
     """The view with its controls, beside it the second reconstruction when there is one.
 
     The first view is the last item drawn, for those who draw on it.
     """
     if state.scene.model is None:
         laid_out.size_view(state, 0, 0)
-        _draw_empty(state)
+        imgui.dummy(ImVec2(0, max(imgui.get_content_region_avail().y / 2 - em(2), 0)))
+        centered("Waiting for the first preview of the reconstruction…")
         return
     _draw_toolbar(state)
     space, gap = imgui.get_content_region_avail(), em(0.3)
@@ -61,50 +67,33 @@ def draw_view3d(
     scale = imgui.get_io().display_framebuffer_scale
     laid_out.size_view(state, int(size.x * scale.x), int(size.y * scale.y))
     if state.scene.second.shown is not None:
-        imgui.set_cursor_screen_pos(ImVec2(corner.x + size.x + gap, corner.y))
-        _draw_pane(state, "second view", second, state.second_request, photo_texture, size)
-    imgui.set_cursor_screen_pos(corner)
-    _draw_pane(state, "view", viewport, state.plain_view_request, photo_texture, size)
+        right = Area(corner + ImVec2(size.x + gap, 0), size)
+        _draw_pane(state, "second view", second, state.second_request, right, photo_texture)
+    _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), photo_texture)
 
 
 def _draw_pane(
-    state: AppState,
-    name: str,
-    viewport: Viewport,
-    request: ViewRequest | None,
-    photo_texture: PhotoTexture,
-    size: ImVec2,
+    state: AppState, name: str, viewport: Viewport, seen: ViewRequest | None, area: Area, photo: PhotoTexture
 ) -> None:
     """One of the views; the hand on either moves both."""
-    corner = imgui.get_cursor_screen_pos()
-    buttons = imgui.ButtonFlags_
-    imgui.invisible_button(
-        name, size, buttons.mouse_button_left | buttons.mouse_button_right | buttons.mouse_button_middle
-    )
-    _move(state, size)
-    if request is not None:
-        _pick(state, request, corner, size)
-    _draw_picture(state, viewport.show(state), photo_texture, corner, size)
-
-
-def _draw_empty(state: AppState) -> None:
-    imgui.dummy(ImVec2(0, max(imgui.get_content_region_avail().y / 2 - em(2), 0)))
-    centered("Waiting for the first preview of the reconstruction…")
+    imgui.set_cursor_screen_pos(area.corner)
+    imgui.invisible_button(name, area.size, VIEW_BUTTONS)
+    _move(state, area)
+    if seen is not None:
+        _pick(state, seen, area)
+    with imgui_ctx.push_clip_rect(area.corner, area.end, True):
+        _draw_picture(state, viewport.show(state), photo, area)
 
 
 def _draw_toolbar(state: AppState) -> None:
-    button(f"{icons.ICON_FA_HOME}  Clip camera", lambda: camera_actions.reset_view(state))
-    explain("Home: the clip camera's view.")
+    viewer = state.scene.viewer
+    reset = partial(camera_actions.reset_view, state)
+    button(f"{icons.ICON_FA_HOME}  Clip camera", reset, "Home: the clip camera's view.")
     beside(FLY)
-    flying = state.scene.viewer.flying
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(flying)):
-        button(FLY, lambda: camera_actions.toggle_flight(state))
-    explain("G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back.")
+    button(FLY, lambda: camera_actions.toggle_flight(state), FLY_TEXT, color=theme.switch(viewer.flying))
     beside(MEASURE)
-    measuring = state.scene.viewer.measuring
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(measuring)):
-        button(MEASURE, lambda: camera_actions.toggle_measuring(state))
-    explain("M: click two points on the surface. Measured on the model, at its expected depth.")
+    measure, color = partial(camera_actions.toggle_measuring, state), theme.switch(viewer.measuring)
+    button(MEASURE, measure, MEASURE_TEXT, color=color)
     beside(SECOND)
     _draw_second(state)
     _draw_snap(state)
@@ -123,11 +112,7 @@ def _draw_toolbar(state: AppState) -> None:
 
 def _draw_second(state: AppState) -> None:
     shown = state.scene.second.shown is not None
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(shown)):
-        button(SECOND, lambda: imgui.open_popup("second"))
-    explain(
-        "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
-    )
+    button(SECOND, lambda: imgui.open_popup("second"), SECOND_TEXT, color=theme.switch(shown))
     beside(PHOTO)
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
@@ -136,34 +121,26 @@ def _draw_second(state: AppState) -> None:
 
 def _draw_snap(state: AppState) -> None:
     snapped = state.scene.viewer.snapped
-    with imgui_ctx.push_style_color(imgui.Col_.button, theme.switch(snapped)):
-        button(PHOTO, lambda: camera_actions.toggle_snap(state), enabled=state.has_photos)
-    explain(
-        "C: align with the clip's camera, with its frame over the reconstruction. Moving the view ends this."
-    )
+    snap, color = partial(camera_actions.toggle_snap, state), theme.switch(snapped)
+    button(PHOTO, snap, PHOTO_TEXT, enabled=state.has_photos, color=color)
     if not snapped:
         return
     beside_of(em(8))
     imgui.set_next_item_width(em(8))
-    flags = imgui.SliderFlags_.always_clamp
-    changed, percent = imgui.slider_float(
-        "##blend", 100 * state.scene.viewer.blend, 0, 100, "frame %.0f %%", flags
-    )
+    share, form, flags = 100 * state.scene.viewer.blend, "frame %.0f %%", imgui.SliderFlags_.always_clamp
+    changed, percent = imgui.slider_float("##blend", share, 0, 100, form, flags)
     explain("[ and ]: from the reconstruction alone (0) to the frame alone (100).")
     if changed:
         camera_actions.blend(state, percent / 100)
 
 
 def _draw_kind(state: AppState) -> None:
-    kinds = view_actions.choices(state)
+    kinds = {kind: kind.capitalize().replace("Color", "Colour") for kind in camera_actions.choices(state)}
     beside_of(em(7.2))
-    imgui.set_next_item_width(em(7.2))
-    labels = [kind.capitalize().replace("Color", "Colour") for kind in kinds]
-    now = kinds.index(state.scene.kind) if state.scene.kind in kinds else 0
-    changed, chosen = imgui.combo("##kind", now, labels)
-    explain(f"N: next view. {EXPLAINED[kinds[now]]}")
-    if changed:
-        view_actions.choose_view(state, kinds[chosen])
+    now = state.scene.kind if state.scene.kind in kinds else "color"
+    chosen = choose("kind", now, kinds, f"N: next view. {EXPLAINED[now]}", 7.2)
+    if chosen != now:
+        camera_actions.choose_view(state, chosen)
 
 
 def _draw_time(state: AppState) -> None:
@@ -182,19 +159,18 @@ def _draw_time(state: AppState) -> None:
         actions.seek_view(state, model.time_of(number))
 
 
-def _move(state: AppState, size: ImVec2) -> None:
+def _move(state: AppState, area: Area) -> None:
     """Left drag turns, right or middle drag moves, the wheel goes nearer, or sets the speed of flight."""
-    io = imgui.get_io()
+    io, left, across = imgui.get_io(), imgui.is_mouse_down(imgui.MouseButton_.left), area.size.x
     held = imgui.is_item_active() and not imgui.is_mouse_double_clicked(imgui.MouseButton_.left)
-    selects = state.editing.takes_drags and not io.key_alt and imgui.is_mouse_down(imgui.MouseButton_.left)
-    held = held and not selects
+    held = held and not (state.editing.takes_drags and not io.key_alt and left)
     if held and any(imgui.is_mouse_down(index) for index in range(3)):
         laid_out.drag_view(state)
     if held and (io.mouse_delta.x or io.mouse_delta.y):
-        if imgui.is_mouse_down(imgui.MouseButton_.left):
-            camera_actions.turn(state, -TURN * io.mouse_delta.x / size.x, TURN * io.mouse_delta.y / size.x)
+        if left:
+            camera_actions.turn(state, -TURN * io.mouse_delta.x / across, TURN * io.mouse_delta.y / across)
         else:
-            zoom = placement(state.scene.model.cameras[0], size).zoom if state.scene.model else 1.0
+            zoom = Sight(state.scene.model.cameras[0], area).place.zoom if state.scene.model else 1.0
             camera_actions.pan(state, io.mouse_delta.x / zoom, io.mouse_delta.y / zoom)
     if imgui.is_item_hovered():
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
@@ -203,14 +179,13 @@ def _move(state: AppState, size: ImVec2) -> None:
             camera_actions.zoom(state, step**io.mouse_wheel)
 
 
-def _pick(state: AppState, request: ViewRequest, corner: ImVec2, size: ImVec2) -> None:
+def _pick(state: AppState, request: ViewRequest, area: Area) -> None:
     """A double click, or O, turns the view around what is under the pointer; a click may measure."""
-    io = imgui.get_io()
     if not imgui.is_item_hovered() or state.editing.takes_drags:
         return
-    pixel = pixel_at(request.camera, corner, size)
+    pixel = Sight(request.camera, area).pixel()
     left, measuring = imgui.MouseButton_.left, state.scene.viewer.measuring
-    wants_centre = imgui.is_key_pressed(imgui.Key.o, False) and not io.want_text_input
+    wants_centre = imgui.is_key_pressed(imgui.Key.o, False) and not imgui.get_io().want_text_input
     if wants_centre or (imgui.is_mouse_double_clicked(left) and not measuring):
         camera_actions.ask_point(state, request, pixel, "orbit")
     moved = imgui.get_mouse_drag_delta(left, 0.0)
@@ -218,25 +193,19 @@ def _pick(state: AppState, request: ViewRequest, corner: ImVec2, size: ImVec2) -
         camera_actions.ask_point(state, request, pixel, "measure")
 
 
-def _draw_picture(
-    state: AppState, shown: OnScreen | None, photo_texture: PhotoTexture, corner: ImVec2, size: ImVec2
-) -> None:
-    end = ImVec2(corner.x + size.x, corner.y + size.y)
+def _draw_picture(state: AppState, shown: OnScreen | None, photo_texture: PhotoTexture, area: Area) -> None:
     draw = imgui.get_window_draw_list()
-    draw.push_clip_rect(corner, end, True)
-    draw.add_rect_filled(corner, end, imgui.get_color_u32(theme.grey(0.0)))
+    draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.grey(0.0)))
     if shown is not None:
-        low, high = bounds(shown.request.camera, corner, size)
+        low, high = Sight(shown.request.camera, area).bounds
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
         if (photo := photo_over(state)) is not None:
             tint = imgui.get_color_u32(theme.grey(1.0, state.scene.viewer.blend))
             draw.add_image(photo_texture(photo.image), low, high, (0, 0), (1, 1), tint)
-        draw_path_marks(state, shown.request, corner, size)
-        draw_marks(state.scene.viewer, shown.request, corner, size)
+        draw_marks(state, shown.request, area)
         if shown.scale is not None:
-            draw_color_bar(shown.scale, ImVec2(end.x, corner.y), size.y)
-    stack_tags(view_tags(state, shown), corner, size.x)
-    draw.pop_clip_rect()
+            draw_color_bar(shown.scale, area)
+    stack_tags(view_tags(state, shown), area.corner, area.size.x)
 
 
 def photo_over(state: AppState) -> Photo | None:
@@ -287,22 +256,19 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
 def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     """What the hand does, and from where it is seen."""
     tags: list[Tag] = []
-    if state.scene.viewer.flying:
-        tags.append(
-            (f"FLYING · W A S D Q E · speed {state.scene.viewer.speed:.2f} · G to stop", theme.TAG_CAUTION)
-        )
-    if state.scene.viewer.measuring:
-        told = "MEASURING on the model, at expected depth"
-        tags.append((told, theme.TAG_CAUTION))
-    if state.scene.viewer.snapped:
-        share = f"FRAME {100 * state.scene.viewer.blend:.0f} % over the reconstruction"
-        if state.photo is None:
-            share = "READING THE FRAME…"
-        elif shown.request.kind == "difference":
-            share = "DIFFERENCE to the frame"
-        tags.append((share, theme.TAG_ENHANCED))
+    viewer = state.scene.viewer
+    if viewer.flying:
+        tags.append((f"FLYING · W A S D Q E · speed {viewer.speed:.2f} · G to stop", theme.TAG_CAUTION))
+    if viewer.measuring:
+        tags.append(("MEASURING on the model, at expected depth", theme.TAG_CAUTION))
+    if viewer.snapped and state.photo is None:
+        tags.append(("READING THE FRAME…", theme.TAG_ENHANCED))
+    elif viewer.snapped and shown.request.kind == "difference":
+        tags.append(("DIFFERENCE to the frame", theme.TAG_ENHANCED))
+    elif viewer.snapped:
+        tags.append((f"FRAME {100 * viewer.blend:.0f} % over the reconstruction", theme.TAG_ENHANCED))
     elif state.scene.kind == "difference":
         tags.append(("DIFFERENCE only from the clip's camera: C", theme.TAG_CAUTION))
-    if state.scene.viewer.free is not None:
+    if viewer.free is not None:
         tags.append(("FREE VIEW · not the endoscope's view", theme.TAG_ORIGINAL))
     return tags

@@ -5,27 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from app.enhancement.frame_enhancer import PictureRequest
-from app.gui.state.batches import Batches
-from app.gui.state.comparing import Comparing
 from app.gui.state.editing import Editing
-from app.gui.state.enhancement import Enhancement
-from app.gui.state.exports import Exports
-from app.gui.state.picture import Picture
-from app.gui.state.reports import Reports
-from app.gui.state.runs import Runs
+from app.gui.state.enhancement import Enhancement, SettingsSnapshot
+from app.gui.state.exports import Batches, Exports
+from app.gui.state.picture import Comparing, Picture
+from app.gui.state.reconstruction import Runs
 from app.gui.state.scene import ShownScene
 from app.gui.state.session import KeptSession
-from app.gui.state.settings_snapshot import SettingsSnapshot
-from app.gui.state.source import Source
-from app.gui.state.timeline import Timeline
+from app.gui.state.source import Reports, Source, Timeline
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
 from app.gui.work.omissions import OmissionsRequest
-from app.gui.work.run_list import RunsRequest
+from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
-from app.scenes.photos import Photo, PhotoRequest
 from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 from renderer.train.config import TrainConfig
 
 LOOK_AGAIN = 4.0

@@ -1,24 +1,19 @@
-"""What is exported and how large, as chosen. A part of the state."""
+"""What is written when a person asks for it: exports, and files that are enhanced together. A part of the
+state."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from app.exports.exporting import ExportRequest
 from app.exports.sizing import Sizing
-
-
-@dataclass
-class Exporting:
-    """The export that is under way."""
-
-    request: ExportRequest
-    done: int = 0
+from app.gui.work.batching import BatchRequest, Progressed
 
 
 @dataclass
 class Exports:
-    """Export actions change it; drawing reads it."""
+    """What is exported and how large, as chosen. Export actions change it; drawing reads it."""
 
     shown: bool = False
     """Its panel."""
@@ -30,9 +25,25 @@ class Exports:
     """Of the 3D view in files, one of FACTORS."""
     settling: int = 0
     """Frames until the whole window is saved as it then is; 0: that is not asked for."""
-    under_way: Exporting | None = None
+    under_way: ExportRequest | None = None
+    done: int = 0
+    """Steps of it."""
 
     @property
     def is_busy(self) -> bool:
         """Something goes on that the window should follow closely."""
         return self.under_way is not None or self.settling > 0
+
+
+@dataclass
+class Batches:
+    """Files and folders that are enhanced together, and how far that is. Batch actions change it."""
+
+    shown: bool = False
+    """Its panel."""
+    inputs: tuple[Path, ...] = ()
+    folder: Path | None = None
+    """Where the folder of the results is made; None: among the saved pictures."""
+    under_way: BatchRequest | None = None
+    progressed: Progressed | None = None
+    """Of the batch under way, or of the last one."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from app.exports.comparison_images import Difference, DifferenceRequest, Other, 
 from app.exports.page import describe
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES, Side
+from app.gui.views.comparison import SIDES, Side
 from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -245,3 +245,27 @@ def pixel(image: ByteImage, at: tuple[int, int]) -> Pixel | None:
         return None
     red, green, blue = np.asarray(image[y, x]).tolist()
     return Pixel((red, green, blue))
+
+
+LEAST: Final = 0.02
+"""Share of the original's colour difference: less is nobody's loss."""
+
+
+@dataclass(frozen=True)
+class Fainter:
+    """Colour difference (CIEDE2000) of vessels to their surroundings."""
+
+    before: float
+    after: float
+
+
+def fainter(state: AppState) -> Fainter | None:
+    """Of the frame on screen, where the enhancement that is shown makes vessels fainter than they were."""
+    seen, pictures = state.picture.measured, state.picture.pictures
+    shown = {state.comparing.chosen.source(side) for side in SIDES}
+    if seen is None or pictures is None or ENHANCED not in shown or not state.enhancement.active:
+        return None
+    if seen.pictures is not pictures or pictures.request.params != state.enhancement.params:
+        return None
+    found = Fainter(seen.before.color_difference, seen.after.color_difference)
+    return found if found.after < (1 - LEAST) * found.before else None

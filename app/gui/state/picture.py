@@ -1,13 +1,30 @@
-"""The two pictures, how they are looked at, and what is drawn over them. A part of the state."""
+"""The two pictures: what they are compared with, how they are looked at, what is drawn over them. A part of
+the state."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from app.enhancement.frame_enhancer import Pictures
+from app.exports.comparison_images import Difference, Other
+from app.gui.views.comparison import Comparison, Side
 from app.gui.views.picture_view import PictureView
 from app.gui.work.measuring import Measured
 from app.gui.work.strip import LeftOut
+
+
+@dataclass
+class Comparing:
+    """What the two panes set against each other. Comparing changes it; drawing reads it."""
+
+    chosen: Comparison = field(default_factory=Comparison)
+    others: dict[Side, Other] = field(default_factory=dict)
+    """The newest pictures of each side that are neither photo nor present setting."""
+    difference: Difference | None = None
+    waits: bool = False
+    """A picture of `others` is being made."""
+    wiped: float = 0.5
+    """Where the line of the wipe stands in the picture, as a share of its width, as last laid out."""
 
 
 @dataclass

@@ -1,34 +1,27 @@
-"""The reconstruction that is made, or was last, and those that wait for their turn. A part of the state."""
+"""Reconstructions: the present one, those that wait, and those that lie on disk; how good and how long. A
+part of the state."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Literal
 
 from app.enhancement.settable import InputKind
-from app.gui.work.run_models import LeftRequest
+from app.gui.work.omissions import Omissions
+from app.gui.work.runs import FoundRuns, LeftRequest, ModelRequest
+from app.runs.job import TrainingJob
 from app.runs.progress_log import EMPTY_LOG, TrainingLog
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
+from app.scenes.scene import Scene
 from renderer.clip import Clip
-from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Preparing, Progress, Started
 
+QUALITIES = {"Draft": 500, "Standard": 3000, "Fine": 6000}
+"""Iterations: enough to look at, the default, and twice that."""
+OWN = "Custom"
 JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
-
-
-class Job(Protocol):
-    """A reconstruction in another process, as far as the window needs it."""
-
-    def start(self) -> None: ...
-    def poll(self) -> Sequence[object]: ...
-    def latest_model(self) -> DynamicGaussians | None: ...
-    def pause(self) -> None: ...
-    def resume(self) -> None: ...
-    def cancel(self) -> None: ...
-    def close(self) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +53,7 @@ class Reconstruction:
     """Folder name of the next run; empty: made from the clip's name and the time."""
 
     status: JobStatus = "none"
-    job: Job | None = None
+    job: TrainingJob | None = None
     clip: Clip | None = None
     """The part that it is trained on."""
     request: TrainRequest | None = None
@@ -112,3 +105,52 @@ class Reconstruction:
     @property
     def can_resume(self) -> bool:
         return self.status == "paused"
+
+
+@dataclass
+class Runs:
+    """Job, queue and run actions change it; drawing reads it."""
+
+    reconstruction: Reconstruction = field(default_factory=Reconstruction)
+    queue: tuple[Waiting, ...] = ()
+    """Reconstructions to be made after the present one, the next one first."""
+    starts: bool = False
+    """A person has asked for the next one: it starts with the next frame, where none is under way."""
+    wakings: int = 0
+    """How often a person has said that some of an earlier session are to be made."""
+    model_wish: ModelRequest | None = None
+    """The newest model of the present run, or of the last one, until something else is shown."""
+    preview: Scene | None = None
+    """The model as it was last seen, of the newest run that was cut short."""
+    is_listed: bool = False
+    """The list of the clip's runs was drawn in the last frame."""
+    found: FoundRuns | None = None
+    """The newest such list."""
+    trouble: str = ""
+    asks_for_omissions: bool = False
+    """The list of what the next reconstruction leaves out is unfolded."""
+    omissions: Omissions | None = None
+    """The newest such list."""
+
+    @property
+    def next_waiting(self) -> Waiting | None:
+        """The reconstruction that is to be made next: the first that is not asleep."""
+        return next((waiting for waiting in self.queue if not waiting.asleep), None)
+
+
+def quality_of(iterations: int) -> str:
+    """The word for a number of iterations; OWN for one without a word."""
+    return next((name for name, steps in QUALITIES.items() if steps == iterations), OWN)
+
+
+def expected_seconds(run: Reconstruction) -> float | None:
+    """In all, of what is chosen: steps at the pace of the run shown, and what that takes beside them. None
+    where it is of another method or has no pace yet."""
+    begun, progress = run.request, run.progress
+    if begun is None or progress is None or progress.iteration < 1:
+        return None
+    if (begun.config.method, begun.config.n_gaussians) != (run.config.method, run.config.n_gaussians):
+        return None
+    steps = progress.seconds / progress.iteration * run.config.iterations
+    beside = 0.0 if progress.wall_seconds is None else max(progress.wall_seconds - progress.seconds, 0.0)
+    return steps + beside

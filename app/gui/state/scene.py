@@ -1,17 +1,74 @@
-"""What the 3D view shows, from where, and of when. A part of the state."""
+"""What the 3D view shows, from where, and of when; and the second one beside it. A part of the state."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from app.gui.state.camera_list import CameraList
-from app.gui.state.second import Second
-from app.gui.state.viewer import Viewer
+from app.gui.views.measurement import Measurement
 from app.gui.work.baking import Baked
+from app.gui.work.opening import OpenRequest
+from app.gui.work.selecting import PickRequest
+from app.scenes.drawer import View
+from app.scenes.free_camera import FreeView, Vector
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import ViewKind
-from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import View
+from app.scenes.view_request import Photo, ViewRequest
+from renderer.view_files import Views
+
+MIN_SPEED, MAX_SPEED = 0.02, 4.0
+
+
+@dataclass
+class Viewer:
+    """Where the 3D view is seen from, and what the hand does there. Camera actions change it."""
+
+    free: FreeView | None = None
+    """None: the clip's own camera, at every time."""
+    snapped: bool = False
+    """The clip's camera with its own pixels, under its photo."""
+    blend: float = 0.5
+    """Share of the photo in a snapped view, in [0, 1]."""
+    photo: Photo | None = None
+    """The newest photo for a snapped view."""
+    pivot: Vector | None = None
+    """What the view turns around; None: the middle of the tissue, until the view leaves the clip's camera."""
+    flying: bool = False
+    speed: float = 0.3
+    """Of flight: the scene's distance so many times a second."""
+    moving: bool = False
+    """A key of flight is held."""
+    measuring: bool = False
+    """A click on the view picks a point of a distance."""
+    measurement: Measurement = field(default_factory=Measurement)
+    pick: PickRequest | None = None
+    """The newest wish for a point on the surface."""
+
+
+@dataclass
+class CameraList:
+    """Named views and the camera path of what is open. Path actions change it."""
+
+    views: Views = field(default_factory=Views)
+    playing: bool = False
+    """The path moves the 3D view."""
+    playhead: float = 0.0
+    """Seconds on the path."""
+    path_shown: bool = True
+    """The path is drawn in the 3D view."""
+    name: str = ""
+    """Typed for the next named view."""
+
+
+@dataclass
+class Second:
+    """Another reconstruction with the first one's camera and time. Second actions change it."""
+
+    opening: OpenRequest | None = None
+    shown: Scene | None = None
+    view: View | None = None
+    """The newest picture of it that the processor drew."""
+    baked: Baked | None = None
+    """Keyframes of it for the graphics card; more to come while they are None."""
 
 
 @dataclass

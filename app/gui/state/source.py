@@ -1,4 +1,5 @@
-"""What is open: a clip, a run or a file of splats, and what of the clip counts. A part of the state."""
+"""What is open: a clip, a run or a file of splats; what of the clip counts, and where it stands; a report. A
+part of the state."""
 
 from __future__ import annotations
 
@@ -6,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from app.gui.work.opening import OpenRequest
+from app.gui.work.reported import Reported
+from app.gui.work.strip import Strip
 from app.runs.clip_selection import WHOLE, ClipPart
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -39,3 +42,34 @@ class Source:
     def training_part(self) -> ClipPart:
         """What of the open clip the next reconstruction is of."""
         return replace(self.part, trim=self.span if self.part.trim else None)
+
+
+@dataclass
+class Timeline:
+    """Where the open clip stands and whether it plays, with its frame strip. Time's actions change it."""
+
+    frame_index: int = 0
+    frozen_index: int | None = None
+    """The frame that the pictures hold while the clip's time goes on."""
+    playing: bool = False
+    playhead: float = 0.0
+    """Position in frames while playing; frame_index is its whole part."""
+    strip: Strip | None = None
+    strip_count: int = 0
+    """Small pictures that fit into the frame strip, as last laid out."""
+
+    @property
+    def shown_index(self) -> int:
+        """Frame of the two pictures."""
+        return self.frame_index if self.frozen_index is None else self.frozen_index
+
+
+@dataclass
+class Reports:
+    """The report that is shown. Actions change it; drawing reads it."""
+
+    shown: Reported | None = None
+    place: int = 0
+    """Which diagram of it is shown."""
+    asked: bool = False
+    """Its panel is to come to the front."""

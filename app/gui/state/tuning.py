@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from app.enhancement.parameter_grid import Setting, ranked, working_order
+from app.gui.session_file import Choice
 from app.gui.views.picture_view import PictureView
-from app.gui.work.tuning import CellRequest, Choice, Grid, GridCell
+from app.gui.work.tuning import CellRequest, Grid, GridCell
 
 
 @dataclass

@@ -9,16 +9,39 @@ from pathlib import Path
 from typing import Literal
 
 from app.exports.exporting import ExportRequest
-from app.gui.state.palette import Palette
-from app.gui.work.file_writing import WriteRequest
 from app.gui.work.presets import KeepPresets
-from app.gui.work.session_writing import SessionRequest
+from app.gui.work.writing import SessionRequest, WriteRequest
 
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
 Kind = Literal["folder", "file"]
 Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest
+
+
+@dataclass
+class Palette:
+    """Whether it is shown, the words typed, and which found command is marked."""
+
+    shown: bool = False
+    words: str = ""
+    marked: int = 0
+
+    def open(self) -> None:
+        self.shown, self.words, self.marked = True, "", 0
+
+    def stay(self, shown: bool) -> None:
+        """Open, or closed from now on."""
+        self.shown = shown
+
+    def type(self, words: str) -> None:
+        """Other words find other commands: the first of them is marked."""
+        if words != self.words:
+            self.words, self.marked = words, 0
+
+    def move(self, by: int, count: int) -> None:
+        """Up or down in a list of `count`, from its end to its start and back."""
+        self.marked = (self.marked + by) % max(count, 1)
 
 
 @dataclass(frozen=True)

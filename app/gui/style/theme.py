@@ -15,6 +15,11 @@ def grey(level: float, alpha: float = 1.0) -> ImVec4:
     return ImVec4(level, level, level, alpha)
 
 
+def packed(red: int, green: int, blue: int) -> int:
+    """As draw lists take a colour, 0 to 255 each."""
+    return imgui.get_color_u32(ImVec4(red / 255, green / 255, blue / 255, 1.0))
+
+
 @dataclass(frozen=True)
 class Colors:
     """Of one theme."""
@@ -82,6 +87,8 @@ PATH = ImVec4(0.35, 0.80, 0.95, 1.0)
 TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)
 TAG_ENHANCED = ImVec4(0.13, 0.36, 0.60, 0.94)
 TAG_CAUTION = ImVec4(0.58, 0.35, 0.03, 0.96)
+PLOT = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
+QUIET_PLOT = PLOT | implot.Flags_.no_mouse_text | implot.Flags_.no_legend
 
 
 def now() -> Colors:
@@ -100,10 +107,11 @@ def wear(theme: Theme, text_percent: int) -> None:
     """Give window and plots this theme and size of text; between two frames."""
     colors, style, plots = THEMES[theme], imgui.get_style(), implot.get_style()
     style.font_scale_main = text_percent / 100
-    for role, color in (_surfaces(colors) | _controls(colors)).items():
+    for role, color in _roles(colors).items():
         style.set_color_(role, color)
     for part, color in _plots(colors).items():
         plots.set_color_(part, color)
+    plots.plot_padding = ImVec2(4, 4)
 
 
 def load_fonts() -> None:
@@ -131,7 +139,7 @@ def apply_style() -> None:
     style.disabled_alpha = 0.45
 
 
-def _surfaces(colors: Colors) -> dict[imgui.Col_, ImVec4]:
+def _roles(colors: Colors) -> dict[imgui.Col_, ImVec4]:
     c, shade = imgui.Col_, colors.shade
     return {
         c.text: colors.text, c.text_disabled: colors.muted,
@@ -149,12 +157,6 @@ def _surfaces(colors: Colors) -> dict[imgui.Col_, ImVec4]:
         c.tree_lines: shade(0.30), c.unsaved_marker: colors.warning,
         c.plot_lines: colors.accent, c.plot_histogram: colors.lit,
         c.plot_lines_hovered: colors.warning, c.plot_histogram_hovered: colors.warning,
-    }  # fmt: skip
-
-
-def _controls(colors: Colors) -> dict[imgui.Col_, ImVec4]:
-    c, shade = imgui.Col_, colors.shade
-    return {
         c.frame_bg: shade(0.21), c.frame_bg_hovered: shade(0.26), c.frame_bg_active: shade(0.30),
         c.button: shade(0.25), c.button_hovered: shade(0.32), c.button_active: shade(0.38),
         c.header: shade(0.24), c.header_hovered: shade(0.27), c.header_active: shade(0.29),
@@ -177,7 +179,3 @@ def _plots(colors: Colors) -> dict[implot.Col_, ImVec4]:
         c.frame_bg: grey(0, 0), c.plot_bg: colors.shade(0.10),
         c.plot_border: colors.shade(0.22), c.axis_grid: colors.veil(0.10),
     }  # fmt: skip
-
-
-def apply_plot_style() -> None:
-    implot.get_style().plot_padding = ImVec2(4, 4)

@@ -1,37 +1,58 @@
-"""Controls made from the declared fields of parameters, and the small pieces that every panel uses."""
+"""The small pieces that every panel uses."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any, TypeVar
+from dataclasses import dataclass
+from typing import TypeVar
 
-from annotated_types import Interval
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
-from pydantic.fields import FieldInfo
 
-from app.console.flags import marks
-from app.enhancement.methods import EnhancementSettings
 from app.files.legible import legible
 from app.gui.style import theme
-from enhance import EnhanceParams
 
 ROOM = 1e4
 """Pixels that no label needs."""
 NAMES = 5.6
 """Text heights that the names of controls have, before the controls."""
-L = TypeVar("L", bound=EnhancementSettings)
+T = TypeVar("T")
 EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
 
 
-def fill_around(corner: ImVec2, end: ImVec2, low: ImVec2, high: ImVec2, color: ImVec4) -> None:
-    """The rectangle from `corner` to `end` without the one from `low` to `high`, which a picture covers.
+@dataclass(frozen=True)
+class Area:
+    """A rectangle of the screen, in the window system's units."""
+
+    corner: ImVec2
+    size: ImVec2
+
+    @classmethod
+    def here(cls, size: ImVec2) -> Area:
+        """From where the next control begins."""
+        return cls(imgui.get_cursor_screen_pos(), size)
+
+    @property
+    def end(self) -> ImVec2:
+        return self.corner + self.size
+
+    @property
+    def inside(self) -> tuple[float, float]:
+        """Width and height."""
+        return self.size.x, self.size.y
+
+    def mouse(self) -> tuple[float, float]:
+        """Where the pointer is, from the corner on."""
+        at = imgui.get_mouse_pos() - self.corner
+        return at.x, at.y
+
+
+def fill_around(area: Area, low: ImVec2, high: ImVec2, color: ImVec4) -> None:
+    """The area without the rectangle from `low` to `high`, which a picture covers.
 
     Each pixel that is painted twice costs a software driver as much as one that is painted once.
     """
-    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(color)
+    draw, ink, corner, end = imgui.get_window_draw_list(), imgui.get_color_u32(color), area.corner, area.end
     for first, last in (
         (corner, ImVec2(end.x, low.y)),
         (ImVec2(corner.x, high.y), end),
@@ -47,48 +68,34 @@ def em(lines: float = 1.0) -> float:
     return lines * imgui.get_font_size()
 
 
-@dataclass(frozen=True)
-class Declared:
-    """What a field says about itself."""
-
-    lo: float
-    hi: float
-    text: str
-    default: Any
-
-
-def declared(kind: type[Any], name: str) -> Declared:
-    """Range, explanation and default of a pydantic dataclass's field, from its own declaration."""
-    a_class: Any = kind  # A class can be hashed also where what it makes cannot.
-    return _declared(a_class, name)
-
-
-@cache
-def _declared(kind: type[Any], name: str) -> Declared:
-    field: FieldInfo = kind.__pydantic_fields__[name]
-    declarations = [*field.metadata, *marks(field.annotation)]
-    interval = next((mark for mark in declarations if isinstance(mark, Interval)), Interval(ge=0, le=1))
-    text = " ".join((field.description or "").split())
-    lo, hi = (float(str(bound)) for bound in (interval.ge, interval.le))
-    return Declared(lo, hi, text, field.default)
-
-
-def row(label: str, tooltip: str) -> None:
-    """The name of a control on a line of its own column; the control follows to its right."""
+def row(label: str, tooltip: str, width: float = -0.1) -> None:
+    """The name of a control on a line of its own column; the control follows to its right, `width` em across,
+    or up to so many before the right end."""
     start = imgui.get_cursor_pos_x()
     imgui.align_text_to_frame_padding()
     imgui.text(label)
     explain(tooltip)
     imgui.same_line(start + em(NAMES))
+    imgui.set_next_item_width(em(width))
 
 
-def choose_row(label: str, index: int, values: list[str], text: str) -> int:
-    """A list of `values` behind its name; the place of the chosen one."""
-    row(label, text)
-    imgui.set_next_item_width(-em(0.1))
-    _, index = imgui.combo(f"##{label}", index, values)
+def choose(name: str, now: T, values: Mapping[T, str], text: str, width: float = -0.1) -> T:
+    """The one that is chosen from a list of what `values` are called, which is `width` em across.
+
+    It shows the first while `now` is none of them.
+    """
+    keys = [*values]
+    imgui.set_next_item_width(em(width))
+    place = keys.index(now) if now in values else 0
+    changed, place = imgui.combo(f"##{name}", place, [*values.values()])
     explain(text)
-    return index
+    return keys[place] if changed else now
+
+
+def choose_row(label: str, now: T, values: Mapping[T, str], text: str, width: float = -0.1) -> T:
+    """The same behind its name."""
+    row(label, text)
+    return choose(label, now, values, text, width)
 
 
 def explain(text: str) -> None:
@@ -98,82 +105,17 @@ def explain(text: str) -> None:
             imgui.text_unformatted(legible(text))
 
 
-def slide(params: L, name: str, label: str, form: str = "%.2f", *, log: bool = False) -> L:
-    """A slider for a number; a double click on it or its reset entry gives the default."""
-    about, value = declared(type(params), name), getattr(params, name)
-    row(label, about.text)
-    imgui.set_next_item_width(-em(0.1))
-    flags = imgui.SliderFlags_.always_clamp | (imgui.SliderFlags_.logarithmic if log else 0)
-    changed, new = slider(f"##{name}", value, about, form, flags)
-    explain(about.text)
-    if wants_default(name):
-        return _with(params, name, about.default)
-    return _with(params, name, new) if changed else params
-
-
-def _with(params: L, name: str, value: Any) -> L:
-    changed: L = replace(params, **{name: value})
-    return changed
-
-
-def slider(label: str, value: Any, about: Declared, form: str, flags: int) -> tuple[bool, Any]:
-    """A whole number or a fraction, within its declared range."""
-    if isinstance(value, int):
-        return imgui.slider_int(label, value, int(about.lo), int(about.hi), form, flags)
-    changed, new = imgui.slider_float(label, value, about.lo, about.hi, form, flags)
-    return changed, round(new, 6)  # The control counts in single precision.
-
-
-def slide_auto(
-    params: EnhanceParams, name: str, label: str, used: float | None, start: float
-) -> EnhanceParams:
-    """A slider with an Auto switch; on automatic it shows the value in use, or else `start`. Moving it sets
-    the value by hand."""
-    about, value = declared(type(params), name), getattr(params, name)
-    automatic = value is None
-    row(label, about.text)
-    shown = used if used is not None and automatic else (start if automatic else float(value))
-    imgui.set_next_item_width(-em(4.3))
-    imgui.push_style_color(imgui.Col_.text, theme.now().muted if automatic else theme.now().text)
-    form = "%.2f" if not automatic or used is not None else "…"
-    changed, new = slider(f"##{name}", shown, about, form, imgui.SliderFlags_.always_clamp)
-    imgui.pop_style_color()
-    explain(about.text)
-    reset = wants_default(name)
-    imgui.same_line()
-    switched, automatic = imgui.checkbox(f"Auto##{name}", automatic)
-    explain("Automatic: from the image. Off, or once the slider is moved: set by hand.")
-    if reset:
-        return _with(params, name, about.default)
-    if switched:
-        return _with(params, name, None if automatic else round(shown, 2))
-    return _with(params, name, new) if changed else params
-
-
-def wants_default(name: str) -> bool:
-    """The item before was double-clicked, or reset from its context menu."""
-    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-        return True
-    if not imgui.begin_popup_context_item(f"reset {name}"):
-        return False
-    chosen = imgui.menu_item_simple("Reset to default")
-    imgui.end_popup()
-    return chosen
-
-
 def tag(text: str, position: ImVec2, color: ImVec4, room: float = ROOM) -> float:
     """A label on a picture, in lines where it has to be; `position` is its upper left corner.
 
     `room`: pixels from there to the right edge. Returns its height.
     """
     text, pad, wrap = legible(text), ImVec2(em(0.45), em(0.18)), _inner(room)
-    size = imgui.calc_text_size(text, wrap_width=wrap)
-    corner = ImVec2(position.x + size.x + 2 * pad.x, position.y + size.y + 2 * pad.y)
-    draw = imgui.get_window_draw_list()
-    draw.add_rect_filled(position, corner, imgui.get_color_u32(color), em(0.2))
-    at, ink = ImVec2(position.x + pad.x, position.y + pad.y), imgui.get_color_u32(theme.INK)
-    draw.add_text(imgui.get_font(), imgui.get_font_size(), at, ink, text, wrap_width=wrap)
-    return corner.y - position.y
+    size = imgui.calc_text_size(text, wrap_width=wrap) + pad * 2
+    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.INK)
+    draw.add_rect_filled(position, position + size, imgui.get_color_u32(color), em(0.2))
+    draw.add_text(imgui.get_font(), imgui.get_font_size(), position + pad, ink, text, wrap_width=wrap)
+    return size.y
 
 
 def _inner(room: float) -> float:
@@ -191,6 +133,11 @@ def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2, width: float = RO
     y = corner.y + em(0.4)
     for text, color in tags:
         y += tag(text, ImVec2(corner.x + em(0.4), y), color, width - em(0.8)) + em(0.14)
+
+
+def muted(text: str) -> None:
+    """A line of quiet text."""
+    imgui.text_colored(theme.now().muted, text)
 
 
 def note(text: str, color: ImVec4 | None = None) -> None:
@@ -226,12 +173,63 @@ def within(width: float, height: float) -> ImVec2:
     return ImVec2(min(em(width), most.x - em(1)), min(em(height), most.y - em(1)))
 
 
-def button(label: str, action: Callable[[], object], *, enabled: bool = True, width: float = 0.0) -> None:
-    """A button that does `action`; `width` in em, 0 = as wide as its text."""
-    imgui.begin_disabled(not enabled)
-    if imgui.button(label, ImVec2(em(width) if width >= 0 else width, 0)):
-        action()
+def button(
+    label: str,
+    action: Callable[[], object] | None = None,
+    text: str = "",
+    *,
+    enabled: bool = True,
+    reason: str = "",
+    color: ImVec4 | None = None,
+    width: float = 0.0,
+    small: bool = False,
+) -> bool:
+    """A button that does `action`, and whether it is pressed.
+
+    `width` in em, 0 = as wide as its text, negative = to the right end. Greyed out unless `enabled`, and for
+    a `reason` against it, which its tooltip says in place of `text`.
+    """
+    imgui.begin_disabled(bool(reason) or not enabled)
+    with imgui_ctx.push_style_color(imgui.Col_.button, color or theme.switch(False)):
+        size = ImVec2(em(width) if width >= 0 else width, 0)
+        pressed = imgui.small_button(label) if small else imgui.button(label, size)
     imgui.end_disabled()
+    explain(reason or text)
+    if pressed and action is not None:
+        action()
+    return pressed
+
+
+def in_line(controls: Sequence[T], gap: float = 0.5) -> Iterator[tuple[T, float]]:
+    """One after the other, to be drawn beside the one before, with the width in em that is an equal share of
+    what is left of the line; `gap` in em."""
+    width = (imgui.get_content_region_avail().x / em() - gap * (len(controls) - 1)) / len(controls)
+    for place, control in enumerate(controls):
+        if place:
+            imgui.same_line(0, em(gap))
+        yield control, width
+
+
+def in_table(name: str, widths: Sequence[float | None], rows: Iterable[T], flags: int = 0) -> Iterator[T]:
+    """One row after the other, to be drawn in a table's cells; none while the table is out of sight.
+
+    `widths` of the columns are in em; 0 = as wide as what is in it, None = what is left.
+    """
+    with imgui_ctx.begin_table(name, len(widths), flags) as table:
+        if not table:
+            return
+        for place, width in enumerate(widths):
+            kind = imgui.TableColumnFlags_
+            way = kind.width_stretch if width is None else kind.width_fixed
+            imgui.table_setup_column(str(place), way, em(width or 0.0))
+        yield from rows
+
+
+def cell(text: str, color: ImVec4 | None = None, tooltip: str = "") -> None:
+    """The next one of a table; quiet unless in a colour."""
+    imgui.table_next_column()
+    imgui.text_colored(color or theme.now().muted, text)
+    explain(tooltip)
 
 
 def seconds(duration: float) -> str:
@@ -253,6 +251,29 @@ def question(title: str, width: float) -> Iterator[bool]:
     flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     with imgui_ctx.begin_popup_modal(title, flags) as opened:
         yield bool(opened)
+
+
+def ask(title: str, sentences: Iterable[str], replies: Sequence[str], *, moot: bool = False) -> str:
+    """A question that everything waits for: the reply that is given in this frame, or nothing.
+
+    Escape gives the last reply, and so does a question that is `moot`.
+    """
+    reply = ""
+    with question(title, 27) as opened:
+        if not opened:
+            return reply
+        with imgui_ctx.push_text_wrap_pos(0):
+            for sentence in sentences:
+                imgui.text_unformatted(sentence)
+        imgui.spacing()
+        for label, width in in_line(replies):
+            if imgui.button(label, ImVec2(em(width), em(2))):
+                reply = label
+        if moot or imgui.is_key_pressed(imgui.Key.escape):
+            reply = reply or replies[-1]
+        if reply:
+            imgui.close_current_popup()
+    return reply
 
 
 def floating(width: float) -> int:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from pathlib import Path
-from typing import Any, Generic
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, Final, Generic, Literal
 
-from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
-from app.enhancement.methods import EnhancementSettings
-from app.exports.exporting import ExportRequest, Step, export
-from app.exports.window_shot import WindowRequest, save_window
+from app.enhancement.frame_enhancer import PictureMaker, Pictures
+from app.exports.comparison_images import OtherMaker, heat_map
+from app.exports.exporting import ExportRequest, export
 from app.gui.actions import (
     actions,
     batch_actions,
@@ -20,45 +18,41 @@ from app.gui.actions import (
     export_actions,
     job_actions,
     preset_actions,
+    queue_actions,
     run_actions,
+    second_actions,
     session_actions,
     tuning_actions,
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import difference_request
 from app.gui.state.window import Wish
-from app.gui.update import taking
-from app.gui.update.at_rest import left_out_wish, strip_wish, thumbnails_wish, to_measure, to_tidy
-from app.gui.update.bake_work import BakeWork
-from app.gui.update.compare_work import CompareWork
-from app.gui.update.opening_work import OpeningWork
-from app.gui.update.queue_work import QueueWork
+from app.gui.update import taking, wishes
+from app.gui.update.patience import Patience
 from app.gui.update.taking import told
-from app.gui.update.view_wish import first_wish, second_wish
-from app.gui.work.background import Answer, Channel, Failure, Request, SteppedChannel
-from app.gui.work.batching import BatchRequest, Progressed, batch
-from app.gui.work.clearing import clear_places
-from app.gui.work.file_writing import WriteRequest, write_file
-from app.gui.work.measuring import Measured, Measurer
-from app.gui.work.omissions import Omissions, OmissionsRequest, look
-from app.gui.work.picking import PickRequest, pick
+from app.gui.views.comparison import SIDES
+from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
+from app.gui.work.baking import bake
+from app.gui.work.batching import batch
+from app.gui.work.measuring import Measurer
+from app.gui.work.omissions import look
+from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
-from app.gui.work.run_list import FoundRuns, RunFinder, RunsRequest
-from app.gui.work.run_models import Left, LeftRequest, ModelRequest, left_of, run_model
-from app.gui.work.saving_edits import SavedEdits, SaveRequest, keep_edits
-from app.gui.work.selecting import Selected, Selector, SelectRequest
-from app.gui.work.session_writing import SessionRequest, write
-from app.gui.work.settings import Places
-from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest, left_out, make_strip
-from app.gui.work.thumbnails import Thumbnails, ThumbnailsRequest, make_thumbnails
-from app.gui.work.tidying import OnScreen, tidy
-from app.gui.work.tuning import CellMaker, CellRequest, GridCell
-from app.scenes.free_camera import Vector
-from app.scenes.photos import Photo, PhotoRequest, read_photo
-from app.scenes.scene import Scene
-from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import View, draw_view
+from app.gui.work.runs import RunFinder, left_of, run_model
+from app.gui.work.saving_edits import keep_edits
+from app.gui.work.selecting import Selector, pick
+from app.gui.work.strip import left_out, make_strip
+from app.gui.work.thumbnails import make_thumbnails
+from app.gui.work.tidying import clear_places, tidy
+from app.gui.work.tuning import CellMaker
+from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
+from app.scenes.drawer import draw_view
+from app.scenes.view_request import read_photo
 
+Server = Literal["first", "second", "apart"]
+"""The first worker, with numba, which pictures wait for; the second, for work without numba that no picture
+waits for; or a thread of its own for each request: what opens files, without numba, may never end."""
+SECOND: Final = "second"
 NO_STRIP = "the clip's thumbnails cannot be shown"
 NO_THUMBNAILS = "presets cannot be previewed"
 
@@ -71,8 +65,11 @@ class Row(Generic[Request, Answer]):
     take: Callable[[AppState, Request, Answer | Failure], None]
     wish: Callable[[AppState], Request | None] | None = None
     """What the state wishes for now; None where each request is asked for once, when it comes up."""
+    server: Server = "first"
     forgets: bool = True
     """Without a wish, what was asked for is forgotten: it may be asked for again."""
+    patience: Patience | None = None
+    """With what may take long."""
 
     def answer(self, state: AppState) -> None:
         """Take what has been made since the last frame."""
@@ -84,120 +81,103 @@ class Row(Generic[Request, Answer]):
         wanted = self.wish(state) if self.wish is not None else None
         if wanted is not None or (self.wish is not None and self.forgets):
             self.channel.want(wanted)
+        if self.patience is not None:
+            self.patience.follow(state, wanted)
 
 
-@dataclass
 class Channels:
-    """The kinds of background work; those with rules of their own, when to ask for what, are groups."""
+    """The kinds of background work, by name; `rows` says when each is asked for, and who takes what it makes.
 
-    pictures: Channel[PictureRequest, Pictures] = field(default_factory=lambda: Channel(PictureMaker().make))
-    picks: Channel[PickRequest, Vector | None] = field(default_factory=lambda: Channel(pick))
-    selecting: Channel[SelectRequest, Selected] = field(default_factory=lambda: Channel(Selector().select))
-    photos: Channel[PhotoRequest, Photo] = field(default_factory=lambda: Channel(read_photo))
-    models: Channel[ModelRequest, Scene] = field(default_factory=lambda: Channel(run_model))
-    left: Channel[LeftRequest, Left] = field(default_factory=lambda: Channel(left_of))
-    view: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
-    second: Channel[ViewRequest, View] = field(default_factory=lambda: Channel(draw_view))
-    saving: Channel[ExportRequest, Step] = field(default_factory=lambda: Channel(export, depth=16))
-    windows: Channel[WindowRequest, Step] = field(default_factory=lambda: Channel(save_window, depth=4))
-    cells: Channel[CellRequest, GridCell] = field(default_factory=lambda: Channel(CellMaker().make))
-    sessions: Channel[SessionRequest, Path] = field(default_factory=lambda: Channel(write, depth=4))
-    exports: SteppedChannel[ExportRequest, Step] = field(default_factory=lambda: SteppedChannel(export))
-    batches: SteppedChannel[BatchRequest, Progressed] = field(default_factory=lambda: SteppedChannel(batch))
-    omissions: Channel[OmissionsRequest, Omissions] = field(default_factory=lambda: Channel(look))
-    runs: Channel[RunsRequest, FoundRuns] = field(default_factory=lambda: Channel(RunFinder().find))
-    files: Channel[WriteRequest, Path] = field(default_factory=lambda: Channel(write_file, depth=256))
-    presets: Channel[KeepPresets, dict[str, EnhancementSettings]] = field(
-        default_factory=lambda: Channel(keep_presets, depth=64)
-    )
-    thumbnails: Channel[ThumbnailsRequest, Thumbnails] = field(
-        default_factory=lambda: Channel(make_thumbnails)
-    )
-    edits: Channel[SaveRequest, SavedEdits] = field(default_factory=lambda: Channel(keep_edits))
-    opening: OpeningWork = field(default_factory=OpeningWork)
-    bakes: BakeWork = field(default_factory=BakeWork)
-    compare: CompareWork = field(default_factory=CompareWork)
-    measures: Channel[Pictures, Measured] = field(default_factory=lambda: Channel(Measurer().measure))
-    strip: Channel[StripRequest, Strip] = field(default_factory=lambda: Channel(make_strip))
-    left_out: Channel[LeftOutRequest, LeftOut] = field(default_factory=lambda: Channel(left_out))
-    tidying: Channel[OnScreen, None] = field(default_factory=lambda: Channel(tidy))
-    clearing: Channel[Places, None] = field(default_factory=lambda: Channel(clear_places))
-    queue: QueueWork = field(default_factory=QueueWork)
-    photo: Pictures | None = None
-    """A photo whose enhanced partner is being made."""
+    The pictures have rules of their own for that: see `update`.
+    """
+
+    def __init__(self) -> None:
+        self.pictures = Channel(PictureMaker().make)
+        self.photo: Pictures | None = None
+        """A photo whose enhanced partner is being made."""
+        self.opening = NewestChannel(open_path)
+        self.second_opening = NewestChannel(open_path)
+        self.clips = NewestChannel(take_up)
+        self.models, self.left = Channel(run_model), Channel(left_of)
+        self.picks, self.selecting = Channel(pick), Channel(Selector().select)
+        self.photos = Channel(read_photo)
+        others = OtherMaker()  # What one side remembers serves the other.
+        self.others = {side: Channel(others.make) for side in SIDES}
+        self.difference = Channel(heat_map)
+        self.view, self.second = Channel(draw_view), Channel(draw_view)
+        self.bakes, self.second_bakes = Channel(bake), Channel(bake)
+        self.thumbnails = Channel(make_thumbnails)
+        self.saving = Channel(export, depth=16)
+        self.cells = Channel(CellMaker().make)
+        self.sessions = Channel(write, depth=4)
+        self.exports, self.batches = SteppedChannel(export), SteppedChannel(batch)
+        self.strip, self.left_out = Channel(make_strip), Channel(left_out)
+        self.measures = Channel(Measurer().measure)
+        self.omissions = Channel(look)
+        self.runs = Channel(RunFinder().find)
+        self.files = Channel(write_file, depth=256)
+        self.presets = Channel(keep_presets, depth=64)
+        self.edits = Channel(keep_edits)
+        self.kept = Channel(keep)
+        self.tidying, self.clearing = Channel(tidy), Channel(clear_places)
 
     @cached_property
     def rows(self) -> Sequence[Row[Any, Any]]:
         """In the order in which answers are taken and wishes are asked for."""
         return (
+            Row(self.opening, taking.take_opened, lambda s: s.source.opening, "apart",
+                patience=Patience(_still_waiting)),
+            Row(self.second_opening, second_actions.take_second, lambda s: s.scene.second.opening, "apart",
+                patience=Patience(_still_waiting)),
+            Row(self.clips, queue_actions.take_clip, wishes.clip_wish, "apart", forgets=False,
+                patience=Patience(_waits_for_clip, can_stop=False)),
+            *(Row(channel, partial(taking.take_other, side), partial(wishes.side_wish, side=side),
+                  forgets=False) for side, channel in self.others.items()),
+            Row(self.kept, told("the queue cannot be saved", taking.take_nothing, actions.say),
+                wishes.to_keep, SECOND),
+            Row(self.bakes, taking.take_baked,
+                lambda s: wishes.bake_wish(s, s.scene.model, s.scene.baked)),
+            Row(self.second_bakes, taking.take_second_baked,
+                lambda s: wishes.bake_wish(s, s.scene.second.shown, s.scene.second.baked)),
             Row(self.models, told("the reconstruction cannot be shown", job_actions.take_model),
                 lambda s: s.runs.model_wish),
             Row(self.left, told("what the run has left cannot be told", run_actions.take_left),
                 lambda s: s.runs.reconstruction.ended),
             Row(self.picks, told("the point cannot be located", camera_actions.take_point),
                 lambda s: s.scene.viewer.pick),
-            Row(self.selecting, taking.take_selected, lambda s: s.editing.wish),
+            Row(self.selecting, edit_actions.take_selected, lambda s: s.editing.wish),
             Row(self.photos, told("the frame cannot be read", taking.take_photo), lambda s: s.photo_request),
             Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
-                lambda s: s.omissions_request),
-            Row(self.runs, run_actions.take_found, lambda s: s.runs_request),
-            Row(self.view, taking.take_view, first_wish),
-            Row(self.second, taking.take_second, second_wish),
+                lambda s: s.omissions_request, SECOND),
+            Row(self.runs, run_actions.take_found, lambda s: s.runs_request, SECOND),
+            Row(self.view, taking.take_view, wishes.view_wish),
+            Row(self.second, taking.take_second, wishes.second_wish),
             Row(self.cells, tuning_actions.take_cell, lambda s: s.tuning.request),
-            Row(self.edits, edit_actions.take_saved, lambda s: s.editing.saving),
-            Row(self.compare.difference, told("the difference cannot be shown", taking.take_difference),
+            Row(self.edits, edit_actions.take_saved, lambda s: s.editing.saving, SECOND),
+            Row(self.difference, told("the difference cannot be shown", taking.take_difference),
                 difference_request),
             Row(self.measures, told("the frame cannot be measured", taking.take_measured, actions.say),
-                to_measure, forgets=False),
+                wishes.to_measure, SECOND, forgets=False),
             Row(self.thumbnails, told(NO_THUMBNAILS, preset_actions.take_thumbnails, actions.say),
-                thumbnails_wish, forgets=False),
-            Row(self.strip, told(NO_STRIP, taking.take_strip, actions.say), strip_wish, forgets=False),
-            Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), left_out_wish,
+                wishes.thumbnails_wish, forgets=False),
+            Row(self.strip, told(NO_STRIP, taking.take_strip, actions.say), wishes.strip_wish, SECOND,
                 forgets=False),
-            Row(self.tidying, lambda *answered: None, to_tidy, forgets=False),
-            Row(self.clearing, lambda *answered: None, lambda s: s.places),
-            Row(self.saving, taking.take_saved),
-            Row(self.windows, taking.take_saved),
+            Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), wishes.left_out_wish,
+                SECOND, forgets=False),
+            Row(self.tidying, taking.take_nothing, wishes.to_tidy, SECOND, forgets=False),
+            Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
+            Row(self.saving, export_actions.take_saved),
             Row(self.sessions, session_actions.take_written),
-            Row(self.exports, export_actions.take_step,
-                lambda s: s.exports.under_way.request if s.exports.under_way is not None else None),
+            Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
             Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
-            Row(self.files, taking.take_written),
-            Row(self.presets, preset_actions.take_kept),
+            Row(self.files, taking.take_written, server=SECOND),
+            Row(self.presets, preset_actions.take_kept, server=SECOND),
         )  # fmt: skip
 
-    @property
-    def keeping(self) -> Sequence[Channel[Any, Any]]:
-        """What is not given up when the window closes."""
-        return (self.files, self.presets, self.edits)
-
-    @property
-    def apart(self) -> Sequence[Channel[Any, Any]]:
-        """What may never end, each request in a thread of its own: work without numba that opens files."""
-        return (*self.opening.all, self.queue.clips)
-
-    @property
-    def beside(self) -> Sequence[Channel[Any, Any]]:
-        """What a second worker does: work without numba, which no picture waits for."""
-        first = (self.strip, self.left_out, self.measures, self.omissions, self.runs)
-        return (*first, *self.keeping, *self.queue.all, self.tidying, self.clearing)
-
-    @property
-    def all(self) -> Sequence[Channel[Any, Any]]:
-        """What the first worker does in turn, and what is apart."""
-        first = (*self.opening.all, self.models, self.left, self.pictures, self.picks, self.selecting)
-        views = (self.photos, *self.compare.all, self.view, self.second, *self.bakes.all)
-        return (
-            *first,
-            *views,
-            self.thumbnails,
-            self.saving,
-            self.windows,
-            self.cells,
-            self.sessions,
-            self.exports,
-            self.batches,
-        )
+    def of(self, server: Server) -> Sequence[Channel[Any, Any]]:
+        """What it serves, in turn."""
+        found = tuple(row.channel for row in self.rows if row.server == server)
+        return (self.pictures, *found) if server == "first" else found
 
     def ask_once(self, state: AppState) -> None:
         """Hand over what came up since the last frame."""
@@ -217,6 +197,14 @@ class Channels:
         """The window has closed and no worker is left: do what must not be given up."""
         self.ask_once(state)
         self.edits.want(state.editing.saving)
-        for channel in self.keeping:
+        for channel in (self.files, self.presets, self.edits):
             while channel.run_waiting():
                 pass
+
+
+def _still_waiting(request: OpenRequest) -> str:
+    return f"still waiting for {request.path}"
+
+
+def _waits_for_clip(wanted: TakeUpRequest) -> str:
+    return f"{wanted.request.run_path.name} waits for its clip {wanted.request.clip_path}"

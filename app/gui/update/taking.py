@@ -6,20 +6,21 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.enhancement.frame_enhancer import Pictures
-from app.exports.comparison_images import Difference, DifferenceRequest
-from app.exports.exporting import Step
+from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.files.legible import located
-from app.gui.actions import actions, edit_actions, export_actions
+from app.gui.actions import actions, path_actions, session_actions
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import other_request
+from app.gui.views.comparison import Side
 from app.gui.work.background import Answer, Failure, Request
-from app.gui.work.file_writing import WriteRequest
+from app.gui.work.baking import Baked, BakeRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
-from app.gui.work.selecting import Selected, SelectRequest
+from app.gui.work.opening import Opened, OpenRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
-from app.scenes.photos import Photo, PhotoRequest
-from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import View
+from app.gui.work.writing import WriteRequest
+from app.scenes.drawer import View
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 
 Take = Callable[[AppState, Request, Answer | Failure], None]
 
@@ -64,14 +65,6 @@ def take_left_out(state: AppState, request: LeftOutRequest, left_out: LeftOut) -
     state.picture.left_out = left_out
 
 
-def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
-    if isinstance(answer, Failure):
-        state.editing.wish = None
-        actions.fail(state, f"nothing was selected: {answer.message}")
-    else:
-        edit_actions.take_selected(state, request, answer)
-
-
 def take_view(state: AppState, request: ViewRequest, answer: View | Failure) -> None:
     """Of a model that is gone, it is dropped."""
     if state.scene.model is None:
@@ -92,8 +85,53 @@ def take_second(state: AppState, request: ViewRequest, answer: View | Failure) -
         state.scene.second.view = answer
 
 
-def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:
-    export_actions.take_saved(state, answer)
+def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure) -> None:
+    """Show it; what nobody waits for any longer is dropped."""
+    if request is not state.source.opening:
+        return
+    state.source.opening = None
+    if isinstance(answer, Failure):
+        actions.fail(state, answer.message)
+    elif answer.views is not None:
+        path_actions.add_views(state, answer.views, request.path)
+    else:
+        actions.show_opened(state, request.path, answer)
+        if answer.session is not None:
+            session_actions.restore(state, answer.session)
+            session_actions.taken_up(state, request.path)
+
+
+def take_other(side: Side, state: AppState, request: OtherRequest, answer: Other | Failure) -> None:
+    if not isinstance(answer, Failure):
+        state.comparing.others[side] = answer
+    elif request == other_request(state, side):
+        state.timeline.playing = False
+        actions.fail(state, f"the {side} pane cannot be shown: {answer.message}")
+
+
+def take_baked(state: AppState, request: BakeRequest, answer: Baked | Failure) -> None:
+    if request.shown is state.scene.model:
+        state.scene.baked = _baked(state, answer, "the 3D view") or state.scene.baked
+
+
+def take_second_baked(state: AppState, request: BakeRequest, answer: Baked | Failure) -> None:
+    second = state.scene.second
+    if request.shown is second.shown:
+        second.baked = _baked(state, answer, "the second 3D view") or second.baked
+
+
+def _baked(state: AppState, answer: Baked | Failure, view: str) -> Baked | None:
+    """The next part of what `view` shows."""
+    if isinstance(answer, Failure):
+        actions.say(state, f"{view} has no keyframes: {answer.message}")
+        return None
+    if answer.said:
+        actions.say(state, f"{view} {answer.said}")
+    return answer
+
+
+def take_nothing(state: AppState, request: object, answer: object) -> None:
+    """It has been done."""
 
 
 def take_written(state: AppState, request: WriteRequest, answer: Path | Failure) -> None:

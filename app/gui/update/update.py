@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import replace
 
 from app.enhancement.frame_enhancer import Pictures
 from app.gui.actions import actions, edit_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_events import follow_job
-from app.gui.update.playing import onward
+from app.gui.update.jobs import follow_job
+from app.gui.update.wishes import side_wish
+from app.gui.views.comparison import SIDES
+from app.scenes.view_selection import FRAMES_PER_SECOND
+from renderer.clip import Clip
 
 PROMPT = 0.012
 """Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the
@@ -23,13 +27,11 @@ def update(state: AppState, channels: Channels, now: float) -> None:
     elapsed, state.window.now = now - state.window.now, now
     if state.window.toast is not None and now > state.window.toast.until:
         state.window.toast = None
-    channels.opening.take(state)
-    take_pictures(state, channels)
-    for group in (channels.compare, channels.queue, channels.bakes):
-        group.take(state)
-    edit_actions.follow(state)
     for row in channels.rows:
         row.answer(state)
+        # Another model may have come: what comes after is to be of that one.
+        edit_actions.follow(state)
+    take_pictures(state, channels)
     follow_job(state)
     _play(state, elapsed)
     path_actions.advance_path(state, elapsed)
@@ -96,12 +98,46 @@ def _play(state: AppState, elapsed: float) -> None:
 
 
 def _ask(state: AppState, channels: Channels) -> None:
-    channels.opening.ask(state)
     _ask_for_pictures(state, channels)
-    # Whether the panes wait for their pictures is known before others are asked for.
-    for group in (channels.compare, channels.queue, channels.bakes):
-        group.ask(state)
+    # Known before others are asked for.
+    state.comparing.waits = any(side_wish(state, side) is not None for side in SIDES)
     for row in channels.rows:
         row.ask(state)
     state.runs.is_listed = False
     channels.ask_once(state)
+
+
+MOMENT = 1e-6
+"""Seconds that a frame lasts at least, also beside another one of the same time."""
+
+
+def onward(clip: Clip, span: tuple[int, int], playhead: float, seconds: float) -> float:
+    """The playhead after so many seconds, in frames; each frame lasts as long as in the file, and after the
+    last frame of the span comes its first."""
+    first, last = span
+    if not first <= playhead < last + 1:
+        return float(first)
+    frame = int(playhead)
+    now = _time(clip, frame) + (playhead - frame) * _lasting(clip, frame) + seconds
+    start = _time(clip, first)
+    now = start + (now - start) % (_time(clip, last) + _lasting(clip, last) - start)
+    frame = min(max(_frame_at(clip, now), first), last)
+    return frame + min(max((now - _time(clip, frame)) / _lasting(clip, frame), 0.0), 1.0 - MOMENT)
+
+
+def _rate(clip: Clip) -> float:
+    return clip.frames_per_second or FRAMES_PER_SECOND
+
+
+def _time(clip: Clip, frame: int) -> float:
+    return clip.frame_times[frame] if clip.frame_times else frame / _rate(clip)
+
+
+def _lasting(clip: Clip, frame: int) -> float:
+    if not clip.frame_times or frame + 1 == len(clip):
+        return 1 / _rate(clip)
+    return max(clip.frame_times[frame + 1] - clip.frame_times[frame], MOMENT)
+
+
+def _frame_at(clip: Clip, seconds: float) -> int:
+    return bisect_right(clip.frame_times, seconds) - 1 if clip.frame_times else int(seconds * _rate(clip))

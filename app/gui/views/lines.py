@@ -15,10 +15,9 @@ def frustum(camera: Camera, depth: float) -> FloatArray:
     middle, tip = (left + right) / 2, top - (bottom - top) / 4
     eye = (0.0, 0.0, 0.0)
     corners = [(x, y, 1.0) for x, y in ((left, top), (right, top), (right, bottom), (left, bottom))]
-    edges = list(zip(corners, (*corners[1:], corners[0]), strict=True))
-    local = np.array(
-        [*((eye, corner) for corner in corners), *edges, ((middle, top, 1.0), (middle, tip, 1.0))]
-    )
+    edges = zip(corners, (*corners[1:], corners[0]), strict=True)
+    tick = ((middle, top, 1.0), (middle, tip, 1.0))
+    local = np.array([*((eye, corner) for corner in corners), *edges, tick])
     pose = camera.world_from_camera
     return np.asarray(depth * local @ pose[:3, :3].T + pose[:3, 3])
 

@@ -29,6 +29,10 @@ class Placement:
         """Picture position under a pane position."""
         return (x - self.offset_x) / self.zoom_x, (y - self.offset_y) / self.zoom
 
+    def pane_at(self, x: float, y: float) -> tuple[float, float]:
+        """Pane position of a picture position."""
+        return self.offset_x + self.zoom_x * x, self.offset_y + self.zoom * y
+
 
 @dataclass(frozen=True)
 class PictureView:

@@ -21,7 +21,6 @@ class Failure:
     """An exception as an answer: the one line a person reads."""
 
     def __init__(self, error: Exception) -> None:
-        self.error = error
         self.message = sentence(error)
 
 

@@ -15,12 +15,13 @@ PIXELS = 0.02
 """How far a mean may be off at a keyframe, in pixels of the clip's camera at the middle of the tissue."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class BakeRequest:
     """Begin with a model, or go on with what `baker` has."""
 
     shown: Scene
     baker: Baker | None = None
+    part: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +44,9 @@ class Baked:
         )
 
 
-def can_bake(shown: Scene | None) -> bool:
+def can_bake(shown: Scene) -> bool:
     """A model that moves and stays as it is: previews of a training come and go."""
-    return shown is not None and not shown.live and not isinstance(shown.model.motion, Still)
+    return not shown.live and not isinstance(shown.model.motion, Still)
 
 
 def bake(request: BakeRequest) -> Iterator[Baked]:

@@ -11,7 +11,7 @@ from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.session_file import SUFFIX, Session, mended_session
 from app.gui.work.reported import Reported, read
-from app.report.saved import holds_report
+from app.report.section import holds_report
 from app.runs.progress_log import TrainingLog, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
@@ -202,3 +202,28 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
         return clip, clip.notices
     except ClipError as error:
         return None, (f"the run's clip cannot be opened; only its model is shown: {error}",)
+
+
+@dataclass(frozen=True)
+class TakeUpRequest:
+    """Which one is to be made; `attempt` grows when a person tries again."""
+
+    request: TrainRequest
+    attempt: int
+
+
+@dataclass(frozen=True, eq=False)
+class TakenUp:
+    """What the window needs beside the request."""
+
+    clip: Clip
+    told: TrainingLog
+    """Of a run that goes on: what it has said so far."""
+
+
+def take_up(request: TakeUpRequest) -> Iterator[TakenUp]:
+    """Raises ClipError or UserError: the clip cannot be opened any more, or has no such part."""
+    wanted = request.request
+    clip = open_clip(wanted.clip_path, wanted.clip_options)
+    wanted.part.of(clip)
+    yield TakenUp(clip, told(RunFolder(wanted.run_path)))

@@ -73,6 +73,11 @@ def load_presets(path: Path) -> tuple[dict[str, EnhancementSettings], str]:
     return found, trouble
 
 
+def presets_with(own: Mapping[str, EnhancementSettings]) -> dict[str, EnhancementSettings]:
+    """Those that come with the app, then a person's own."""
+    return {**BUILT_IN, **own}
+
+
 def is_preset_name(name: str) -> bool:
     """Of an own preset."""
     return 0 < len(name) <= LONGEST_NAME and name not in BUILT_IN
@@ -123,5 +128,5 @@ def keep_presets(request: KeepPresets) -> Iterator[dict[str, EnhancementSettings
 
 def preset_name(look: EnhancementSettings, own: Mapping[str, EnhancementSettings]) -> str:
     """The preset that these parameters are, empty for none."""
-    named = (name for name, preset in {**BUILT_IN, **own}.items() if preset == look)
+    named = (name for name, preset in presets_with(own).items() if preset == look)
     return next(named, "")

@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.gui.work.reported_tables import ReportPart, part_of
-from app.report.axis import of_a_decade
-from app.report.growth_fit import Growth
-from app.report.saved import SavedReport, read_report
-from app.report.work_precision import Diagram, Point, pareto_front
+from app.report.diagrams import Diagram, Growth, Point, of_a_decade, pareto_front
+from app.report.section import SavedReport, read_report
 from enhance import EnhanceParams
 from enhance.accuracy import named
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.report.cells import is_number, said
-from app.report.section import Cell, Section, Table
+from app.report.section import Cell, Section, Table, is_number, said
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,5 +63,5 @@ def write_splats(request: SaveRequest) -> Path:
         path, number = source.with_name(f"{stem}-edited-{number}.ply"), number + 1
     scene = request.base.edited(request.edits)
     record = extended(Splats, scene.record, time=request.time)
-    run_to_end(make(record, Opened(scenes=(scene,)), path))
+    run_to_end(make(record, Opened(model=scene), path))
     return path

@@ -1,4 +1,4 @@
-"""Gaussians of the shown model selected off the window's thread."""
+"""Points on the surface of the shown model, and Gaussians of it selected, off the window's thread."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from app.gui.work.picking import surface
-from app.scenes.free_camera import Vector
+from app.scenes.free_camera import Vector, vector
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
 from renderer.editing.edits import Combination
@@ -17,10 +16,36 @@ from renderer.editing.mask import Mask
 from renderer.editing.regions import Box, Region, Sphere, found
 from renderer.editing.sight import Sight, Trail, Trait
 
+Purpose = Literal["orbit", "measure"]
 TRAITS: tuple[Trait, ...] = ("opacity", "size", "depth", "motion")
 Limits = tuple[float, float]
 MOST_TIMES = 32
 """Moments at which the motion over a clip is looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class PickRequest:
+    """One wish for the point behind a pixel; a second wish for the same pixel is another request."""
+
+    view: ViewRequest
+    pixel: tuple[int, int]
+    """Column and row of the view's picture."""
+    purpose: Purpose
+
+
+def pick(request: PickRequest) -> Iterator[Vector | None]:
+    """Answers a PickRequest; with None where nothing solid is there."""
+    yield surface(request.view, request.pixel)
+
+
+def surface(view: ViewRequest, pixel: tuple[int, int]) -> Vector | None:
+    """Where the expected depth of the view says that the surface is; None where nothing solid is."""
+    # Its kernels take seconds to import on a first start; the window must not wait for them.
+    from renderer.picking import surface_point
+
+    splats = view.scene.model.at(view.time)
+    point = surface_point(splats, view.camera, pixel, view.near, mode=view.scene.mode)
+    return None if point is None else vector(point)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,10 @@
-"""What the app remembers between two starts, and the folders where it keeps things."""
+"""What the app remembers between two starts, also of single clips, and the folders where it keeps things."""
 
 from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -14,6 +15,8 @@ from pydantic.dataclasses import dataclass as pydantic_dataclass
 
 from app.enhancement.settable import PathText, at_most
 from app.files.mended import mended_file
+from app.files.provenance import strict_json
+from app.runs.clip_selection import WHOLE, ClipPart
 
 RECENT_LIMIT = 8
 Theme = Literal["dark", "light"]
@@ -97,3 +100,25 @@ def load_settings(path: Path) -> Settings:
 def settings_content(settings: Settings) -> bytes:
     """The whole file."""
     return json.dumps(asdict(settings), indent=2).encode()
+
+
+MOST_CLIPS = 200
+FILE = "clips.json"
+
+
+def _last(told: Any) -> Any:
+    return dict(list(told.items())[-MOST_CLIPS:]) if isinstance(told, dict) else told
+
+
+CLIPS = TypeAdapter(Annotated[dict[str, ClipPart], BeforeValidator(_last)])
+
+
+def load_clips(folder: Path) -> dict[str, ClipPart]:
+    """By path, those that can be read: nothing in it is precious."""
+    return mended_file(CLIPS, folder / FILE) or {}
+
+
+def clips_content(clips: Mapping[str, ClipPart]) -> bytes:
+    """The whole file: the last MOST_CLIPS of those that differ from the defaults."""
+    said = [(path, part) for path, part in clips.items() if part != WHOLE]
+    return strict_json(dict(said[-MOST_CLIPS:]), indent=2).encode()

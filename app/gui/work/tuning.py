@@ -1,35 +1,18 @@
-"""The tuning grid of the window: what is varied, and its cells, tried off the window's thread."""
+"""The tuning grid of the window: its cells, tried off the window's thread."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
 from app.enhancement.contact_sheet import small
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
-from app.enhancement.parameter_grid import Axis, Measures, Setting, measured
+from app.enhancement.parameter_grid import Measures, Setting, measured
 from enhance.image import BoolImage
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.clip import ByteImage
 
 THUMB_WIDTH = 320
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One parameter to vary, as chosen; an empty name: none."""
-
-    name: str = ""
-    first: float = 0.0
-    last: float = 1.0
-    count: int = 4
-
-    def axis(self, *, whole: bool) -> Axis:
-        """`count` values with both ends; fewer where only whole numbers do."""
-        values = [round(float(value), 6) for value in np.linspace(self.first, self.last, self.count)]
-        return Axis(self.name, tuple(dict.fromkeys(map(round, values) if whole else values)))
 
 
 @dataclass(frozen=True, eq=False)

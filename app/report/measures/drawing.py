@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.report.bench import Bench, Clock
-from app.report.schedule import schedule
+from app.report.diagrams import Point
+from app.report.runs import schedule
 from app.report.section import Cell, Column, Plate, Section, Table
-from app.report.work_precision import Diagram, Point
 from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 from renderer.gaussians import DynamicGaussians
@@ -26,14 +25,12 @@ Row = raster_accuracy.Row | drawing_accuracy.Row
 Group = tuple[str, Sequence[Row], tuple[Column, ...]]
 """Title, rows and columns of a table."""
 COLUMNS: Final = (
-    *(Column(name="changed"), Column(name="setting")),
-    Column(name="mean error, grey levels", best="low"),
-    *(Column(name="99.9th percentile"), Column(name="largest")),
-    *(Column(name="ms", form=".2f", best="low"), Column(name="± ms", form=".2f")),
+    *(Column("changed"), Column("setting"), Column("mean error, grey levels", best="low")),
+    *(Column("99.9th percentile"), Column("largest"), Column("ms", ".2f", "low"), Column("± ms", ".2f")),
 )
-ENTRIES: Final = Column(name="entries")
-PSNR: Final = Column(name="PSNR, dB", form=".1f", best="high")
-KEPT: Final = (Column(name="MB", form=".2f"), Column(name="baking, s", form=".2f"))
+ENTRIES: Final = Column("entries")
+PSNR: Final = Column("PSNR, dB", ".1f", "high")
+KEPT: Final = (Column("MB", ".2f"), Column("baking, s", ".2f"))
 DEFAULTS: Final = ("unchanged", drawing_accuracy.EXPORT, "every frame, 0.02 px")
 
 
@@ -43,33 +40,27 @@ def measure(bench: Bench, clock: Clock) -> Section:
     model, camera = bench.runs.trained(schedule(bench.clip)).finished.model, bench.clip.cameras[index]
     size, time = f"{camera.width}x{camera.height}", bench.clip.times[index]
     bench.say(f"rendering of {len(model)} Gaussians at {size} against float64")
-    view = _View(model, model.at(time), camera, near_plane(model, camera))
-    truth = exact(view.splats, camera, view.near) if has_torch() else None
+    splats, near = model.at(time), near_plane(model, camera)
+    truth = exact(splats, camera, near) if has_torch() else None
     groups: list[Group] = []
     missing: list[str] = []
     if truth is None:
         missing.append(f"rendering against float64: {NO_TORCH}")
     else:
-        rows = list(raster_accuracy.accuracy(view.splats, camera, view.near, truth))
+        rows = list(raster_accuracy.accuracy(splats, camera, near, truth))
         groups.append(("CPU rasteriser", rows, (*COLUMNS, ENTRIES)))
     try:
-        groups += _opengl(bench, view, truth)
+        groups += _opengl(bench, model, splats, camera, near, truth)
     except OpenGLUnavailable as error:
         missing.append(f"rendering with OpenGL: {error}")
     return Section(
         title="Rendering: error against run time",
         sentences=(
             f"{len(model)} Gaussians of the trained model at {size}, against the float64 reference; "
-            "keyframes against images of the model computed for each "
-            "moment. An entry is a pair of a tile and a Gaussian.",
+            "keyframes against images of the model computed for each moment. An entry is a pair of a tile "
+            "and a Gaussian.",
         ),
-        plates=tuple(
-            Plate(
-                title=name,
-                diagrams=(Diagram(measure="mean error, grey levels", points=tuple(map(_point, those))),),
-            )
-            for name, those, _ in groups
-        ),
+        plates=tuple(Plate.of_errors(name, map(_point, those)) for name, those, _ in groups),
         tables=tuple(
             Table(title=name, columns=columns, rows=tuple(map(_cells, those)))
             for name, those, columns in groups
@@ -78,26 +69,23 @@ def measure(bench: Bench, clock: Clock) -> Section:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _View:
-    """What is drawn, and from where."""
-
-    model: DynamicGaussians
-    splats: Splats
-    camera: Camera
-    near: float
-
-
-def _opengl(bench: Bench, view: _View, truth: NDArray[np.float64] | None) -> list[Group]:
+def _opengl(
+    bench: Bench,
+    model: DynamicGaussians,
+    splats: Splats,
+    camera: Camera,
+    near: float,
+    truth: NDArray[np.float64] | None,
+) -> list[Group]:
     """Keyframes alone where there is no `truth`."""
-    context, model, camera = standalone_context(), view.model, view.camera
+    context = standalone_context()
     bench.say(f"rendering with {renderer_name(context)}")
     made: list[Group] = []
     if truth is not None:
-        drawn = list(drawing_accuracy.opengl(context, view.splats, camera, view.near, truth))
+        drawn = list(drawing_accuracy.opengl(context, splats, camera, near, truth))
         made.append((f"OpenGL, {renderer_name(context)}", drawn, (*COLUMNS, PSNR)))
     pixel = middle_distance(model, camera) / camera.fx
-    kept = list(drawing_accuracy.keyframes(context, model, camera, bench.clip.times, view.near, pixel))
+    kept = list(drawing_accuracy.keyframes(context, model, camera, bench.clip.times, near, pixel))
     made.append(("Keyframes over time", kept, (*COLUMNS, *KEPT)))
     context.release()
     return made

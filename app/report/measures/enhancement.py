@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.report.bench import Bench, Clock
+from app.report.diagrams import Point
 from app.report.section import Column, Plate, Section, Table
-from app.report.work_precision import Diagram, Point
 from enhance.accuracy import EXACT, Row, accuracy
 from renderer.phantom import Phantom, PhantomParams
 
@@ -19,9 +19,8 @@ REPEATS: Final = 61
 WHOLE: Final = " + ".join(map(str, EXACT.radii))
 DEFAULT: Final = ("subsample", "s = 2")
 COLUMNS: Final = (
-    *(Column(name="changed"), Column(name="setting")),
-    *(Column(name="mean error, grey levels"), Column(name="99.9th percentile"), Column(name="largest")),
-    *(Column(name="bound"), Column(name="ms", form=".2f"), Column(name="± ms", form=".2f")),
+    *(Column("changed"), Column("setting"), Column("mean error, grey levels"), Column("99.9th percentile")),
+    *(Column("largest"), Column("bound"), Column("ms", ".2f"), Column("± ms", ".2f")),
 )
 
 
@@ -33,22 +32,15 @@ def measure(bench: Bench, clock: Clock) -> Section:
     rows = list(accuracy(image, REPEATS))
     # All three scales are among the rows of "subsample" already.
     drawn = [row for row in rows if row.group in DRAWN and row.setting != WHOLE]
-    points = tuple(_point(row) for row in drawn)
     return Section(
         title="Enhancement: error against run time",
         sentences=(
             f"One image of {width}x{height} with its statistics, a frame of a stream. The error is against "
             "a literal float64 implementation of Eqs 1-12 with three scales and without subsampling; for "
-            "arithmetic, with the same subsampling; for omissions, against the same with "
-            "the part kept. "
+            "arithmetic, with the same subsampling; for omissions, against the same with the part kept. "
             "Times are medians.",
         ),
-        plates=(
-            Plate(
-                title="Enhancement",
-                diagrams=(Diagram(measure="mean error, grey levels", points=points),),
-            ),
-        ),
+        plates=(Plate.of_errors("Enhancement", map(_point, drawn)),),
         tables=(
             Table(
                 title="Every parameter",

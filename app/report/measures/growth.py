@@ -10,9 +10,8 @@ import cv2
 import numpy as np
 
 from app.report.bench import Bench, Clock
-from app.report.growth_fit import Curve, Growth
-from app.report.held import held_megabytes
-from app.report.laps import Laps, laps
+from app.report.costs import Laps, held_megabytes, laps
+from app.report.diagrams import Curve, Growth
 from app.report.section import Cell, Column, Section, Table
 from enhance import Enhancer, enhance
 from renderer.clip import Clip
@@ -36,10 +35,9 @@ REPEATS: Final = 15
 PICTURES: Final = 61
 """Repeats of the enhancement, which is quick."""
 COLUMNS: Final = (
-    *(Column(name="what"), Column(name="grows with"), Column(name="exponent of time", form="z.2f")),
-    *(Column(name="exponent of memory", form="z.2f"), Column(name="work, least"), Column(name="most")),
-    *(Column(name="ms, least", form=".3g"), Column(name="most", form=".3g")),
-    *(Column(name="MB, least", form=".3g"), Column(name="most", form=".3g")),
+    *(Column("what"), Column("grows with"), Column("exponent of time", "z.2f")),
+    *(Column("exponent of memory", "z.2f"), Column("work, least"), Column("most")),
+    *(Column("ms, least", ".3g"), Column("most", ".3g"), Column("MB, least", ".3g"), Column("most", ".3g")),
 )
 
 
@@ -49,9 +47,14 @@ class Series:
 
     name: str
     unit: str
-    work: tuple[float, ...]
-    ms: tuple[float, ...]
-    megabytes: tuple[float, ...]
+    work: Sequence[float]
+    times: Sequence[Laps]
+    megabytes: Sequence[float]
+
+    @property
+    def ms(self) -> list[float]:
+        """Medians."""
+        return [1e3 * one.median for one in self.times]
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
@@ -112,21 +115,15 @@ def _enhancement(bench: Bench) -> list[Series]:
         megabytes.append(held_megabytes(next_frame))
         works.append(next_frame)
     times = laps(works, PICTURES)
-    return [_series("enhancement", "pixels", [w * h for w, h in SIZES], times, megabytes)]
+    return [Series("enhancement", "pixels", [w * h for w, h in SIZES], times, megabytes)]
 
 
 def _drawing(bench: Bench) -> list[Series]:
-    by_count = [(640, 512, count) for count in COUNTS]
-    by_size = [(*size, 10_000) for size in SIZES]
-    made = [
-        _on_the_cpu("Gaussians", by_count, list(COUNTS)),
-        _on_the_cpu("pixels", by_size, [w * h for w, h in SIZES]),
-    ]
+    scenes = {"Gaussians": [(640, 512, count) for count in COUNTS], "pixels": [(*wh, 10_000) for wh in SIZES]}
+    work = {"Gaussians": COUNTS, "pixels": [w * h for w, h in SIZES]}
+    made = [_on_the_cpu(unit, scenes[unit], work[unit]) for unit in scenes]
     try:
-        made += [
-            _by_opengl("Gaussians", by_count, list(COUNTS)),
-            _by_opengl("pixels", by_size, [w * h for w, h in SIZES]),
-        ]
+        made += [_by_opengl(unit, scenes[unit], work[unit]) for unit in scenes]
     except OpenGLUnavailable as error:
         bench.say(f"OpenGL: {error}")
     return made
@@ -145,7 +142,7 @@ def _on_the_cpu(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequenc
 
         megabytes.append(held_megabytes(draw))
         works.append(draw)
-    return _series("CPU rasteriser", unit, work, laps(works, REPEATS), megabytes)
+    return Series("CPU rasteriser", unit, work, laps(works, REPEATS), megabytes)
 
 
 def _by_opengl(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequence[float]) -> Series:
@@ -164,23 +161,23 @@ def _by_opengl(unit: str, scenes: Sequence[tuple[int, int, int]], work: Sequence
 
         works.append(draw)
         megabytes.append((count * 68 + width * height * 20) / 1e6)
-    series = _series(f"OpenGL, {name}", unit, work, laps(works, REPEATS), megabytes)
+    series = Series(f"OpenGL, {name}", unit, work, laps(works, REPEATS), megabytes)
     context.release()
     return series
 
 
 def _training(bench: Bench) -> list[Series]:
     """A step of the own method at full size, on the phantom."""
-    made = []
     clips = {count: _clip(bench, PhantomParams(n_frames=count, width=160, height=128)) for count in LENGTHS}
     config = TrainConfig(n_gaussians=4_000)
     configs = [replace(config, n_gaussians=count) for count in TRAINED]
-    made.append(_steps("Gaussians", TRAINED, [(clips[16], one) for one in configs]))
-    made.append(_steps("frames of the clip", LENGTHS, [(clip, config) for clip in clips.values()]))
     sizes = SIZES[:3]
     larger = [_clip(bench, PhantomParams(n_frames=8, width=w, height=h)) for w, h in sizes]
-    made.append(_steps("pixels", [w * h for w, h in sizes], [(clip, config) for clip in larger]))
-    return made
+    return [
+        _steps("Gaussians", TRAINED, [(clips[16], one) for one in configs]),
+        _steps("frames of the clip", LENGTHS, [(clip, config) for clip in clips.values()]),
+        _steps("pixels", [w * h for w, h in sizes], [(clip, config) for clip in larger]),
+    ]
 
 
 def _clip(bench: Bench, params: PhantomParams) -> Clip:
@@ -193,17 +190,10 @@ def _clip(bench: Bench, params: PhantomParams) -> Clip:
 def _steps(unit: str, work: Sequence[float], runs: Sequence[tuple[Clip, TrainConfig]]) -> Series:
     taken = step_times([(clip, [config]) for clip, config in runs], STEPS)
     times = [Laps(median / 1e3, spread / 1e3) for median, spread in taken]
-    return _series("a training step", unit, work, times, [_model_mb(*run) for run in runs])
+    return Series("a training step", unit, work, times, [_model_mb(*run) for run in runs])
 
 
 def _model_mb(clip: Clip, config: TrainConfig) -> float:
     """The model's numbers with their two moments, after one step."""
     finished = next(one for one in train(clip, replace(config, iterations=1)) if isinstance(one, Finished))
     return 3 * sum(value.nbytes for value in finished.model.arrays().values()) / 1e6
-
-
-def _series(
-    name: str, unit: str, work: Sequence[float], times: Sequence[Laps], megabytes: Sequence[float]
-) -> Series:
-    ms = tuple(1e3 * one.median for one in times)
-    return Series(name, unit, tuple(float(one) for one in work), ms, tuple(megabytes))

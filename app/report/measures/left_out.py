@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.report.bench import Bench, Clock, scene_name
-from app.report.held import held_megabytes
-from app.report.schedule import schedule
+from app.report.costs import held_megabytes
+from app.report.runs import schedule
 from app.report.section import Cell, Column, Section, Table
 from enhance import EnhanceParams, Enhancer, EnhanceResult
 from enhance.accuracy import omissions
@@ -36,28 +36,16 @@ MOST_FRAMES: Final = 64
 MOST_GAUSSIANS: Final = 15_000
 KINDS: Final = tuple((camera, tissue) for camera in ("fixed", "moving") for tissue in ("moving", "static"))
 RECONSTRUCTION: Final = (
-    *(Column(name="scene"), Column(name="left out"), Column(name="why"), Column(name="numbers saved")),
-    *(Column(name="ms per step", form=".2f"), Column(name="kept, ms", form=".2f")),
-    *(Column(name="time saved", form="z.0%"), Column(name="MB", form=".2f")),
-    *(Column(name="kept, MB", form=".2f"), Column(name="memory saved", form="z.0%")),
-    *(Column(name="PSNR, dB", form=".2f"), Column(name="kept, dB", form=".2f")),
-    Column(name="error added, dB", form="+z.2f"),
+    *(Column("scene"), Column("left out"), Column("why"), Column("numbers saved")),
+    *(Column("ms per step", ".2f"), Column("kept, ms", ".2f"), Column("time saved", "z.0%")),
+    *(Column("MB", ".2f"), Column("kept, MB", ".2f"), Column("memory saved", "z.0%")),
+    *(Column("PSNR, dB", ".2f"), Column("kept, dB", ".2f"), Column("error added, dB", "+z.2f")),
 )
 ENHANCEMENT: Final = (
-    *(Column(name="scene"), Column(name="setting"), Column(name="left out"), Column(name="why")),
-    *(Column(name="ms", form=".2f"), Column(name="kept, ms", form=".2f")),
-    *(Column(name="time saved", form="z.0%"), Column(name="MB", form=".2f")),
-    *(Column(name="kept, MB", form=".2f"), Column(name="memory saved", form="z.0%")),
-    *(Column(name="error, largest"), Column(name="bound")),
+    *(Column("scene"), Column("setting"), Column("left out"), Column("why"), Column("ms", ".2f")),
+    *(Column("kept, ms", ".2f"), Column("time saved", "z.0%"), Column("MB", ".2f")),
+    *(Column("kept, MB", ".2f"), Column("memory saved", "z.0%"), Column("error, largest"), Column("bound")),
 )
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """A clip under the name that tables give it."""
-
-    name: str
-    clip: Clip
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
@@ -72,16 +60,15 @@ def measure(bench: Bench, clock: Clock) -> Section:
         bench.say(f"omissions of {scene.name}")
         enhancement += _of_enhancement(scene)
         try:
-            require_depth(scene.clip)
+            require_depth(scene)
             reconstruction += _of_reconstruction(scene, clock, missing)
         except (ClipError, TrainingError) as error:
             missing.append(f"{scene.name}, reconstruction: {str(error).split(':')[0]}")
     return Section(
         title="Omissions: what a scene does not need",
         sentences=(
-            "Each row is a pair of runs with the same seed that differ in one part. A "
-            "negative added error means "
-            "that the run that keeps the part is worse.",
+            "Each row is a pair of runs with the same seed that differ in one part. A negative added error "
+            "means that the run that keeps the part is worse.",
         ),
         tables=(
             Table(
@@ -90,9 +77,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
                 rows=tuple(reconstruction),
                 note=f"{STEPS} steps each; the time of a step is the median of several, the models of "
                 "a scene taking turns; PSNR is of training frames held out of the fit, of a single image "
-                "itself. MB: the model's parameters with their two moments. Estimated depth is "
-                "from brightness, "
-                "without a scale.",
+                "itself. MB: the model's parameters with their two moments. Estimated depth is from "
+                "brightness, without a scale.",
             ),
             Table(
                 title="Enhancement",
@@ -107,23 +93,20 @@ def measure(bench: Bench, clock: Clock) -> Section:
     )
 
 
-def _scenes(bench: Bench, missing: list[str]) -> Iterator[Scene]:
+def _scenes(bench: Bench, missing: list[str]) -> Iterator[Clip]:
+    """Each under the name that tables give it."""
     for camera, tissue in KINDS:
         path = bench.work / f"phantom-{camera}-{tissue}"
-        write_phantom(path, _kind(camera, tissue))  # type: ignore[arg-type]
-        yield Scene(f"phantom, {camera} camera, {tissue} tissue", open_clip(path))
+        write_phantom(path, replace(SMALL, camera=camera, tissue=tissue))  # type: ignore[arg-type]
+        yield replace(open_clip(path), name=f"phantom, {camera} camera, {tissue} tissue")
     if bench.given is not None:
-        yield Scene(bench.clip.name, bench.clip)
+        yield bench.clip
     for given in bench.scenes:
         if scene := _opened(given, missing):
             yield scene
 
 
-def _kind(camera: Literal["fixed", "moving"], tissue: Literal["moving", "static"]) -> PhantomParams:
-    return replace(SMALL, camera=camera, tissue=tissue)
-
-
-def _opened(path: Path, missing: list[str]) -> Scene | None:
+def _opened(path: Path, missing: list[str]) -> Clip | None:
     """Its depth guessed where it has none, so that reconstruction can be measured on it too; each frame is
     worked out once for all runs."""
     try:
@@ -134,23 +117,23 @@ def _opened(path: Path, missing: list[str]) -> Scene | None:
         )
         said = (f", one frame in {step}" if step > 1 else "") + (", depth estimated" if guessed else "")
         clip = open_clip(path, options)
-        return Scene(scene_name(path) + said, replace(clip, read_frame=cache(clip.read_frame)))
+        return replace(clip, name=scene_name(path) + said, read_frame=cache(clip.read_frame))
     except ClipError as error:
         missing.append(f"{scene_name(path)}: {str(error).split(':')[0]}")
         return None
 
 
-def _of_reconstruction(scene: Scene, clock: Clock, missing: list[str]) -> Iterator[tuple[Cell, ...]]:
+def _of_reconstruction(scene: Clip, clock: Clock, missing: list[str]) -> Iterator[tuple[Cell, ...]]:
     """One run without all that the scene does not need, and one for each part that is kept in."""
-    usual = schedule(scene.clip)
+    usual = schedule(scene)
     count = min(usual.n_gaussians, MOST_GAUSSIANS)
-    config = replace(usual, iterations=STEPS, n_gaussians=count, hold_out=len(scene.clip) >= 8)
-    frames = FrameStore.of(scene.clip.read_frame(index) for index in split(scene.clip, config)[0])
-    omitted = decide(scene.clip, frames, config).omitted
+    config = replace(usual, iterations=STEPS, n_gaussians=count, hold_out=len(scene) >= 8)
+    frames = FrameStore.of(scene.read_frame(index) for index in split(scene, config)[0])
+    omitted = decide(scene, frames, config).omitted
     del frames
     missing += [f"{scene.name}, {omission.what}: no pair" for omission in omitted if omission.part is None]
     kept = {omission: replace(config, keep=(omission.part,)) for omission in omitted if omission.part}
-    sides = ablation(scene.clip, [config, *kept.values()], TIMED)
+    sides = ablation(scene, [config, *kept.values()], TIMED)
     without: Side | None = None
     for omission in kept:
         if clock.is_out:
@@ -160,7 +143,7 @@ def _of_reconstruction(scene: Scene, clock: Clock, missing: list[str]) -> Iterat
         yield _row(scene, omission, without, next(sides))
 
 
-def _row(scene: Scene, omission: Omission, out: Side, kept: Side) -> tuple[Cell, ...]:
+def _row(scene: Clip, omission: Omission, out: Side, kept: Side) -> tuple[Cell, ...]:
     return (
         *(scene.name, omission.what, omission.why, omission.saves),
         *(out.milliseconds, kept.milliseconds, 1 - out.milliseconds / kept.milliseconds),
@@ -169,8 +152,8 @@ def _row(scene: Scene, omission: Omission, out: Side, kept: Side) -> tuple[Cell,
     )
 
 
-def _of_enhancement(scene: Scene) -> Iterator[tuple[Cell, ...]]:
-    image = scene.clip.read_image(0)
+def _of_enhancement(scene: Clip) -> Iterator[tuple[Cell, ...]]:
+    image = scene.read_image(0)
     for pair, out, kept in omissions(image, LAPS):
         assert out.milliseconds is not None
         assert kept.milliseconds is not None

@@ -12,12 +12,11 @@ import numpy as np
 from app.evaluation.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
 from app.evaluation.mean import mean_of_finite
 from app.report.bench import Bench, Clock, scene_name
-from app.report.dvbv import Rise, verdict
+from app.report.dvbv import PHOTOS, Rise, measured_rises, verdict
+from app.report.dvbv import table as table_of_rises
 from app.report.measures.training import INPUTS
 from app.report.paper_rows import PAPER, SCARED, TABLE_3
-from app.report.rises import PHOTOS, measured_rises
-from app.report.rises import table as table_of_rises
-from app.report.schedule import schedule
+from app.report.runs import schedule
 from app.report.section import Cell, Column, Section, Table
 from app.report.visibility import COLUMNS, Sample, measured, methods, pattern, sample
 from enhance.baselines import TAO_STAND_INS
@@ -35,11 +34,10 @@ METHODS: Final[dict[Method, str]] = {
     "vesselsplat": "VesselSplat",
 }
 HEADS: Final = (
-    *(Column(name="clip"), Column(name="table"), Column(name="method"), Column(name="frames")),
-    *(Column(name="LPIPS", form=".4f"), Column(name="DV", form=".1f"), Column(name="BV", form=".1f")),
-    *(Column(name="DV/BV", form=".3f"), Column(name="vessel contrast", form=".3f")),
-    *(Column(name="PSNR, dB", form=".2f"), Column(name="SSIM", form=".4f")),
-    *(Column(name="saturated", form=".2%"), Column(name="noise gain of its frames", form=".2f")),
+    *(Column("clip"), Column("table"), Column("method"), Column("frames"), Column("LPIPS", ".4f")),
+    *(Column("DV", ".1f"), Column("BV", ".1f"), Column("DV/BV", ".3f"), Column("vessel contrast", ".3f")),
+    *(Column("PSNR, dB", ".2f"), Column("SSIM", ".4f"), Column("saturated", ".2%")),
+    Column("noise gain of its frames", ".2f"),
 )
 PICTURES: Final = 6
 """Of a clip, for Table 3."""
@@ -85,8 +83,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
             *(_table_3(name, len(sets[name]), rows) for name, rows in compared.items()),
             Table(
                 title="Table 3 as published",
-                columns=tuple(Column(name=name) for name in ("dataset", "method", "DV", "BV", "DV/BV")),
-                rows=tuple((one.dataset, one.method, one.dv, one.bv, one.dv_bv) for one in TABLE_3),
+                columns=tuple(Column(name) for name in ("dataset", "method", "DV", "BV", "DV/BV")),
+                rows=TABLE_3,
             ),
         ),
         not_measured=tuple(missing),
@@ -118,11 +116,11 @@ def _renders(bench: Bench, clock: Clock, missing: list[str]) -> Iterator[dict[st
 
 
 def _noise_gain(bench: Bench, read: Any, indices: Sequence[int]) -> float | None:
-    gains = []
-    for index in indices:
-        mask = bench.clip.read_frame(index).evaluation_mask
-        gains.append(noise_gain(read(index), bench.clip.read_image(index), tissue_mask=mask))
-    return mean_of_finite(gains)
+    frames = map(bench.clip.read_frame, indices)
+    return mean_of_finite(
+        noise_gain(read(frame.index), bench.clip.read_image(frame.index), tissue_mask=frame.evaluation_mask)
+        for frame in frames
+    )
 
 
 def _published() -> Iterator[tuple[Cell, ...]]:
@@ -142,11 +140,8 @@ def _reading_of_renders(ours: Sequence[Mapping[str, Cell]]) -> Iterator[str]:
             continue
         contrast = _ratio(after["contrast"], before["contrast"])
         parts = f"DV {_ratio(after['dv'], before['dv']):.2f}, BV {_ratio(after['bv'], before['bv']):.2f}"
-        seen = (
-            ""
-            if math.isnan(contrast)
-            else f" Vessel contrast is {contrast:.2f} times: it {_moves(contrast)}."
-        )
+        moves = _by(contrast, "rises", "falls", "stays")
+        seen = "" if math.isnan(contrast) else f" Vessel contrast is {contrast:.2f} times: it {moves}."
         noise = after["noise"]
         louder = f" Noise of the enhanced frames is {noise:.2f} times." if isinstance(noise, float) else ""
         yield (
@@ -174,9 +169,10 @@ def _reading_of_methods(compared: Mapping[str, Mapping[str, np.ndarray]]) -> Ite
         seen = {label: dict(zip(COLUMNS, values.tolist(), strict=True)) for label, values in rows.items()}
         _, shown, below = pattern({label: measures["DV/BV"] for label, measures in seen.items()})
         gain, dv, bv = (seen["paper"][one] / seen["original"][one] for one in ("DV/BV", "DV", "BV"))
+        holds = _by(gain, "holds", "does not hold", "not distinguishable from none")
         yield (
             f"Table 3 on {name}: DV/BV of the paper's method is {gain:.2f} times the original's (DV "
-            f"{dv:.2f}, BV {bv:.2f}): the rise {_holds(gain)}. Paper and original above Wang, as printed: "
+            f"{dv:.2f}, BV {bv:.2f}): the rise {holds}. Paper and original above Wang, as printed: "
             f"{'yes' if shown else 'no'}. Stand-ins for Tao below Wang, as printed: {below} of "
             f"{len(TAO_STAND_INS)}. Vessel contrast is highest by "
             f"{max(seen, key=lambda label: seen[label]['Weber'])}."
@@ -187,32 +183,25 @@ def _ratio(after: Cell, before: Cell) -> float:
     return float(after) / float(before) if after is not None and before else float("nan")
 
 
-def _holds(gain: float) -> str:
-    if gain > BORDERLINE:
-        return "holds"
-    return "does not hold" if gain < 1 / BORDERLINE else "not distinguishable from none"
-
-
-def _moves(gain: float) -> str:
-    if gain > BORDERLINE:
-        return "rises"
-    return "falls" if gain < 1 / BORDERLINE else "stays"
+def _by(gain: float, more: str, less: str, same: str) -> str:
+    """The word for a ratio."""
+    return more if gain > BORDERLINE else less if gain < 1 / BORDERLINE else same
 
 
 def _table_3(name: str, count: int, rows: Mapping[str, np.ndarray]) -> Table:
     heads = ("DV", "BV", "DV/BV", "DV/BV, whole image", "DV, local", "BV, local", "DV/BV, local",
-             "vessel contrast", "CNR", "saturated %", "noise gain", "blackened %", "ms")  # fmt: skip
+             "vessel contrast", "CNR", "colour difference, CIEDE2000", "saturated %", "noise gain",
+             "noise gain of colours", "blackened %", "ms")  # fmt: skip
     return Table(
         title=f"Table 3: methods of enhancement on {name}",
-        columns=(Column(name="method"), *(Column(name=head) for head in heads)),
-        rows=tuple((label, *values[:-1].tolist(), _ms(label, values[-1])) for label, values in rows.items()),
+        columns=(Column("method"), *map(Column, heads)),
+        # The original takes no time.
+        rows=tuple(
+            (label, *values[:-1].tolist(), None if label == "original" else float(values[-1]))
+            for label, values in rows.items()
+        ),
         note=f"Means over {count} images; the time is the median, the methods taking turns.",
     )
-
-
-def _ms(label: str, milliseconds: float) -> float | None:
-    """Of a method that does something."""
-    return None if label == "original" else float(milliseconds)
 
 
 def _sets(bench: Bench, missing: list[str]) -> dict[str, list[Sample]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from itertools import cycle
 from pathlib import Path
 from typing import Final
@@ -14,9 +13,9 @@ import numpy as np
 from app.files.timing import Timing
 from app.files.video import write_video
 from app.report.bench import Bench, Clock
-from app.report.laps import Laps, laps
+from app.report.costs import Laps, laps
+from app.report.diagrams import Point
 from app.report.section import Cell, Column, Plate, Section, Table
-from app.report.work_precision import Diagram, Point
 from renderer.clip import Clip
 from renderer.metrics import depth_rmse
 from renderer.phantom import Phantom, PhantomParams, write_phantom
@@ -26,10 +25,9 @@ PARAMS: Final = PhantomParams(n_frames=4, width=640, height=512)
 LAPS: Final = 60
 QUALITIES: Final = (95, 75)
 COLUMNS: Final = (
-    *(Column(name="clip"), Column(name="layout")),
-    *(Column(name="ms per frame", form=".2f", best="low"), Column(name="± ms", form=".2f")),
-    *(Column(name="ms, image only", form=".2f"), Column(name="mean error, grey levels")),
-    *(Column(name="depth RMSE, mm"), Column(name="MB on disk", form=".2f")),
+    *(Column("clip"), Column("layout"), Column("ms per frame", ".2f", "low"), Column("± ms", ".2f")),
+    *(Column("ms, image only", ".2f"), Column("mean error, grey levels"), Column("depth RMSE, mm")),
+    Column("MB on disk", ".2f"),
 )
 
 
@@ -64,12 +62,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
             f"The same {PARAMS.n_frames} frames of {PARAMS.width}x{PARAMS.height} in each layout; a frame is "
             "image, masks and depth where the layout has them. No error: every byte is as written.",
         ),
-        plates=(
-            Plate(
-                title="Reading",
-                diagrams=(Diagram(measure="mean error, grey levels", points=tuple(points)),),
-            ),
-        ),
+        plates=(Plate.of_errors("Reading", points),),
         tables=(Table(title="Layouts", columns=COLUMNS, rows=tuple(rows)),),
     )
 
@@ -96,13 +89,10 @@ def _times(paths: Sequence[Path]) -> list[tuple[Laps, Laps]]:
     for path in paths:
         frames, photos = open_clip(path), open_clip(path)
         for clip, read in ((frames, frames.read_frame), (photos, photos.read_image)):
-            works.append(partial(_read_next, read, cycle(range(min(len(clip), PARAMS.n_frames)))))
+            indices = cycle(range(min(len(clip), PARAMS.n_frames)))
+            works.append(lambda read=read, indices=indices: read(next(indices)))  # type: ignore[misc]
     taken = iter(laps(works, LAPS))
     return list(zip(taken, taken, strict=True))
-
-
-def _read_next(read: Callable[[int], object], indices: Iterator[int]) -> object:
-    return read(next(indices))
 
 
 def _row(

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
-
-from moderngl import Context
 
 import enhance.stability
 import renderer.measuring.stability
@@ -20,13 +17,8 @@ from renderer.splats import Float32Array, Splats
 from renderer.torch_presence import NO_TORCH, has_torch
 
 COLUMNS = (
-    *(Column(name="hazard"), Column(name="case"), Column(name="measured", form=".3g")),
-    *(
-        Column(name="bar", form=".3g"),
-        Column(name="unit"),
-        Column(name="verdict"),
-        Column(name="remedy"),
-    ),
+    *(Column("hazard"), Column("case"), Column("measured", ".3g"), Column("bar", ".3g"), Column("unit")),
+    *(Column("verdict"), Column("remedy")),
 )
 SMALLER = 2
 """One pixel in so many along each side: the oracle is slow."""
@@ -46,7 +38,11 @@ def measure(bench: Bench, clock: Clock) -> Section:
         missing.append(f"rendering with OpenGL: {error}")
         rows = _cells(renderer.measuring.stability.stability())
     else:
-        rows = _cells(renderer.measuring.stability.stability(partial(_drawn, context)))
+
+        def drawn(splats: Splats, camera: Camera, near: float) -> Float32Array:
+            return render_offscreen(context, splats, camera, near=near)
+
+        rows = _cells(renderer.measuring.stability.stability(drawn))
         context.release()
     tables["Reconstruction and rendering"] = rows
     failed = [row for rows in tables.values() for row in rows if row[5] is False]
@@ -62,10 +58,6 @@ def measure(bench: Bench, clock: Clock) -> Section:
         tables=tuple(Table(title=name, columns=COLUMNS, rows=rows) for name, rows in tables.items()),
         not_measured=tuple(missing),
     )
-
-
-def _drawn(context: Context, splats: Splats, camera: Camera, near: float) -> Float32Array:
-    return render_offscreen(context, splats, camera, near=near)
 
 
 def _cells(rows: Iterable[enhance.stability.Row | Row]) -> tuple[tuple[Cell, ...], ...]:

@@ -8,7 +8,7 @@ from typing import Final
 
 from app.report.bench import Bench, Clock
 from app.report.outcomes import Run, diagrams, grouped, setting_of, table
-from app.report.schedule import SEEDS, STEPS, schedule
+from app.report.runs import SEEDS, STEPS, schedule
 from app.report.section import Plate, Section
 from app.runs.run_folder import Input
 from app.runs.wall_clock import WALL
@@ -33,9 +33,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
             f"{bench.clip.name}: {len(bench.clip)} frames of {bench.clip.size[0]}x{bench.clip.size[1]}, "
             f"measured on {len(bench.clip.test_indices)} held-out frames against the frames a run was "
             "trained on. Diagrams and `s training` give the seconds of training steps alone, kernels "
-            f"compiled; `s in total`: {WALL}. Settings with several runs "
-            "have as many seeds; a seed reproduces the same figures, and settings with one "
-            "seed are timed again.",
+            f"compiled; `s in total`: {WALL}. Settings with several runs have as many seeds; a seed "
+            "reproduces the same figures, and settings with one seed are timed again.",
         ),
         plates=tuple(
             Plate(title=f"Reconstruction of {name} frames", diagrams=diagrams(those, default))

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from app.__main__ import main
-from app.console import one_place
+from app.console import startup
 from app.errors import UserError
 from tests.app.conftest import ROOT
 
@@ -48,13 +48,13 @@ def test_another_s_app_is_refused_by_what_belongs_to_it(
 
 
 def test_folders_that_are_no_packages_are_no_matter(tmp_path: Path) -> None:
-    for name in one_place.PACKAGES:
+    for name in startup.PACKAGES:
         (tmp_path / name).mkdir()
         (tmp_path / name / "notes.txt").write_text("mine")
     assert start(tmp_path, "--version").returncode == 0
 
 
 def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_place, "find_spec", lambda name: None)
+    monkeypatch.setattr(startup, "find_spec", lambda name: None)
     with pytest.raises(UserError, match="got no app in"):
-        one_place.require_one_place()
+        startup.require_one_place()

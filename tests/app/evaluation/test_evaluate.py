@@ -16,8 +16,7 @@ import numpy as np
 import pytest
 
 from app.commands.evaluate import PAPER, compared
-from app.evaluation.evaluate import measure_frame, open_evaluation
-from app.evaluation.render_timing import Stopwatch
+from app.evaluation.evaluate import Stopwatch, measure_frame, open_evaluation
 from app.runs.run_folder import RunFolder
 from app.scenes.cpu_rendering import Drawn, draw_on_cpu
 from enhance.metrics import vessel_contrast

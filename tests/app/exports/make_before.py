@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from app.__main__ import main
-from app.exports.window_shot import save_window
+from app.exports.exporting import export
 from app.gui.actions import actions, comparing, edit_actions, second_actions, window_actions
 from app.gui.actions.export_actions import What
 from app.gui.work.saving_edits import SaveRequest, write_splats
@@ -129,7 +129,7 @@ def _by_window(folder: Path, run: Path, mip: Path) -> None:
     second_actions.close_second(state)
     keep("video along the path", "path.mp4")
     image = np.full((30, 40, 3), 90, np.uint8)
-    (step,) = save_window(window_actions.window_request(state, image))
+    (step,) = export(window_actions.window_request(state, image))
     assert step.path is not None
     step.path.rename(folder / "window.png")
     splats = Exporter(places, folder / "splats.ply")

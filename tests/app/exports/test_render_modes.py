@@ -16,14 +16,14 @@ from app.files.image_files import read_image
 from app.gui.actions import actions, comparing, job_actions, second_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, GraphicsViewport
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.work.saving_edits import SaveRequest, write_splats
 from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.scenes.cpu_rendering import draw_on_cpu
-from app.scenes.viewing import draw_view
+from app.scenes.drawer import draw_view
 from renderer.clip import ByteImage
 from renderer.draw.offscreen import read_image as read_target
 from renderer.editing.edits import Edits

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from PIL import Image, ImageOps
 
+from app.enhancement.contact_sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
 from app.errors import UserError
 from app.files.atomic import filled, replaced, write_bytes
 from app.files.image_files import read_image, write_image
-from app.files.sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
 from app.files.timing import Timing
 from app.files.video import write_video
 from renderer.leftovers import temporary_name

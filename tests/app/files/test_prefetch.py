@@ -6,7 +6,7 @@ from collections.abc import Generator
 
 import pytest
 
-from app.files.prefetch import DEPTH, ahead
+from app.files.stepping import DEPTH, ahead
 
 
 def numbers(count: int, seen: list[int], fail_at: int | None = None) -> Generator[int, None, None]:

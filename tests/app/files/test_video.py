@@ -17,7 +17,7 @@ import pytest
 
 from app.errors import UserError
 from app.files.image_series import open_series
-from app.files.mp4_color_tag import tag_colors
+from app.files.mpeg4_video import tag_colors
 from app.files.timing import Timing
 from app.files.video import write_video
 from renderer.sources import open_clip

@@ -15,7 +15,7 @@ from app.gui.actions import job_actions
 from app.gui.commands.command import WindowServices
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.work.settings import Places, Settings
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame

@@ -15,6 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
+from tests.app.gui.settling import served
 
 
 def sidecar(path: Path) -> dict[str, Any]:
@@ -45,7 +46,7 @@ class Exporter:
     def turn(self, frames: int = 4) -> None:
         for _ in range(frames):
             update(self.state, self.channels, self.state.window.now + 0.01)
-            for channel in self.channels.all:
+            for channel in served(self.channels):
                 channel.run_waiting()
 
     def begin(self, what: What) -> None:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from app.gui.actions import job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.work.background import Channel
 from renderer.gaussians import DynamicGaussians
+
+
+def served(channels: Channels) -> list[Channel[Any, Any]]:
+    """All but what the second worker does."""
+    return [*channels.of("first"), *channels.of("apart")]
 
 
 def keep_all(state: AppState) -> None:
@@ -46,6 +54,6 @@ def settle(state: AppState, channels: Channels, now: float = 0.0) -> None:
     """Frames with all background work done in between, until nothing changes."""
     for _ in range(6):
         update(state, channels, now)
-        for channel in channels.all:
+        for channel in served(channels):
             while channel.run_waiting():
                 pass

@@ -8,7 +8,7 @@ import pytest
 
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.work.opening import Opened
 from app.gui.work.settings import load_settings
 from app.runs.progress_log import TrainingLog

@@ -8,14 +8,14 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, view_actions
+from app.gui.actions import actions, camera_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, keyframes_of
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.scenes.drawer import draw_view
 from app.scenes.view_kinds import EXPLAINED, ViewKind
-from app.scenes.viewing import draw_view
 from renderer.draw import splat_view
 from renderer.draw.offscreen import read_image
 from renderer.draw.storage import Storage
@@ -44,7 +44,7 @@ def drifting(state: AppState, model: DynamicGaussians) -> AppState:
 def settle(state: AppState, channels: Channels) -> None:
     for _ in range(20):
         update(state, channels, 0.0)
-        while any(channel.run_waiting() for channel in channels.bakes.all):
+        while any(channel.run_waiting() for channel in (channels.bakes, channels.second_bakes)):
             pass
 
 
@@ -70,7 +70,7 @@ def test_what_needs_no_keyframes_gets_none(drifting: AppState, model: DynamicGau
     drifting.scene.model = replace(drifting.scene.model, model=shown, live=why == "live")
     channels = Channels()
     settle(drifting, channels)
-    assert channels.bakes.first.asked is None
+    assert channels.bakes.asked is None
 
 
 def test_a_model_that_cannot_be_baked_is_drawn_without(
@@ -95,7 +95,7 @@ def test_scrubbing_and_turning_upload_an_order_and_no_more(
     """In both 3D views and all kinds of view, and they show what the rasteriser shows of the model."""
     assert drifting.scene.model is not None
     drifting.scene.second.shown = replace(drifting.scene.model)
-    view_actions.choose_view(drifting, kind)
+    camera_actions.choose_view(drifting, kind)
     graphics, requests = GraphicsViewport(ctx, Textures(ctx), watch), []
     for index, angle in ((2, 0.0), (5, 0.0), (5, 0.2)):
         actions.seek(drifting, index)
@@ -136,7 +136,7 @@ def test_a_model_that_stands_still_is_uploaded_once(
     graphics.show(drifting)
     monkeypatch.setattr(splat_view, "Storage", None)
     for index, kind in ((1, "color"), (2, "normals"), (3, "depth")):
-        view_actions.choose_view(drifting, kind)
+        camera_actions.choose_view(drifting, kind)
         actions.seek(drifting, index)
         assert graphics.show(drifting) is not None
     graphics.release()

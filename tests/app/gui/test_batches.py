@@ -27,6 +27,7 @@ from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
 from tests.app.conftest import tissue
 from tests.app.enhancement.test_batch import files, write_avi
+from tests.app.gui.settling import served
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
@@ -50,7 +51,7 @@ class Person:
 
     def turn(self, frames: int = 1) -> None:
         for _ in range(frames):
-            for channel in self.channels.all:
+            for channel in served(self.channels):
                 channel.run_waiting()
             update(self.state, self.channels, self.state.window.now + 0.01)
 

@@ -8,8 +8,8 @@ import pytest
 
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
-from app.gui.update.job_starting import start_due
-from app.gui.work.picking import PickRequest, pick
+from app.gui.update.jobs import start_due
+from app.gui.work.selecting import PickRequest, pick
 from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob, make_model

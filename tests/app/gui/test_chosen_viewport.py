@@ -13,7 +13,7 @@ from app.gui.drawing.chosen_viewport import VIEWS, ChosenViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport
 from app.gui.state.app_state import AppState
-from app.scenes.viewing import draw_view
+from app.scenes.drawer import draw_view
 from renderer.draw.context import renderer_name
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.scenes import scene_of

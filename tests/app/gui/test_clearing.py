@@ -40,7 +40,7 @@ def start(places: Places) -> None:
     """The window without its drawing, for a frame."""
     state, channels = AppState(places), Channels()
     update(state, channels, 0.0)
-    for channel in channels.beside:
+    for channel in channels.of("second"):
         channel.run_waiting()
 
 

@@ -18,20 +18,19 @@ from app.gui.update.update import update
 from app.gui.views.picture_view import Placement
 from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint
-from app.gui.work.clip_settings import FILE, MOST_CLIPS, clips_content, load_clips
 from app.gui.work.opening import Opened
-from app.gui.work.settings import Places
+from app.gui.work.settings import FILE, MOST_CLIPS, Places, clips_content, load_clips
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
 from app.runs.clip_selection import ClipPart
 from renderer.clip import Clip
 from tests.app.gui.conftest import make_clip, photo
-from tests.app.gui.settling import keep_all
+from tests.app.gui.settling import keep_all, served
 
 
 def settle(state: AppState, channels: Channels, now: float) -> None:
     for _ in range(6):
         update(state, channels, now)
-        for channel in (*channels.all, *channels.beside):
+        for channel in (*served(channels), *channels.of("second")):
             while channel.run_waiting():
                 pass
 

@@ -14,10 +14,10 @@ from app.exports.comparison_images import DifferenceRequest, OtherMaker, OtherRe
 from app.files.legible import named
 from app.gui.actions import actions, comparing, history_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Comparison
 from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.views.comparison import Comparison
 from app.gui.work.background import Channel
 from app.scenes.scene import Scene
 from enhance import EnhanceParams, enhance
@@ -149,7 +149,7 @@ def test_a_failing_source_is_told_once(state: AppState, channels: Channels) -> N
     def fails(request: OtherRequest) -> None:
         raise ValueError("no such thing")
 
-    channels.compare.sides["right"] = Channel(fails)  # type: ignore[arg-type]
+    channels.others["right"] = Channel(fails)  # type: ignore[arg-type]
     comparing.choose_source(state, "right", "clahe")
     settle(state, channels)
     assert state.window.banner is not None

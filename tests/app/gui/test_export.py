@@ -16,7 +16,7 @@ from app.files.provenance import digest, read_provenance
 from app.gui.actions import actions, export_actions, job_actions
 from app.gui.actions.export_actions import sized
 from app.gui.state.app_state import AppState
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
@@ -41,7 +41,7 @@ def test_it_is_said_where_a_picture_lies(
 ) -> None:
     monkeypatch.setattr(Path, "home", lambda: tmp_path if home else tmp_path / "elsewhere")
     folder = tmp_path / "Pictures" / "VesselSplat"
-    export_actions.take_saved(state, Step(1, folder / "clip.png"))
+    export_actions.take_saved(state, None, Step(1, folder / "clip.png"))
     assert state.window.toast is not None
     said = "Pictures/VesselSplat/" if home else str(folder)
     assert state.window.toast.message == f"saved clip.png in {said}"

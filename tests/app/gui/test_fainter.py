@@ -8,9 +8,9 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions, comparing
-from app.gui.panels.fainter import draw_fainter
+from app.gui.panels.compare import draw_fainter
 from app.gui.state.app_state import AppState
-from app.gui.state.fainter import Fainter, fainter
+from app.gui.state.panes import Fainter, fainter
 from app.gui.work.measuring import Measurer
 from enhance import EnhanceParams, VesselParams
 from tests.app.gui.ui import Ui

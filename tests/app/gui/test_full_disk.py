@@ -17,7 +17,7 @@ import pytest
 
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
 from app.gui.session_file import autosave_path, mended_session
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.work.presets import load_presets, presets_file
 from app.gui.work.settings import Places, load_settings
 from app.runs.job import TrainingJob

@@ -10,11 +10,10 @@ import pytest
 from app.enhancement.image_mask import PictureMask
 from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.settings_snapshot import SettingsSnapshot
+from app.gui.state.enhancement import SettingsSnapshot
 from app.gui.views.picture_view import PictureView
-from app.gui.work.clip_settings import load_clips
 from app.gui.work.opening import Opened
-from app.gui.work.settings import Places
+from app.gui.work.settings import Places, load_clips
 from app.runs.clip_selection import ClipPart
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

@@ -20,9 +20,9 @@ from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
 from app.gui.frame.dialogs import Dialogs
 from app.gui.panels import menus, overlays
+from app.gui.panels.compare import draw_welcome
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
-from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import Settings

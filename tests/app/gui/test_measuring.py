@@ -11,14 +11,15 @@ from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Picture
 from app.gui.actions import actions
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
-from app.gui.update.at_rest import REST
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.update.wishes import REST
 from app.gui.work.measuring import BINS, Measurer, curves, spread
 from enhance import EnhanceParams, enhance
 from enhance.metrics import dvbv_otsu, saturated_share
 from enhance.vessel import VesselParams
 from renderer.clip import Clip
+from tests.app.gui.settling import served
 
 
 def made(clip: Clip, params: EnhanceParams | VesselParams) -> Pictures:
@@ -75,7 +76,7 @@ def test_measuring_waits_for_the_hand_and_never_twice(state: AppState) -> None:
     def settle(now: float) -> None:
         for _ in range(4):
             update(state, channels, now)
-            for channel in (*channels.all, *channels.beside):
+            for channel in (*served(channels), *channels.of("second")):
                 while channel.run_waiting():
                     pass
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.update.at_rest import REST
 from app.gui.update.channels import Channels, Row
+from app.gui.update.wishes import REST
 from app.gui.work.tidying import OnScreen
 from enhance import EnhanceParams
 from renderer.clip import Clip

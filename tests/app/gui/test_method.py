@@ -13,7 +13,7 @@ from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams, measure
 from enhance.vessel import VesselParams, enhance_vessels

@@ -8,7 +8,7 @@ from pathlib import Path
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.runs.train_run import TrainRequest

@@ -14,12 +14,12 @@ from app.files.provenance import version
 from app.gui.actions import actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import ClipRecord, RunFolder, RunRecord
 from app.runs.train_run import TrainRequest
-from app.scenes.viewing import draw_view
+from app.scenes.drawer import draw_view
 from assets import phantom_path
 from renderer.clip import ClipError
 from renderer.gaussians import DynamicGaussians

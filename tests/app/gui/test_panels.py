@@ -9,11 +9,11 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions, history_actions, path_actions
 from app.gui.panels.cameras import draw_cameras
+from app.gui.panels.compare import draw_welcome
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.menus import SEPARATOR, fitting
 from app.gui.panels.reconstruction import FIRST_STEP, draw_reconstruction, status_of
 from app.gui.panels.timeline import draw_timeline
-from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import seconds
 from app.runs.progress_log import TrainingLog

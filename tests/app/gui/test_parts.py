@@ -11,10 +11,10 @@ from app.gui.actions import actions, clip_actions, job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import why_not
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.run_list import RunFinder
+from app.gui.work.runs import RunFinder
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.view_request import ViewRequest

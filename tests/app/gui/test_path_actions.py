@@ -10,7 +10,7 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from renderer.camera import Camera
@@ -207,7 +207,7 @@ def test_a_file_that_is_none_is_one_line_and_changes_nothing(
     channels = Channels()
     for step in range(3):
         update(seen, channels, 0.1 * step)
-        channels.opening.first.run_waiting()
+        channels.opening.run_waiting()
     assert seen.source.opening is None
     assert seen.window.banner is not None
     assert str(file) in seen.window.banner.message

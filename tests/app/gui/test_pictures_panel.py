@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES
 from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, pane
+from app.gui.views.comparison import SIDES
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from tests.app.gui.ui import (

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.state.quality import OWN, QUALITIES, expected_seconds, quality_of
-from app.gui.state.reconstruction import Reconstruction
+from app.gui.state.reconstruction import OWN, QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.runs.train_run import TrainRequest
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress

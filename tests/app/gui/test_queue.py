@@ -16,7 +16,7 @@ from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import Cancelled, Failed
@@ -175,7 +175,7 @@ def later(state: AppState, jobs: Jobs, places: Places, tmp_path: Path) -> AppSta
     queued(state, jobs, 100, 200, 300, 400)
     channels = Channels()
     frame(state, jobs, channels)
-    while channels.queue.kept.run_waiting():
+    while channels.kept.run_waiting():
         pass
     die(places)
     again = AppState(places, Settings(acknowledged=True))
@@ -199,12 +199,12 @@ def test_what_waits_is_there_after_a_restart_and_starts_at_a_word(
     new, channels = Jobs(), Channels()
     for _ in range(3):
         frame(later, new, channels)
-        assert not channels.queue.clips.run_waiting()
+        assert not channels.clips.run_waiting()
     assert new.all == []  # Nobody has said so.
     queue_actions.wake(later)
     for _ in range(3):
         frame(later, new, channels)
-        channels.queue.clips.run_waiting()
+        channels.clips.run_waiting()
     assert new.requests == before[:1]
     assert later.runs.reconstruction.clip is not None
     assert len(later.runs.reconstruction.clip) == 6
@@ -230,7 +230,7 @@ def test_what_is_asked_for_now_goes_before_what_sleeps(later: AppState, clip: Cl
     queue_actions.to_front(later, four)  # A word for this one alone.
     for _ in range(3):
         frame(later, new, channels)
-        channels.queue.clips.run_waiting()
+        channels.clips.run_waiting()
     assert new.requests[2:] == [four.request]
     assert all(waiting.asleep for waiting in later.runs.queue)
 
@@ -241,7 +241,7 @@ def test_without_its_clip_one_waits_on_and_says_so(later: AppState) -> None:
     new, channels = Jobs(), Channels()
     for _ in range(3):
         frame(later, new, channels)
-        channels.queue.clips.run_waiting()
+        channels.clips.run_waiting()
     assert later.window.banner is not None
     assert "real" in later.window.banner.message
     assert new.all == []

@@ -11,7 +11,7 @@ import glfw
 import pytest
 from imgui_bundle import glfw_utils, imgui
 
-from app.gui.actions import actions, draft_actions, job_actions
+from app.gui.actions import actions, job_actions
 from app.gui.commands.keys import chord
 from app.gui.work.settings import Places, Settings
 from app.runs.job import Cancelled, Failed, Paused
@@ -86,7 +86,7 @@ def test_a_signal_that_ends_the_training_too_starts_none_of_those_that_wait(plac
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        draft_actions.choose_input(state, "both in turn")
+        job_actions.choose_input(state, "both in turn")
         job_actions.start_reconstruction(state)
         wait(ctx, lambda: bool(jobs), "the first job")
         jobs[0].inbox = [Cancelled()]

@@ -20,10 +20,9 @@ from app.gui.actions.session_actions import snapshot
 from app.gui.session_file import MOST_STEPS, SESSION, Session, SessionSource, mended_session
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import PictureView
-from app.gui.work.clip_settings import FILE, load_clips
 from app.gui.work.opening import Opened
 from app.gui.work.presets import MOST_PRESETS, load_presets
-from app.gui.work.settings import RECENT_LIMIT, Places, Settings, load_settings
+from app.gui.work.settings import FILE, RECENT_LIMIT, Places, Settings, load_clips, load_settings
 from app.runs.clip_selection import ClipPart
 from app.runs.queue_file import MOST_WAITING, keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest

@@ -15,9 +15,8 @@ from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.reported import LEAST, Scale, current, read
-from app.report.growth_fit import Curve, Growth
+from app.report.diagrams import Curve, Diagram, Growth, Point
 from app.report.section import Plate, Section
-from app.report.work_precision import Diagram, Point
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from tests.app.gui.ui import Ui

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from app.gui.panels.report_tables import draw_table
+from app.gui.panels.report import draw_table
 from app.gui.work.reported_tables import ShownTable, part_of, shown
 from app.report.page import page
 from app.report.section import Column, Section, Table

@@ -16,10 +16,10 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.run_list import FoundRuns, ListedRun, RunFinder, RunsRequest
+from app.gui.work.runs import FoundRuns, ListedRun, RunFinder, RunsRequest
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
@@ -250,7 +250,7 @@ def test_a_run_that_was_killed_is_looked_at_and_not_edited(opened: AppState) -> 
     channels = Channels()
     for step in range(3):
         update(opened, channels, 0.1 * step)
-        channels.opening.first.run_waiting()
+        channels.opening.run_waiting()
     assert opened.scene.model is not None
     assert (opened.scene.model.live, opened.scene.model.iteration) == (True, 8)
     assert opened.editing.base is None

@@ -11,15 +11,16 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
-from app.gui.update.view_wish import SLOW_VIEW, beside, view_request
-from app.scenes.photos import Photo, PhotoRequest
-from app.scenes.viewing import View
+from app.gui.update.wishes import SLOW_VIEW, second_wish, view_wish
+from app.scenes.drawer import View
+from app.scenes.view_kinds import ViewKind
+from app.scenes.view_request import Photo, PhotoRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob
-from tests.app.gui.settling import show_live
+from tests.app.gui.settling import served, show_live
 from tests.app.gui.test_opening import make_run
 
 
@@ -35,7 +36,7 @@ def seen(state: AppState, model: DynamicGaussians) -> AppState:
 def settle(state: AppState, channels: Channels) -> None:
     for _ in range(6):
         update(state, channels, 0.0)
-        for channel in channels.all:
+        for channel in served(channels):
             while channel.run_waiting():
                 pass
 
@@ -93,11 +94,11 @@ def test_two_views_are_reduced_when_they_are_slow_together(seen: AppState) -> No
     assert seen.scene.model is not None
     view = View(request, np.zeros((*SIZE[::-1], 3), np.uint8), 0.7 * SLOW_VIEW)
     seen.scene.view, seen.scene.dragged = view, True
-    wanted = view_request(seen)
+    wanted = view_wish(seen)
     assert wanted is not None
     assert not wanted.reduced
     seen.scene.second.shown, seen.scene.second.view = replace(seen.scene.model), view
-    wanted = view_request(seen)
+    wanted = view_wish(seen)
     assert wanted is not None
     assert wanted.reduced
 
@@ -129,15 +130,19 @@ def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: Ap
 
 def test_the_processor_draws_the_second_view_as_the_window_asks_for_it(seen: AppState) -> None:
     """Also where the second one has other frames, whose difference to the first one's photo says nothing."""
-    first, channels = seen.plain_view_request, Channels()
-    assert first is not None
+    channels = Channels()
     assert seen.scene.model is not None
     assert seen.source.clip is not None
     photo = Photo(PhotoRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
+    seen.scene.viewer.snapped, seen.scene.viewer.photo = True, photo
+    kinds: tuple[ViewKind, ...] = ("color", "difference")
     for shown in (replace(seen.scene.model), replace(seen.scene.model, first=2)):
         seen.scene.second.shown = shown
-        for wanted in (first, first.of_kind("difference", photo)):
-            channels.second.want(beside(seen, wanted))
+        for seen.scene.kind in kinds:
+            wanted = seen.plain_view_request
+            assert wanted is not None
+            assert wanted.kind == seen.scene.kind
+            channels.second.want(second_wish(seen))
             assert channels.second.asked == seen.scene.beside(wanted) is not None
 
 

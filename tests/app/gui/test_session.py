@@ -20,8 +20,9 @@ from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
 from app.gui.actions import actions, clip_actions, comparing, edit_actions, history_actions, session_actions
 from app.gui.actions.session_actions import snapshot
-from app.gui.panels.session import draw_notes, draw_recovery
+from app.gui.panels.overlays import draw_notes, draw_recovery
 from app.gui.session_file import (
+    Choice,
     Session,
     UnsavedEdits,
     autosave_path,
@@ -30,14 +31,14 @@ from app.gui.session_file import (
     write_session,
 )
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import Comparison
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.views.comparison import Comparison
 from app.gui.views.picture_view import PictureView
-from app.gui.work import session_writing
+from app.gui.work import writing
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import Places, Settings
-from app.gui.work.tuning import Choice
+from app.gui.work.writing import SessionRequest
 from app.runs.clip_selection import WHOLE
 from app.scenes.free_camera import FreeView
 from assets import phantom_path
@@ -49,6 +50,7 @@ from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views
 from tests.app.gui.kept_session import places_in
+from tests.app.gui.settling import served
 from tests.app.gui.test_opening import make_run
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
@@ -57,7 +59,7 @@ from tests.app.gui.ui import Ui
 def turn(state: AppState, channels: Channels, seconds: float = 2.0) -> None:
     """One frame, and the worker's share of it."""
     update(state, channels, state.window.now + seconds)
-    for channel in channels.all:
+    for channel in served(channels):
         channel.run_waiting()
 
 
@@ -106,9 +108,9 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
 
 def test_all_of_it_comes_back(worked: tuple[AppState, Channels], places: Places) -> None:
     state, channels = worked
-    request = session_actions.save_request(state)
-    assert request is not None
-    channels.sessions.ask(request)
+    session_actions.save(state)
+    *_, request = state.window.wishes
+    assert isinstance(request, SessionRequest)
     turn(state, channels)
     turn(state, channels)
     assert state.window.toast is not None
@@ -142,9 +144,10 @@ def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_pa
     folder = tmp_path / "elsewhere"
     folder.mkdir()
     state.session.path = folder / "a.vesselsplat"
-    request = session_actions.save_request(state)
-    assert request is not None
-    list(session_writing.write(request))
+    session_actions.save(state)
+    *_, request = state.window.wishes
+    assert isinstance(request, SessionRequest)
+    list(writing.write(request))
     shutil.move(state.source.path, folder / "liver")
     (opened,) = open_path(OpenRequest(request.path))
     assert opened.path == folder / "liver"

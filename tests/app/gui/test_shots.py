@@ -17,7 +17,7 @@ from imgui_bundle import imgui
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.parameter_grid import METRICS
 from app.exports.comparison_images import DifferenceRequest, heat_map
-from app.exports.exporting import export
+from app.exports.exporting import ExportRequest, export
 from app.exports.records import PanesPicture
 from app.exports.sizing import Sizing
 from app.files.image_files import read_image
@@ -27,9 +27,8 @@ from app.gui.actions.export_actions import OFFERS
 from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
-from app.gui.state.comparison import SIDES
-from app.gui.state.exports import Exporting
 from app.gui.state.panes import pane
+from app.gui.views.comparison import SIDES
 from app.gui.work.settings import Places, Settings
 from app.runs.clip_selection import ClipPart
 from app.scenes.color_bar import LEAST_HEIGHT
@@ -173,8 +172,9 @@ def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
     assert run_path is not None
     comparing.choose_source(state, "left", "clahe")
     comparing.choose_mode(state, "wipe")
-    request = export_actions.save_request(state)
-    assert request is not None
+    export_actions.save_picture(state)
+    (request,), state.window.wishes = state.window.wishes, ()
+    assert isinstance(request, ExportRequest)
     assert isinstance(request.record, PanesPicture)
     assert (request.record.arrangement.mode, request.record.panes[0].method) == ("wipe", "clahe")
     *_, last = export(request)
@@ -184,8 +184,9 @@ def test_s_saves_what_the_panes_show(run: Exporter, clip_path: Path) -> None:
     assert facts["views"][0]["run"]["name"] == run_path.name
     assert same(last.path, clip_path, run_path)
     state.enhancement.peeking = True
-    request = export_actions.save_request(state)
-    assert request is not None
+    export_actions.save_picture(state)
+    (request,), state.window.wishes = state.window.wishes, ()
+    assert isinstance(request, ExportRequest)
     assert isinstance(request.record, PanesPicture)
     assert [pane.shows for pane in request.record.panes] == ["original"]
 
@@ -195,7 +196,7 @@ def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run:
     run.turn(3)
     exporting = run.state.exports.under_way
     assert exporting is not None
-    assert 0 < exporting.done < 10
+    assert 0 < run.state.exports.done < 10
     assert export_actions.why_not_export(run.state, "left pane")
     actions.set_params(run.state, EnhanceParams(z=0.4))
     run.turn(3)
@@ -231,7 +232,8 @@ def test_what_is_lacking_is_said(places: Places) -> None:
         "Open a clip first.", "There is no 3D view yet.",
     }  # fmt: skip
     assert export_actions.export_request(state, "left pane") is None
-    assert export_actions.save_request(state) is None
+    export_actions.save_picture(state)
+    assert state.window.wishes == ()
 
 
 def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:
@@ -241,7 +243,7 @@ def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:
     request = export_actions.export_request(state, "both panes")
     assert request is not None
     heights = []
-    for state.exports.under_way in (None, Exporting(request, 1)):
+    for state.exports.under_way in (None, request):
         for _ in range(3):
             ui.frame(lambda: draw_export(state))
         heights.append(imgui.internal.find_window_by_name("Export").size.y)
@@ -265,7 +267,7 @@ def test_from_the_key_to_the_file(places: Places) -> None:
         ctx.item_click("//Export/###video of both panes")
         wait(
             ctx,
-            lambda: state.exports.under_way is not None and state.exports.under_way.done > 1,
+            lambda: state.exports.under_way is not None and state.exports.done > 1,
             "some frames",
         )
         ctx.item_click("//Export/Cancel")

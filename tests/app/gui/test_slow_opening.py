@@ -21,12 +21,12 @@ from app.gui.session_file import Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.update.channels import Channels
-from app.gui.update.opening_work import LONG
+from app.gui.update.patience import LONG
 from app.gui.update.update import update
 from app.gui.work.background import Apart, Channel, Failure, NewestChannel
 from app.gui.work.opening import Opened, OpenRequest, open_path
-from app.gui.work.session_writing import SessionRequest, write
 from app.gui.work.settings import Places, Settings
+from app.gui.work.writing import SessionRequest, write
 from app.runs.train_run import TrainRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -182,8 +182,8 @@ def wait(until: Callable[[], bool], what: str) -> None:
 
 def test_an_opening_that_hangs_stops_no_other(hanging: Hanging, places: Places) -> None:
     state, channels = AppState(places, Settings(acknowledged=True)), Channels()
-    channels.opening.first = NewestChannel(hanging.open)
-    apart = Apart(channels.opening.first, lambda: None)
+    channels.opening = NewestChannel(hanging.open)
+    apart = Apart(channels.opening, lambda: None)
     actions.open_path(state, Path("/mnt/gone"))
     update(state, channels, 0.0)
     update(state, channels, LONG - 1)
@@ -234,8 +234,8 @@ def test_what_was_said_goes_when_the_answer_comes_or_is_given_up(
     for given_up in (True, False):
         hanging.let_go.clear()
         state, channels = AppState(places, Settings(acknowledged=True)), Channels()
-        channels.opening.first = NewestChannel(hanging.open)
-        apart = Apart(channels.opening.first, lambda: None)
+        channels.opening = NewestChannel(hanging.open)
+        apart = Apart(channels.opening, lambda: None)
         actions.open_path(state, Path("/mnt/gone"))
         for now in (0.0, LONG + 1):
             update(state, channels, now)

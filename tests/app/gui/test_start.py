@@ -145,7 +145,7 @@ def test_a_report_and_views_are_told_apart_by_what_they_hold(places: Places, tmp
         actions.open_path(state, path)
         for _ in range(2):
             update(state, channels, state.window.now + 1)
-            channels.opening.first.run_waiting()
+            channels.opening.run_waiting()
         update(state, channels, state.window.now + 1)
         assert (state.source.opening, state.window.banner) == (None, None)
     assert state.reports.shown is not None

@@ -7,11 +7,11 @@ import pytest
 from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
-from app.gui.panels.presets import draw_presets
+from app.gui.panels.enhancement import draw_presets
 from app.gui.state.app_state import AppState
-from app.gui.update.at_rest import thumbnails_wish
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.update.wishes import thumbnails_wish
 from app.gui.work.presets import BUILT_IN
 from app.gui.work.thumbnails import SIDE, ThumbnailsRequest, make_thumbnails, smaller
 from enhance import EnhanceParams, VesselParams, enhance

@@ -17,7 +17,7 @@ from app.gui.actions import actions, export_actions, job_actions, session_action
 from app.gui.session_file import autosave_path, mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import TrainingJob
@@ -26,6 +26,7 @@ from assets import phantom_path
 from enhance import EnhanceParams
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
+from tests.app.gui.settling import served
 
 SECONDS = 120.0
 
@@ -41,7 +42,7 @@ class App:
     def turn(self, frames: int = 3) -> None:
         for _ in range(frames):
             update(self.state, self.channels, self.state.window.now + 0.6)
-            for channel in self.channels.all:
+            for channel in served(self.channels):
                 channel.run_waiting()
 
     def wait(self, until: Callable[[], bool]) -> None:
@@ -62,9 +63,8 @@ class App:
         )
 
     def save(self) -> None:
-        request = export_actions.save_request(self.state)
-        assert request is not None
-        self.channels.saving.ask(request)
+        export_actions.save_picture(self.state)
+        assert len(self.state.window.wishes) == 1
         self.turn()
 
     def trouble(self) -> str:
@@ -96,9 +96,8 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
         patch.setattr("app.files.atomic.os.fsync", full)
         app.save()
         assert app.trouble().startswith("the image was not saved: No space left on device: clip-")
-        request = session_actions.save_request(app.state)
-        assert request is not None
-        app.channels.sessions.ask(request)
+        session_actions.save(app.state)
+        assert len(app.state.window.wishes) == 1
         app.state.session.notes = "full"
         app.turn()
         assert "No space left on device" in app.trouble()

@@ -11,16 +11,17 @@ from app.enhancement.parameter_grid import METRICS
 from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
+from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, Settings
-from app.gui.work.tuning import Choice
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
 from tests.app.gui.conftest import make_clip
+from tests.app.gui.settling import served
 from tests.app.gui.test_window import Driver, wait
 from tests.app.gui.ui import Ui
 
@@ -33,7 +34,7 @@ def channels() -> Channels:
 def turn(state: AppState, channels: Channels) -> None:
     """One frame, with the worker's share done in between."""
     update(state, channels, state.window.now + 0.01)
-    for channel in channels.all:
+    for channel in served(channels):
         channel.run_waiting()
 
 

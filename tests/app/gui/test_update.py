@@ -11,21 +11,20 @@ from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.job_starting import start_due
-from app.gui.update.playing import onward
-from app.gui.update.update import PATIENCE, PROMPT, take_pictures, update
-from app.gui.update.view_wish import SLOW_VIEW, view_request
+from app.gui.update.jobs import start_due
+from app.gui.update.update import PATIENCE, PROMPT, onward, take_pictures, update
+from app.gui.update.wishes import SLOW_VIEW, view_wish
 from app.gui.work.background import Channel, Worker
 from app.gui.work.opening import Opened
 from app.runs.job import Cancelled, Failed, Paused, Resumed
 from app.runs.progress_log import TrainingLog
-from app.scenes.viewing import View
+from app.scenes.drawer import View
 from enhance import EnhanceParams
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
 from tests.app.gui.conftest import FakeJob, make_clip, photo
-from tests.app.gui.settling import follow_run, settle, show_live
+from tests.app.gui.settling import follow_run, served, settle, show_live
 
 MakeFake = Callable[[object], FakeJob]
 STARTED = Started(0, 100, 30, (Omission("motion", "nothing moves", "half the time"),))
@@ -66,7 +65,7 @@ def test_a_quick_picture_is_shown_by_the_frame_after_the_slider_moved(
 ) -> None:
     settle(state, channels)
     monkeypatch.setattr("app.gui.update.update.PROMPT", 10.0)
-    worker = Worker(channels.all, lambda: None)
+    worker = Worker(served(channels), lambda: None)
     actions.set_params(state, EnhanceParams(z=0.0))
     update(state, channels, 0.1)
     worker.close()
@@ -337,14 +336,14 @@ def test_a_slow_view_is_reduced_only_while_it_moves(
     request = state.view_request
     assert request is not None
     state.scene.view = View(request, np.zeros((24, 32, 3), np.uint8), 2 * SLOW_VIEW)
-    assert view_request(state) == request
+    assert view_wish(state) == request
     state.scene.dragged = True
-    reduced = view_request(state)
+    reduced = view_wish(state)
     assert reduced is not None
     assert reduced.reduced
     assert (reduced.camera.width, reduced.camera.height) == (16, 12)
     state.scene.view = View(request, state.scene.view.image, 0.5 * SLOW_VIEW)
-    assert view_request(state) == request
+    assert view_wish(state) == request
 
 
 def test_toasts_go_away_by_themselves(state: AppState, channels: Channels) -> None:

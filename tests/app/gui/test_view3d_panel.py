@@ -10,12 +10,13 @@ from imgui_bundle import ImVec2, imgui
 
 from app.gui.actions import actions, camera_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
-from app.gui.panels.scene_marks import bounds
+from app.gui.panels.scene_marks import Sight
 from app.gui.panels.view3d import photo_over, view_tags
 from app.gui.state.app_state import AppState
-from app.gui.work.picking import pick
-from app.scenes.photos import read_photo
-from app.scenes.viewing import draw_view
+from app.gui.style.widgets import Area
+from app.gui.work.selecting import pick
+from app.scenes.drawer import draw_view
+from app.scenes.view_request import read_photo
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
@@ -91,7 +92,7 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
     assert view.image.shape == laid[0].shape
     np.testing.assert_array_equal(laid[0], opened.source.clip.read_image(4))
     corner, size = ImVec2(10, 20), ImVec2(300, 200)
-    (low, high), zoom = bounds(request.camera, corner, size), 200 / 40
+    (low, high), zoom = Sight(request.camera, Area(corner, size)).bounds, 200 / 40
     assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
     assert "FRAME 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
     ui.drag(draw, (400, 300), (420, 300))

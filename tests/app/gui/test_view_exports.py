@@ -8,19 +8,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from app.exports.make import view_moments
+from app.exports.make import steady, view_moments, view_pages
 from app.exports.records import ViewVideo
-from app.exports.view_pages import steady, view_pages
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_sidecar
 from app.files.stepping import run_to_end
 from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
-from app.scenes.drawer import Drawer
+from app.scenes.drawer import Drawer, draw_view
 from app.scenes.free_camera import FreeView
-from app.scenes.photos import Photo, PhotoRequest
-from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import draw_view
+from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
 from renderer.camera_path import CameraPath, Keyframe
 from tests.app.gui.exporting import Exporter, same, shape_of, sidecar
 

@@ -6,15 +6,14 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, job_actions, view_actions
+from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import GraphicsViewport, ProcessorViewport
+from app.gui.drawing.viewport import GraphicsViewport, processor_picture
 from app.gui.state.app_state import AppState
-from app.gui.update.job_starting import start_due
-from app.scenes.photos import read_photo
+from app.gui.update.jobs import start_due
+from app.scenes.drawer import draw_view
 from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
-from app.scenes.view_request import ViewRequest
-from app.scenes.viewing import draw_view
+from app.scenes.view_request import ViewRequest, read_photo
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import show_live
@@ -40,10 +39,9 @@ def read(ctx: moderngl.Context, name: int, channels: int) -> np.ndarray:
 @pytest.mark.gl
 def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live: AppState) -> None:
     graphics, textures = GraphicsViewport(ctx, Textures(ctx)), Textures(ctx)
-    processor = ProcessorViewport(textures)
     assert live.view_request is not None
     (live.scene.view,) = draw_view(live.view_request)
-    drawn, made = graphics.show(live), processor.show(live)
+    drawn, made = graphics.show(live), processor_picture(live, textures)
     assert drawn is not None
     assert made is not None
     assert drawn.request == made.request == live.view_request
@@ -110,9 +108,9 @@ def test_both_ways_of_drawing_show_the_same_views(
 ) -> None:
     """But for pixels on the edge of a body, and what float32 makes of a colour between two."""
     textures = Textures(ctx)
-    graphics, processor = GraphicsViewport(ctx, textures), ProcessorViewport(Textures(ctx))
+    graphics, others = GraphicsViewport(ctx, textures), Textures(ctx)
     camera_actions.reset_view(live)
-    view_actions.choose_view(live, kind)
+    camera_actions.choose_view(live, kind)
     assert live.photo_request is not None or kind != "difference"
     if live.photo_request is not None:
         (live.scene.viewer.photo,) = read_photo(live.photo_request)
@@ -120,7 +118,7 @@ def test_both_ways_of_drawing_show_the_same_views(
     assert request is not None
     assert request.kind == kind
     (live.scene.view,) = draw_view(request)
-    drawn, made = graphics.show(live), processor.show(live)
+    drawn, made = graphics.show(live), processor_picture(live, others)
     assert drawn is not None
     assert made is not None
     assert drawn.scale == made.scale == live.scene.view.scale
@@ -134,7 +132,7 @@ def test_both_ways_of_drawing_show_the_same_views(
 
 
 def test_a_difference_needs_the_clips_camera_and_its_photo(live: AppState) -> None:
-    view_actions.choose_view(live, "difference")
+    camera_actions.choose_view(live, "difference")
     assert live.scene.viewer.snapped
     assert live.view_request is not None
     assert live.view_request.kind == "color"
@@ -144,12 +142,12 @@ def test_a_difference_needs_the_clips_camera_and_its_photo(live: AppState) -> No
     camera_actions.turn(live, 0.1, 0.0)
     assert live.view_request.kind == "color"
     live.source.clip = None
-    assert "difference" not in view_actions.choices(live)
+    assert "difference" not in camera_actions.choices(live)
 
 
 def test_the_key_goes_through_all_views_and_back(live: AppState) -> None:
     seen = []
     for _ in EXPLAINED:
         seen.append(live.scene.kind)
-        view_actions.next_view(live)
+        camera_actions.next_view(live)
     assert (tuple(seen), live.scene.kind) == (tuple(EXPLAINED), "color")

@@ -23,9 +23,8 @@ from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
-from app.gui.work.clip_settings import load_clips
 from app.gui.work.presets import load_presets, presets_file
-from app.gui.work.settings import Places, Settings, load_settings
+from app.gui.work.settings import Places, Settings, load_clips, load_settings
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from enhance import EnhanceParams

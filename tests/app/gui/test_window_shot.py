@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from imgui_bundle import hello_imgui, imgui
 
-from app.exports.window_shot import save_window
+from app.exports.exporting import export
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, window_actions
@@ -38,7 +38,7 @@ def test_it_says_what_was_seen_and_that_it_cannot_be_made_again(
     assert state.source.clip is not None
     state.source.clip.path.mkdir()
     image = np.random.default_rng(0).integers(0, 255, (30, 40, 3), np.uint8)
-    (step,) = save_window(window_actions.window_request(state, image))
+    (step,) = export(window_actions.window_request(state, image))
     assert step.path is not None
     np.testing.assert_array_equal(read_image(step.path), image)
     facts = read_provenance(step.path)
@@ -51,7 +51,7 @@ def test_it_says_what_was_seen_and_that_it_cannot_be_made_again(
 
 def test_nothing_open_is_a_window_too(places: Places) -> None:
     request = window_actions.window_request(AppState(places), np.zeros((2, 2, 3), np.uint8))
-    (step,) = save_window(request)
+    (step,) = export(request)
     assert step.path is not None
     assert step.path.name.startswith("vesselsplat-window-")
 

@@ -79,6 +79,10 @@ class Shown:
     def __init__(self) -> None:
         self.images: dict[str, ByteImage] = {}
 
+    def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
+        self.images[slot] = image
+        return imgui.ImTextureRef(1)
+
     def part(
         self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float], marks: Marks = PLAIN
     ) -> OnPane | None:

@@ -1,8 +1,8 @@
 from __future__ import annotations
 
-from app.report.advice import advice
+from app.commands.report import advice
+from app.report.diagrams import Diagram, Point
 from app.report.section import Plate, Section
-from app.report.work_precision import Diagram, Point
 
 POINTS = tuple(
     Point(series="s", setting=name, seconds=seconds, error=error)

@@ -9,11 +9,20 @@ import cv2
 import numpy as np
 import pytest
 
-from app.report import rises as report_rises
+from app.report import dvbv
 from app.report.bench import Bench, Clock
-from app.report.dvbv import PIXELS, STATISTICS, PixelSets, Rise, published, rises, verdict
+from app.report.dvbv import (
+    PHOTOS,
+    PIXELS,
+    STATISTICS,
+    PixelSets,
+    Rise,
+    measured_rises,
+    published,
+    rises,
+    verdict,
+)
 from app.report.measures import paper
-from app.report.rises import PHOTOS, measured_rises
 from app.runs.train_run import pooled
 from enhance import EnhanceParams, measure
 from enhance.metrics import dvbv_otsu
@@ -94,9 +103,9 @@ def test_statistics_are_of_tissue_or_of_whole_pictures(two_masks: Path) -> None:
 def test_all_pixels_and_statistics_stand_side_by_side(
     two_masks: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(report_rises, "SEEDS", 2)
+    monkeypatch.setattr(dvbv, "SEEDS", 2)
     monkeypatch.setattr(
-        report_rises,
+        dvbv,
         "schedule",
         lambda clip, method: TrainConfig(method=method, iterations=4, n_gaussians=300),
     )
@@ -106,7 +115,7 @@ def test_all_pixels_and_statistics_stand_side_by_side(
     expected = [(pixels, statistics) for pixels in PIXELS for statistics in STATISTICS]
     for what in (PHOTOS, "Deform3DGS"):
         assert [(one.pixels, one.statistics) for one in found if one.what == what] == expected
-    table = report_rises.table(found, bench.clip)
+    table = dvbv.table(found, bench.clip)
     names = [column.name for column in table.columns]
     rows = [dict(zip(names, row, strict=True)) for row in table.rows]
     assert [row["seeds"] for row in rows] == [None] * 6 + [2] * 6

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.report.growth_fit import fitted
+from app.report.diagrams import fitted
 
 
 @given(st.floats(-2, 3), st.floats(0.01, 100))

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.report.held import held_megabytes
+from app.report.costs import held_megabytes
 
 
 def test_arrays_that_are_held_count_and_neither_those_let_go_nor_other_objects() -> None:

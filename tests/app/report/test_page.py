@@ -4,10 +4,9 @@ import math
 import re
 from html.parser import HTMLParser
 
-from app.report.growth_fit import Curve, Growth
+from app.report.diagrams import Curve, Diagram, Growth, Point
 from app.report.page import page
 from app.report.section import Column, Plate, Section, Table
-from app.report.work_precision import Diagram, Point
 
 VOID = {"meta", "img", "br"}
 

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Annotation
 
+from app.report.diagrams import Diagram, Point
 from app.report.plots import diagrams_figure
-from app.report.work_precision import Diagram, Point
 
 
 def crowded(count: int, default: int) -> Diagram:

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.report.bench import Bench, Clock
-from app.report.parts import PARTS
+from app.report.bench import PARTS, Bench, Clock
 from app.report.section import Section
 from tests.app.conftest import Call
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.report.measures import paper
 from app.report.visibility import COLUMNS, measured, methods, pattern, sample
 from enhance.baselines import TAO_STAND_INS
 from tests.enhance.pictures import vessels
@@ -23,3 +24,8 @@ def test_the_pattern_of_table_3_is_told_from_the_ratios() -> None:
     assert (shown, below) == (True, len(TAO_STAND_INS))
     assert pattern(ratio | {"original": 1.3})[1] is False
     assert pattern(ratio | {TAO_STAND_INS[0]: 2.0})[2] == len(TAO_STAND_INS) - 1
+
+
+def test_table_3_has_a_heading_for_every_measure() -> None:
+    table = paper._table_3("one clip", 1, {"vessel": np.arange(len(COLUMNS), dtype=np.float64)})
+    assert len(table.columns) == len(table.rows[0]) == 1 + len(COLUMNS)

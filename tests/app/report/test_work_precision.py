@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.report.plots import write_diagrams
-from app.report.work_precision import Diagram, Point, pareto_front
+from app.report.diagrams import Diagram, Point, pareto_front
+from app.report.plots import diagrams_figure
 
 NUMBERS = st.floats(0.1, 10)
 
@@ -45,7 +45,7 @@ def test_the_picture_has_a_panel_for_each_measure_that_was_taken(tmp_path: Path)
     widths = []
     for index, given_ in enumerate(([taken], [taken, taken], [taken, none])):
         path = tmp_path / f"{index}.png"
-        write_diagrams(path, given_, "title")
+        diagrams_figure(given_, "title").savefig(path, dpi=150)
         picture = cv2.imread(str(path))
         assert picture is not None
         assert np.ptp(picture) == 255

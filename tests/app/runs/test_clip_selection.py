@@ -48,7 +48,7 @@ def test_frames_are_numbered_and_timed_anew_and_masked_pixels_are_nothing(clip_p
         np.testing.assert_array_equal(own.evaluation_mask, whole.evaluation_mask & kept)
         assert not own.depth_mask[:20, 40:].any()
     assert PART.told(10) == "frames 3 to 9 of 10, without masked pixels"
-    assert PART.told_alone() == "frames 3 to 9, without masked pixels"
+    assert PART.told() == "frames 3 to 9, without masked pixels"
 
 
 @pytest.mark.parametrize("trim", [(5, 10), (7, 2)])

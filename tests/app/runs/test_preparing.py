@@ -14,7 +14,7 @@ import pytest
 
 from app.errors import UserError
 from app.runs import preparing
-from app.runs.preparing import ReadAhead, TrainingLog, told_meanwhile
+from app.runs.preparing import ReadAhead, Tell, told_meanwhile
 from app.runs.train_run import TrainRequest, run_training
 from renderer.clip import Clip, ClipError, Frame
 from renderer.readers.clip_options import ClipOptions
@@ -41,7 +41,7 @@ def eager(patient: None, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_work_that_lasts_is_told_with_the_time_left(eager: None) -> None:
-    def work(told: TrainingLog) -> str:
+    def work(told: Tell) -> str:
         for done in range(4):
             told(done, 4)
             time.sleep(0.03)
@@ -61,7 +61,7 @@ def test_work_that_lasts_is_told_with_the_time_left(eager: None) -> None:
 
 
 def test_work_that_fails_says_so(eager: None) -> None:
-    def work(told: TrainingLog) -> None:
+    def work(told: Tell) -> None:
         raise ClipError("no such thing")
 
     with pytest.raises(ClipError, match="no such thing"):
@@ -71,7 +71,7 @@ def test_work_that_fails_says_so(eager: None) -> None:
 def test_work_that_nobody_waits_for_ends(eager: None) -> None:
     rounds = [0]
 
-    def endless(told: TrainingLog) -> None:
+    def endless(told: Tell) -> None:
         while True:
             rounds[0] += 1
             time.sleep(0.001)

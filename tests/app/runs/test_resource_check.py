@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.__main__ import main
-from app.runs import resource_check
+from app.runs import memory
 from app.runs.memory import free_memory
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
@@ -17,7 +17,7 @@ from renderer.train.demand import demand
 
 @pytest.fixture
 def poor(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(resource_check, "free_memory", lambda: 100_000_000)
+    monkeypatch.setattr(memory, "free_memory", lambda: 100_000_000)
 
 
 def train(clip: Path, run: Path, *flags: str) -> int:
@@ -43,8 +43,8 @@ def test_too_little_memory_is_one_line_before_anything_is_read(
 def test_a_full_disk_is_told_before_training(
     clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    usage = resource_check.shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(resource_check.shutil, "disk_usage", lambda path: usage._replace(free=1_000_000))
+    usage = memory.shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(memory.shutil, "disk_usage", lambda path: usage._replace(free=1_000_000))
     assert train(clip_path, tmp_path / "run") == 2
     assert "of free disk" in capsys.readouterr().err
 

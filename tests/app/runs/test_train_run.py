@@ -20,8 +20,7 @@ import pytest
 from app.errors import UserError
 from app.files.provenance import read_provenance
 from app.runs.job import TrainingJob
-from app.runs.run_clip import input_clip
-from app.runs.run_folder import RunFolder
+from app.runs.run_folder import RunFolder, input_clip
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.cpu_rendering import draw_on_cpu
 from enhance import EnhanceParams, enhance, measure

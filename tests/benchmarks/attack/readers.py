@@ -12,7 +12,7 @@ from app.files.image_files import read_image
 from app.gui.session_file import mended_session
 from app.gui.work.presets import load_presets
 from app.gui.work.settings import load_settings
-from app.report.saved import read_report
+from app.report.section import read_report
 from app.runs.progress_log import told
 from app.runs.queue_file import take_over
 from app.runs.run_edits import read_edits

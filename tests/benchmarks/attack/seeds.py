@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,15 +11,8 @@ from PIL import Image
 
 from app.__main__ import main
 from app.enhancement.image_mask import PictureMask
-from app.gui.session_file import (
-    ComparedAs,
-    FreeCamera,
-    Session,
-    SessionSource,
-    UnsavedEdits,
-    Varied,
-    write_session,
-)
+from app.gui.session_file import Choice, Session, SessionSource, UnsavedEdits, write_session
+from app.gui.views.comparison import Comparison
 from app.gui.work.presets import save_presets
 from app.gui.work.settings import Settings, settings_content
 from app.runs.clip_selection import ClipPart
@@ -28,6 +20,7 @@ from app.runs.queue_file import keep_queue
 from app.runs.run_edits import packed, save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
+from app.scenes.free_camera import FreeView
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera import Camera
@@ -87,20 +80,20 @@ def session_of(run: RunFolder, folder: Path) -> Session:
         scope="clip",
         pixels="tissue",
         stored={"A": EnhanceParams(z=0.7), "B": VesselParams(strength=3.0)},
-        comparison=ComparedAs("wipe", "A", "clahe", 0.3, zebra=True),
+        comparison=Comparison("wipe", "A", "clahe", 0.3, zebra=True),
         zoom=2.5,
         center=(0.4, 0.6),
         linked=False,
         view_time=0.4,
-        free=FreeCamera(camera.to_json(), (0.0, 1.0, 0.0)),
-        views=json.loads(views_json(views)),
+        free=FreeView(camera, (0.0, 1.0, 0.0)),
+        views=views,
         view_kind="depth",
         blend=0.3,
         config=replace(CONFIG, keep=("deformation",)),
         input="enhanced",
         d_factor=0.7,
         run_name="second try",
-        varied=(Varied("d_factor", 0.0, 2.0, 3), Varied("p", 0.2, 0.8, 2)),
+        varied=(Choice("d_factor", 0.0, 2.0, 3), Choice("p", 0.2, 0.8, 2)),
         tuning_shown=True,
         sort="dv_bv",
         notes="Zwölf Uhr: ein Gefäß\nunclear",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, Literal, get_args
 
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass
+
 from app.enhancement.methods import PAPER, VESSEL
-from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
+from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode, Share, Source
 from app.files.legible import named
 
 Side = Literal["left", "right"]
@@ -27,15 +30,14 @@ def label_of(source: str) -> str:
     return SOURCE_LABELS.get(source, f"Method: {named(source)}")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
 class Comparison:
     """Two sources and the way in which they are set against each other."""
 
     mode: Mode = "side by side"
-    left: str = ORIGINAL
-    """One of SOURCES."""
-    right: str = ENHANCED
-    wipe: float = 0.5
+    left: Source = ORIGINAL
+    right: Source = ENHANCED
+    wipe: Share = 0.5
     """Where the line of the wipe stands, as a share of the pane's width."""
     flipped: bool = False
     """The one pane of mode "flip" shows the left source."""

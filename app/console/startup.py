@@ -1,7 +1,8 @@
-"""The packages of this program have names that others may have, too: those found must be its own."""
+"""What is seen to before anything else is loaded: the program's own packages, its threads, a screen."""
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
@@ -13,7 +14,9 @@ PACKAGES = ("app", "renderer", "enhance", "assets")
 
 
 def require_one_place() -> None:
-    """Nothing is imported, only looked up.
+    """The packages have names that others may have, too: those found must be the program's own.
+
+    Nothing is imported, only looked up.
 
     Raises:
         UserError: one of the packages is missing, or is somebody else's: it lies elsewhere than `app`.
@@ -44,3 +47,22 @@ def _path(spec: ModuleSpec) -> Path:
 def _listed() -> str:
     *most, last = PACKAGES
     return f"{', '.join(most)} and {last}"
+
+
+def rest_while_waiting() -> None:
+    """How numba's threads wait for each other, in every process that this program starts.
+
+    To be called before OpenMP is loaded, which reads this once; what the user has set stays.
+
+    Threads spin while they wait unless told otherwise. Where anything else runs on the same cores, such as
+    the window beside a training job, each wait then costs a whole time slice: a training step takes four
+    times as long.
+    """
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+
+def has_display() -> bool:
+    """For a window: always on Windows and macOS; elsewhere when an X or Wayland server is named."""
+    if not sys.platform.startswith(("linux", "freebsd")):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,4 +1,5 @@
-"""The reconstructions of a clip that lie on disk, found off the window's thread."""
+"""Reconstructions off the window's thread: those of a clip that lie on disk, the model that one has now, and
+what is left of one that has ended."""
 
 from __future__ import annotations
 
@@ -14,7 +15,9 @@ from app.runs.progress_log import EMPTY_LOG, TrainingLog, told
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.run_lock import holder
 from app.runs.train_run import TrainRequest
+from app.scenes.scene import Scene, Training, run_scene
 from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
 
 Made = Literal["finished", "unfinished", "training"]
 
@@ -127,3 +130,42 @@ def _listed(run: RunFolder) -> tuple[RunRecord, ListedRun]:
         psnr=newest[0].psnr if newest else None,
         told=EMPTY_LOG if run.is_finished else said,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class ModelRequest:
+    """One model of a run that is made or has just been finished."""
+
+    run: TrainRequest
+    clip: Clip
+    """The part that it is trained on."""
+    model: DynamicGaussians
+    training: Training
+
+
+def run_model(request: ModelRequest) -> Iterator[Scene]:
+    """Answers a ModelRequest; of a finished run the file of its model is read for its digest."""
+    run = request.run
+    folder = RunFolder(run.run_path)
+    yield run_scene(folder, request.model, request.clip, run.config, run.part, request.training)
+
+
+@dataclass(frozen=True, eq=False)
+class LeftRequest:
+    """One run that has ended."""
+
+    path: Path
+
+
+@dataclass(frozen=True)
+class Left:
+    """What it has left."""
+
+    is_run: bool
+    has_checkpoint: bool
+
+
+def left_of(request: LeftRequest) -> Iterator[Left]:
+    """Answers a LeftRequest."""
+    folder = RunFolder(request.path)
+    yield Left(folder.is_run, folder.has_checkpoint)

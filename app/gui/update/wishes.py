@@ -1,0 +1,125 @@
+"""What the state wishes for now, of each kind of background work that takes more than a look at it."""
+
+from __future__ import annotations
+
+from app.enhancement.frame_enhancer import Pictures
+from app.exports.comparison_images import OtherRequest
+from app.gui.actions import queue_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.panes import other_request
+from app.gui.views.comparison import Side
+from app.gui.work.baking import Baked, BakeRequest, can_bake
+from app.gui.work.opening import TakeUpRequest
+from app.gui.work.presets import presets_with
+from app.gui.work.strip import LeftOutRequest, StripRequest
+from app.gui.work.thumbnails import ThumbnailsRequest
+from app.gui.work.tidying import OnScreen
+from app.gui.work.writing import KeepRequest
+from app.runs.queue_file import queue_file
+from app.scenes.drawer import View
+from app.scenes.scene import Scene
+from app.scenes.view_request import ViewRequest
+
+REST = 0.25
+"""Seconds without a new picture before what can wait is done: measuring, small pictures, tidying."""
+SLOW_VIEW = 60.0
+"""Milliseconds above which the 3D view is drawn smaller while it moves."""
+REDUCED = 0.5
+
+
+def at_rest(state: AppState) -> bool:
+    """Whether no new picture has been asked for lately: no slider waits for what is wished for then."""
+    return not state.timeline.playing and state.window.now - state.picture.asked_at >= REST
+
+
+def to_measure(state: AppState) -> Pictures | None:
+    """The pictures on screen, once both are there."""
+    pictures = state.picture.pictures
+    if pictures is None or pictures.enhanced is None or not at_rest(state) or state.pictures_are_stale:
+        return None
+    return pictures
+
+
+def thumbnails_wish(state: AppState) -> ThumbnailsRequest | None:
+    """What each preset makes of the frame on screen, while the menu of presets is open."""
+    pictures = state.picture.pictures
+    if pictures is None or not state.enhancement.choosing or state.pictures_are_stale:
+        return None
+    return ThumbnailsRequest(pictures, tuple(presets_with(state.enhancement.presets).items()))
+
+
+def strip_wish(state: AppState) -> StripRequest | None:
+    """The small images of the clip, once its pictures are there."""
+    clip, count = state.source.clip, state.timeline.strip_count
+    if clip is None or state.picture.pictures is None or not at_rest(state) or count < 1:
+        return None
+    return StripRequest(clip, count)
+
+
+def left_out_wish(state: AppState) -> LeftOutRequest | None:
+    """At once: a person has asked for the tint."""
+    clip = state.source.clip
+    if clip is None or state.picture.pictures is None or not state.picture.overlay:
+        return None
+    return LeftOutRequest(clip, state.timeline.shown_index, state.source.part.mask)
+
+
+def to_tidy(state: AppState) -> OnScreen | None:
+    """Memory that what was open before had needed: given back once for everything that is opened."""
+    if not at_rest(state) or state.pictures_wait or state.source.opening is not None:
+        return None
+    return OnScreen(state.source.path, state.source.clip)
+
+
+def side_wish(state: AppState, side: Side) -> OtherRequest | None:
+    """What a pane waits for: neither photo nor present setting, and made for no side yet."""
+    wanted = other_request(state, side)
+    return wanted if all(made.request != wanted for made in state.comparing.others.values()) else None
+
+
+def view_wish(state: AppState) -> ViewRequest | None:
+    """What the processor is to draw of the 3D view, smaller while it moves when a whole one takes long; None
+    where the card draws."""
+    request = state.view_request if state.scene.processor_draws else None
+    moving = (
+        state.scene.dragged
+        or state.scene.viewer.moving
+        or state.timeline.playing
+        or state.scene.cameras.playing
+    )
+    if request is None or not moving or not _is_slow(state.scene.view, state.scene.second.view):
+        return request
+    return request.scaled(REDUCED)
+
+
+def second_wish(state: AppState) -> ViewRequest | None:
+    """Of the first one's moment, camera and size."""
+    first = view_wish(state)
+    return None if first is None else state.scene.beside(first)
+
+
+def _is_slow(*views: View | None) -> bool:
+    """Whether the last pictures together would have taken long at full size."""
+    shares = [(view.milliseconds, view.request.reduced) for view in views if view is not None]
+    return sum(spent / REDUCED**2 if reduced else spent for spent, reduced in shares) > SLOW_VIEW
+
+
+def bake_wish(state: AppState, shown: Scene | None, baked: Baked | None) -> BakeRequest | None:
+    """The next part of the keyframes of what a view shows, where the card draws: part by part, so that
+    pictures are made between them."""
+    if state.scene.processor_draws or shown is None or not can_bake(shown):
+        return None
+    if baked is None or baked.request.shown is not shown:
+        return BakeRequest(shown)
+    return BakeRequest(shown, baked.baker, baked.request.part + 1) if baked.keyframes is None else None
+
+
+def to_keep(state: AppState) -> KeepRequest:
+    """The queue, as the next session is to find it."""
+    return KeepRequest(queue_file(state.places.config), queue_actions.to_keep(state))
+
+
+def clip_wish(state: AppState) -> TakeUpRequest | None:
+    """The clip of the reconstruction that is to be made next, where it is of an earlier session."""
+    wanted = queue_actions.without_clip(state)
+    return TakeUpRequest(wanted, state.runs.wakings) if wanted is not None else None
