@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass as plain_dataclass
-from dataclasses import replace
 from typing import Annotated, Final
 
 import numpy as np
@@ -18,7 +17,7 @@ from pydantic.dataclasses import dataclass
 
 from enhance import morphology, vessel_curves
 from enhance.brightness import z_from_level
-from enhance.guided_filter import Grids, WindowModels, Windows, window
+from enhance.guided_filter import Grids, WindowModels, window
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
@@ -128,6 +127,7 @@ def enhance_vessels(
 class _Found:
     """Of one image and one shading: what the first pass finds."""
 
+    shown: Shown
     shading: float
     step: int
     survey: Survey
@@ -153,8 +153,7 @@ class VesselEnhancer:
     """Show it an image, then enhance it as often as the parameters change; see `enhance_vessels`.
 
     A new strength, coring, lift, gamma, d-factor or colour limit neither filters nor looks for structures
-    again.
-    Working memory is reused from image to image. Not thread-safe.
+    again. Working memory is reused from image to image. Not thread-safe.
 
     Example:
         >>> import numpy as np
@@ -192,16 +191,18 @@ class VesselEnhancer:
             ImageError: statistics that cannot be used, no pixel to measure, or no image shown.
         """
         now = self._look_within(statistics)
-        found = self._find(now, params)
+        found, ground = self._find(now, params)
         dark = found.survey.level if statistics is None else statistics.level
         tone = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
         if statistics is not None:
             used = statistics.resolved(tone)
-            return EnhanceResult(self._draw(now, params, tone, used), used, ())
-        likely = self._statistics(now, tone)
-        drawn = self._draw(now, params, tone, likely)
-        used = self._statistics(now, tone)
-        return EnhanceResult(drawn if used.p == likely.p else self._draw(now, params, tone, used), used, ())
+            return EnhanceResult(self._draw(params, tone, used, found, ground), used, ())
+        likely = self._statistics(tone, found)
+        drawn = self._draw(params, tone, likely, found, ground)
+        used = self._statistics(tone, found)
+        if used.p != likely.p:
+            drawn = self._draw(params, tone, used, found, ground)
+        return EnhanceResult(drawn, used, ())
 
     def _look_within(self, statistics: Statistics | None) -> Shown:
         """The shown image within its field of view, or that of the statistics."""
@@ -211,35 +212,34 @@ class VesselEnhancer:
         if now is not self._seen:
             self._seen, self._moments, self._ground = now, (), None
             self._models.forget()
-            if self._found is not None:
-                self._found = replace(self._found, shading=math.nan)
         return now
 
-    def _find(self, now: Shown, params: VesselParams) -> _Found:
+    def _find(self, now: Shown, params: VesselParams) -> tuple[_Found, _Ground]:
         """What is narrow and absorbs green more than red; of grey pictures, what is narrow and dark."""
         shading, step = 0.0 if now.is_grey else params.shading, morphology.step_of(params.radius)
         found = self._found
-        if found is None or (found.shading, found.step) != (shading, step):
+        if found is None or found.shown is not now or (found.shading, found.step) != (shading, step):
             found = self._found = _survey(now, shading, step, found)
             self._ground = None
-        if self._ground is None or self._ground.radius != params.radius:
+        ground = self._ground
+        if ground is None or ground.radius != params.radius:
             opened = morphology.opened(found.small, params.radius // step)
-            self._ground = _Ground(params.radius, step, opened, _median(now, found.absorbed, opened, step))
-        return found
+            ground = _Ground(params.radius, step, opened, _median(now, found.absorbed, opened, step))
+            self._ground = ground
+        return found, ground
 
-    def _statistics(self, now: Shown, tone: EnhanceParams) -> Statistics:
+    def _statistics(self, tone: EnhanceParams, found: _Found) -> Statistics:
         """Of the shown image; likely sigmas where Q is not measured."""
-        assert self._found is not None
-        survey = self._found.survey
+        survey = found.survey
         sigmas = tuple(one.sigma(survey.count) for one in self._moments)
-        return statistics_of(tone, survey, sigmas or (LIKELY_SIGMA,) * len(tone.radii), None, now)
+        return statistics_of(tone, survey, sigmas or (LIKELY_SIGMA,) * len(tone.radii), None, found.shown)
 
-    def _draw(self, now: Shown, params: VesselParams, tone: EnhanceParams, used: Statistics) -> AnyImage:
+    def _draw(
+        self, params: VesselParams, tone: EnhanceParams, used: Statistics, found: _Found, ground: _Ground
+    ) -> AnyImage:
         """The second pass; measures Q on the way."""
-        assert self._found is not None
-        assert self._ground is not None
-        found, ground = self._found, self._ground
-        windows = _windows(tone)
+        now = found.shown
+        windows = tuple(window(radius, tone.eps, tone.subsample) for radius in tone.radii)
         out = np.empty_like(now.pixels)
         moments = np.empty((-(-len(out) // TASK), len(windows), 2))
         second_pass(
@@ -270,10 +270,6 @@ class VesselEnhancer:
         return now.finished(out)
 
 
-def _windows(tone: EnhanceParams) -> Windows:
-    return tuple(window(radius, tone.eps, tone.subsample) for radius in tone.radii)
-
-
 def _survey(now: Shown, shading: float, step: int, before: _Found | None) -> _Found:
     """The first pass, into the memory of the one before where that fits."""
     height, width = now.pixels.shape[:2]
@@ -302,7 +298,7 @@ def _survey(now: Shown, shading: float, step: int, before: _Found | None) -> _Fo
         blocks,
     )
     survey = Survey(SUBSAMPLE, grids, histograms.sum(axis=0), float(chroma.sum()))
-    return _Found(shading, step, survey, absorbed, blocks)
+    return _Found(now, shading, step, survey, absorbed, blocks)
 
 
 def _median(now: Shown, absorbed: Float32Image, opened: Float32Image, step: int) -> float:
