@@ -26,6 +26,8 @@ of that, may be further off at a few places."""
 FEW = 0.02
 SAID_OTHERWISE = 1e-3
 """Relative, of floats."""
+CHANGED = ("vessel.tiff",)
+"""Since 0.2.0 `vessel` smooths with other weights."""
 
 
 @pytest.mark.parametrize(
@@ -34,7 +36,8 @@ SAID_OTHERWISE = 1e-3
 def test_it_comes_again(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(BEFORE)  # The runs name their clip from here.
     replayed = replay(BEFORE / name, SOURCES, tmp_path / name)
-    assert replayed.difference.is_none or replayed.reasons, replayed.sentence
+    others = [reason for reason in replayed.reasons if "VesselSplat" not in reason]
+    assert replayed.difference.is_none or others or name in CHANGED, replayed.sentence
     assert replayed.difference.unlike == ""
     for one, other in zip_longest(arrays(BEFORE / name), arrays(tmp_path / name)):
         assert one is not None
