@@ -63,18 +63,18 @@ def first_pass(
                     x0 = step * CHUNK
                     count = min(CHUNK, columns - x0)
                     load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
-                    gather(chunk, y == low_row * subsample, x0, lines)
+                    _gather(chunk, y == low_row * subsample, x0, lines)
                     if first < x0 + count and x0 < end:
                         for i in range(CHUNK):
                             chunk[VALUE, i] = chunk[MOST, i] * unit
                         load_keep(keep, y, x0, count, chunk)
                         if first > x0 or end < x0 + count:
                             keep_within(first, end, x0, chunk)
-                        tally(chunk, levels, counts, count)
+                        _tally(chunk, levels, counts, count)
             for x in range(columns, width):
                 for plane in range(3):
                     lines[plane, x] = lines[plane, columns - 1]
-            shrink(lines, subsample, unit, fine[0, low_row], fine[1, low_row])
+            _shrink(lines, subsample, unit, fine[0, low_row], fine[1, low_row])
             totals += chunk[TOTAL]
         for low_row in range(block * BLOCK // 2, min((last + 1) // 2, coarse.shape[1])):
             pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
@@ -86,7 +86,7 @@ def first_pass(
 
 
 @njit(inline="always")
-def gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.float32]) -> None:
+def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.float32]) -> None:
     """Of each column of a block: its first V, and the sum and the squares of what the others differ by.
 
     Differences to a value that occurs keep a small variance exact to float32.
@@ -105,7 +105,7 @@ def gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.
 
 
 @njit(inline="always")
-def tally(
+def _tally(
     chunk: NDArray[np.float32], levels: NDArray[np.uint16], counts: NDArray[np.int32], count: int
 ) -> None:
     """Add the chunk's S and V to the sums; four histograms in turn, as equal neighbours would wait."""
@@ -120,7 +120,7 @@ def tally(
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
-def shrink(
+def _shrink(
     lines: NDArray[np.float32],
     subsample: int,
     unit: np.float32,

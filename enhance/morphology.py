@@ -39,9 +39,7 @@ def opened(small: Float32Image, radius: int) -> Float32Image:
 @njit(parallel=True, cache=True, error_model="numpy")
 def _erode(
     plane: NDArray[np.float32],  # (h, w)
-    reaches: NDArray[
-        np.int64
-    ],  # (radius + 1,): columns of the disc on either side, so many rows from its middle
+    reaches: NDArray[np.int64],  # (radius + 1,): columns on either side, so many rows from the middle
     sign: np.float32,  # 1: the smallest value under the disc; -1: the largest
     out: NDArray[np.float32],  # (h, w), out
 ) -> None:

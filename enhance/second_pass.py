@@ -119,12 +119,12 @@ def render(
                         if filtered[scale]:
                             filter_row(lines[scale], x0, weights[scale], chunk)
                             if measured[scale]:
-                                add_moments(chunk, pivot, moments[scale, 0], moments[scale, 1])
+                                _add_moments(chunk, pivot, moments[scale, 0], moments[scale, 1])
                         if p >= ZERO:
                             if p == HALF and stages[scale] == NOTHING:
-                                add_by_root(chunk)
+                                _add_by_root(chunk)
                             else:
-                                raise_to(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
+                                _raise(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
                                 for i in range(CHUNK):
                                     chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
                     _mean(chunk, exponents)
@@ -165,11 +165,11 @@ def _brighten(
         for i in range(CHUNK):
             chunk[LOG, i] = log2(chunk[VALUE, i])
     else:
-        brighten_directly(chunk, z)
+        _brighten_directly(chunk, z)
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
-def brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
+def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
     for i in range(CHUNK):
         value = chunk[VALUE, i]
         log = log2(value)
@@ -179,7 +179,7 @@ def brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
 
 
 @njit(inline="always")
-def add_moments(
+def _add_moments(
     chunk: NDArray[np.float32], pivot: np.float32, drift: NDArray[np.float32], spread: NDArray[np.float32]
 ) -> None:
     for i in range(CHUNK):
@@ -196,9 +196,9 @@ def add_scale(
     sums: NDArray[np.float32],  # (2, CHUNK), in and out: of Q - pivot and its square over the kept pixels
 ) -> None:
     """Vn^E of Eq 8 from Q in SLOPE, onto TOTAL, and Q onto its sums."""
-    add_moments(chunk, pivot, sums[0], sums[1])
+    _add_moments(chunk, pivot, sums[0], sums[1])
     if p == HALF:
-        add_by_root(chunk)
+        _add_by_root(chunk)
     else:
         for i in range(CHUNK):
             power = exp2(p * log2((chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]))
@@ -206,7 +206,7 @@ def add_scale(
 
 
 @njit(inline="always")
-def add_by_root(chunk: NDArray[np.float32]) -> None:
+def _add_by_root(chunk: NDArray[np.float32]) -> None:
     """Vn^E of Eq 8 from Q for P = 1/2, nearly every image's, in one go; onto TOTAL."""
     for i in range(CHUNK):
         ratio = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
@@ -214,7 +214,7 @@ def add_by_root(chunk: NDArray[np.float32]) -> None:
 
 
 @njit(inline="always")
-def raise_to(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
+def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
     """E of Eq 7 from Q, or as far as needed from what is kept of an earlier pass; into SLOPE."""
     if stage in (FROM_LOGARITHM, FROM_POWER):
         for i in range(len(kept)):
