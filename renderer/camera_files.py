@@ -32,7 +32,7 @@ class CameraFileError(ValueError):
 
 @dataclass(frozen=True)
 class NamedCamera:
-    """A camera by the name of its photo."""
+    """A camera by the name of its frame."""
 
     name: str
     camera: Camera

@@ -1,4 +1,4 @@
-"""A clip as the rest of the program sees it: frames with photo, depth, masks, time and camera."""
+"""A clip as the rest of the program sees it: frames with image, depth, masks, time and camera."""
 
 from __future__ import annotations
 

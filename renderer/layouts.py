@@ -19,8 +19,8 @@ from renderer.readers.clip_files import ClipFiles, numbered_pictures
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
 from renderer.readers.endonerf import endonerf_files, is_endonerf, open_endonerf
-from renderer.readers.frames import open_image, open_images, photos_of
-from renderer.readers.picture_kinds import photo_folder
+from renderer.readers.frames import frames_of, open_image, open_images
+from renderer.readers.picture_kinds import frame_folder
 from renderer.readers.pictures import is_picture
 from renderer.readers.scared import is_scared, open_scared, scared_files, usual_step
 from renderer.readers.structure_from_motion import (
@@ -51,8 +51,8 @@ class Layout:
     own_files: Callable[[Path], ClipFiles]
     is_data_set: bool = False
     """Of folders that are one clip together, with poses, calibration or depth."""
-    photos_are_files: bool = True
-    """Whether its photos are picture files as they stand: else, the reader makes them of its files."""
+    frames_are_files: bool = True
+    """Whether its frames are picture files as they stand: else, the reader makes them of its files."""
     usual_step: Callable[[Path], int] = every_frame
     """The field keeps one frame in so many."""
 
@@ -63,8 +63,8 @@ class Layout:
         What is missing or damaged is left to `open`, which says so. Raises OSError.
         """
         own = self.own_files(path)
-        beside = depth_files(path, [photo.name for photo in own.photos]) if path.is_dir() else ()
-        return tuple(dict.fromkeys((*own.photos, *own.others, *beside)))
+        beside = depth_files(path, [frame.name for frame in own.frames]) if path.is_dir() else ()
+        return tuple(dict.fromkeys((*own.frames, *own.others, *beside)))
 
 
 def layout_of(path: Path) -> Layout:
@@ -83,22 +83,22 @@ def _open_stereo(path: Path, options: ClipOptions) -> Clip:
 
 def _stereo_files(path: Path) -> ClipFiles:
     left, *right = eye_folders(path) or (path,)
-    own = _photos_and_maps(path, left)
+    own = _frames_and_maps(path, left)
     return replace(own, others=(*own.others, *(each for eye in right for each in numbered_pictures(eye))))
 
 
 def _open_pictures(path: Path, options: ClipOptions) -> Clip:
-    pictures = photo_folder(path)
+    pictures = frame_folder(path)
     clip = open_images(pictures, options.field_of_view)
     return with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
 
 
-def _photos_and_maps(path: Path, folder: Path) -> ClipFiles:
-    """The photos in `folder` and what lies beside them; numbered pictures that are of no frame too."""
+def _frames_and_maps(path: Path, folder: Path) -> ClipFiles:
+    """The frames in `folder` and what lies beside them; numbered pictures that belong to no frame too."""
     told = numbered_pictures(folder)
     try:
-        photos = photos_of(folder)
-        return ClipFiles(photos, (*told, *map_files(path, folder, [photo.name for photo in photos])))
+        frames = frames_of(folder)
+        return ClipFiles(frames, (*told, *map_files(path, folder, [frame.name for frame in frames])))
     except ClipError:
         return ClipFiles(told)  # A damaged picture, of which its reader says so.
 
@@ -131,7 +131,7 @@ LAYOUTS: Final = (
         matches=lambda path: not path.is_dir(),
         open=_open_video,
         own_files=_itself,
-        photos_are_files=False,
+        frames_are_files=False,
     ),
     Layout(
         name="scared",
@@ -140,7 +140,7 @@ LAYOUTS: Final = (
         open=lambda path, options: open_scared(path),
         own_files=scared_files,
         is_data_set=True,
-        photos_are_files=False,
+        frames_are_files=False,
         usual_step=usual_step,
     ),
     Layout(
@@ -150,7 +150,7 @@ LAYOUTS: Final = (
         open=lambda path, options: open_structure_from_motion(path),
         own_files=structure_from_motion_files,
         is_data_set=True,
-        photos_are_files=False,
+        frames_are_files=False,
     ),
     Layout(
         name="stereomis",
@@ -159,7 +159,7 @@ LAYOUTS: Final = (
         open=stereomis.open_stereomis,
         own_files=stereomis.stereomis_files,
         is_data_set=True,
-        photos_are_files=False,
+        frames_are_files=False,
     ),
     Layout(
         name="hamlyn",
@@ -168,7 +168,7 @@ LAYOUTS: Final = (
         open=hamlyn.open_hamlyn,
         own_files=hamlyn.hamlyn_files,
         is_data_set=True,
-        photos_are_files=False,
+        frames_are_files=False,
     ),
     Layout(
         name="endonerf",
@@ -190,7 +190,7 @@ LAYOUTS: Final = (
         title="images",
         matches=lambda path: True,
         open=_open_pictures,
-        own_files=lambda path: _photos_and_maps(path, photo_folder(path)),
+        own_files=lambda path: _frames_and_maps(path, frame_folder(path)),
     ),
 )
 """In the order in which they are asked: a folder may look like several."""

@@ -60,6 +60,8 @@ SAY_INSTEAD = (
 )
 CONTRACT = ("enhanced picture",)
 """Kinds of exports that files hold."""
+KEYS = ("input_photo", "original_photo", "photos")
+"""Of `evaluate --json` and of a report's rows."""
 
 
 def texts() -> Iterator[tuple[str, str]]:
@@ -112,6 +114,18 @@ def test_each_old_phrase_is_noticed(old: str) -> None:
     [number, text] = next(literals(f'"""A module."""\nsay(f"a {old} {{name}}, b")\n'))
     assert number == 2
     assert any(old in said for said in old_phrases(text))
+
+
+def test_names_and_docstrings_say_frame_or_image() -> None:
+    """As texts do: one word for one thing."""
+    found = [
+        f"{path.relative_to(ROOT)}: {word}"
+        for package in PACKAGES
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for word in re.findall(r"\w*photo(?!metric)\w*", path.read_text(encoding="utf-8"), re.IGNORECASE)
+        if word not in KEYS
+    ]
+    assert not found, "\n".join(found)
 
 
 def test_a_kind_that_files_hold_is_left_alone() -> None:

@@ -103,12 +103,12 @@ def _timed(name: str, seconds: dict[str, float]) -> Iterator[None]:
 
 def _write_enhanced(folder: Path, clip: Clip) -> None:
     enhancement = pooled(clip, RECONSTRUCTION_PARAMS)
-    photos = enhanced_clip(clip, enhancement)
+    clip = enhanced_clip(clip, enhancement)
     make_folder(folder)
     facts: dict[str, Any] = {"source": Source.of(clip.path), "enhancement": enhancement}
     with progress("enhance", len(clip)) as report:
         for index in range(len(clip)):
-            image, name = photos.read_image(index), f"frame-{index:06d}.png"
+            image, name = clip.read_image(index), f"frame-{index:06d}.png"
             write_png(folder / name, image, provenance(**facts, frame=index))
             report(index + 1, name)
 
@@ -120,7 +120,7 @@ def _draw(evaluation: Evaluation, index: int) -> Drawn:
 
 
 def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str, Any]]) -> ByteImage:
-    """A held-out frame: photo and enhanced photo, the renders of both runs, depth."""
+    """A held-out frame, original and enhanced, the renders of both runs, depth."""
     original, enhanced = (evaluations[name] for name in INPUTS)
     index = original.indices[len(original.indices) // 2]
     drawn = {name: _draw(evaluation, index) for name, evaluation in evaluations.items()}
@@ -128,8 +128,8 @@ def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str
     frames = {name: {one.index: one for one in report["frames"]} for name, report in reports.items()}
     psnr = {name: found[index].psnr for name, found in frames.items()}
     tiles = [
-        Tile("Original", original.photos.read_image(index)),
-        Tile("Enhanced", enhanced.photos.read_image(index)),
+        Tile("Original", original.trained_clip.read_image(index)),
+        Tile("Enhanced", enhanced.trained_clip.read_image(index)),
         Tile(f"Depth, {near:.0f} (yellow) to {far:.0f} {original.clip.unit}", depth),
         Tile(f"Render of original, PSNR {psnr['original']:.1f} dB", drawn["original"].bytes),
         Tile(f"Render of enhanced, PSNR {psnr['enhanced']:.1f} dB", drawn["enhanced"].bytes),
@@ -141,13 +141,13 @@ def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str
 
 def _difference(evaluation: Evaluation, index: int, drawn: Drawn) -> ByteImage:
     """Absolute difference in grey levels times 4, black where a tool hides the tissue."""
-    frame = evaluation.photos.read_frame(index)
+    frame = evaluation.trained_clip.read_frame(index)
     apart = np.abs(drawn.bytes.astype(np.int16) - frame.image) * frame.evaluation_mask[..., None]
     return np.asarray(np.minimum(4 * apart, 255), dtype=np.uint8)
 
 
 def _strip(evaluations: dict[Input, Evaluation]) -> ByteImage:
-    """A few moments from left to right: photos above, renders of both runs below."""
+    """A few moments from left to right: frames above, renders of both runs below."""
     clip = evaluations["original"].clip
     indices = np.unique(np.linspace(0, len(clip) - 1, STRIP_COLUMNS).round().astype(int)).tolist()
     tiles = [Tile(f"Original, time {clip.times[index]:.2f}", clip.read_image(index)) for index in indices]

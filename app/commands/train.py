@@ -123,7 +123,7 @@ def _table(omissions: Sequence[Omission]) -> str:
 
 
 def _look(flags: argparse.Namespace) -> EnhancementSettings:
-    """What the photos are enhanced by. Raises UserError when they are not to be."""
+    """What the frames are enhanced by. Raises UserError when they are not to be."""
     if "preset" in flags and flags.input != "enhanced":
         raise UserError("--preset has no effect with --input original: add --input enhanced")
     return PRESETS[flags.preset if "preset" in flags else PAPER]

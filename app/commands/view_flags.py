@@ -9,7 +9,7 @@ from app.errors import UserError
 from app.runs.run_folder import RunFolder, input_clip, run_clip
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
-from app.scenes.view_request import PhotoRequest, ViewRequest
+from app.scenes.view_request import FrameRequest, ViewRequest
 from app.scenes.view_selection import Moment
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
@@ -28,18 +28,18 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> list[ViewRequest]:
-    """One a moment. Raises UserError for a difference where there are no photos."""
-    photos = _photos(flags) if flags.view == "difference" else None
+    """One a moment. Raises UserError for a difference where there are no frames."""
+    clip = _references(flags) if flags.view == "difference" else None
     finer, views = flags.supersampling, []
     for moment in wanted:
-        photo = None if photos is None or moment.frame is None else PhotoRequest(photos, moment.frame)
+        reference = None if clip is None or moment.frame is None else FrameRequest(clip, moment.frame)
         near = near_plane(scene.model, moment.camera)
         view = ViewRequest(scene, moment.time, moment.camera, near_plane=near, supersampling=finer)
-        views.append(view.of_kind(flags.view, photo))
+        views.append(view.of_kind(flags.view, reference))
     return views
 
 
-def _photos(flags: argparse.Namespace) -> Clip:
+def _references(flags: argparse.Namespace) -> Clip:
     """What each frame of a run should look like. Raises UserError where there is none."""
     if is_named_as_splats(flags.scene) or flags.camera or flags.path or flags.time is not None:
         raise UserError("--view difference: expected frames of a run from its own cameras")

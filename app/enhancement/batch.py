@@ -116,7 +116,7 @@ def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
 
 
 def _inside(folder: Path, output: Path, name: str) -> Iterator[Item]:
-    """What lies in a folder, but for the folders in it whose names say that they hold no photos."""
+    """What lies in a folder, but for the folders in it whose names say that they hold no frames."""
     inside = sorted((path for path in folder.iterdir() if not path.name.startswith(".")), key=natural_key)
     files = [path for path in inside if path.is_file()]
     if any(is_image(path) for path in files):

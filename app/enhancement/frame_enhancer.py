@@ -51,7 +51,7 @@ class Pictures:
     """What is on screen; it keeps the request it was made from, and so knows when it is out of date."""
 
     request: PictureRequest
-    photo: ByteImage
+    original: ByteImage
     enhanced: ByteImage | None = None
     """None while it is being made, or when it was not asked for."""
     statistics: Statistics | None = None
@@ -72,35 +72,35 @@ class PictureMaker:
         self._pooled: dict[PictureRequest, Statistics] = {}
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
-        """First the photo alone, then both. Raises ClipError or ImageError."""
-        photo = self._show(request)
-        yield Pictures(request, photo)
+        """First the frame alone, then both. Raises ClipError or ImageError."""
+        original = self._show(request)
+        yield Pictures(request, original)
         if request.params is None:
             return
         statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
-        self._load(request.params, photo)
+        self._load(request.params, original)
         start = perf_counter()
         result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
         enhanced = np.asarray(result.image, dtype=np.uint8)
-        yield Pictures(request, photo, enhanced, result.statistics, milliseconds, result.omitted)
+        yield Pictures(request, original, enhanced, result.statistics, milliseconds, result.omitted)
 
-    def _load(self, params: EnhancementSettings, photo: ByteImage) -> None:
+    def _load(self, params: EnhancementSettings, original: ByteImage) -> None:
         """The kernels of a method, once: their way from disk is no time of a picture."""
         if type(params) not in self._loaded:
             self._loaded.add(type(params))
-            load_kernels(params, photo)
+            load_kernels(params, original)
             # A search for garbage through all that numba keeps would stop the window for a tenth of a second.
             gc.freeze()
 
     def _show(self, request: PictureRequest) -> ByteImage:
-        """The photo, read once for as long as only parameters move."""
+        """The frame, read once for as long as only parameters move."""
         key = replace(request, params=None, scope="image")
         if self._shown is None or self._shown[0] != key:
             self._shown = None
-            photo, mask = _read(request, request.frame_index)
-            self._enhancer.show(photo, mask, drawn(request.pixels))
-            self._shown = key, photo
+            original, mask = _read(request, request.frame_index)
+            self._enhancer.show(original, mask, drawn(request.pixels))
+            self._shown = key, original
         return self._shown[1]
 
     def _of_clip(self, request: PictureRequest, params: EnhancementSettings) -> Statistics:
@@ -121,12 +121,12 @@ def _measured(request: PictureRequest, windows: EnhanceParams) -> Statistics:
     indices = np.linspace(first, last, min(last + 1 - first, POOLED_FRAMES)).round().astype(int)
     # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
     frames, again = tee(_read(request, int(index)) for index in indices)
-    photos, masks = (photo for photo, _ in frames), (mask for _, mask in again)
-    return measure(photos, windows, masks, pixels=drawn(request.pixels))
+    images, masks = (image for image, _ in frames), (mask for _, mask in again)
+    return measure(images, windows, masks, pixels=drawn(request.pixels))
 
 
 def _read(request: PictureRequest, index: int) -> tuple[ByteImage, BoolImage | None]:
-    """The photo and the pixels that count, None = all: so too where nothing but black would be left."""
+    """The frame and the pixels that count, None = all: so too where nothing but black would be left."""
     if request.pixels == "tissue":
         frame = request.clip.read_frame(index)
         image, mask = frame.image, frame.tissue_mask & inside([frame.image])

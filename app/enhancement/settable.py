@@ -26,7 +26,7 @@ ORIGINAL: Final = "original"
 ENHANCED: Final = "enhanced"
 RENDER: Final = "render"
 SOURCES: Final = (ORIGINAL, ENHANCED, *SLOTS, RENDER, *METHODS)
-"""What a pane can show: the photo, the photo enhanced as set now, by a stored setting, or by another method
+"""What a pane can show: the frame, the frame enhanced as set now, by a stored setting, or by another method
 with its own defaults, and the picture that the open reconstruction gives of the same moment."""
 
 MIN_ZOOM, MAX_ZOOM = 0.05, 40.0

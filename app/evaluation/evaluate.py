@@ -97,9 +97,9 @@ class FrameMeasures:
     whole_picture: Numbers
     """DV, BV and their ratio over every pixel of the render."""
     original_photo: Numbers
-    """The same over the evaluated pixels of the clip's own photo, with its visibility."""
+    """The same over the evaluated pixels of the clip's own frame, with its visibility."""
     input_photo: Numbers
-    """And of the photo that the run was trained on."""
+    """And of the frame that the run was trained on."""
 
 
 AVERAGED = ("psnr", "psnr_masked", "ssim", "lpips", "depth_rmse_mm", "dv", "bv", "dv_bv", "ms_per_frame")
@@ -113,8 +113,8 @@ class Evaluation:
     run: RunFolder
     record: RunRecord
     clip: Clip
-    photos: Clip
-    """The clip with the photos that the run was trained on."""
+    trained_clip: Clip
+    """The clip with the frames that the run was trained on."""
     model: DynamicGaussians
     lpips: Lpips | None
     """None: not measured."""
@@ -135,7 +135,7 @@ class Evaluation:
         """Measure the frames one after the other."""
         stopwatch = Stopwatch(self.model, self.clip.cameras[self.indices[0]], self.record.config.render_mode)
         for index in self.indices:
-            frame = self.photos.read_frame(index)
+            frame = self.trained_clip.read_frame(index)
             drawn, milliseconds = stopwatch.draw(frame)
             yield measure_frame(frame, drawn, self.clip, self.lpips, milliseconds)
 
@@ -228,8 +228,8 @@ def find_lpips(weights: Path | None) -> Lpips | None:
 def measure_frame(
     frame: Frame, drawn: Drawn, clip: Clip, lpips: Lpips | None, milliseconds: Numbers
 ) -> FrameMeasures:
-    """Compare the picture of the model with the photo `frame.image`, and both with the clip's own."""
-    render, photo, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
+    """Compare the picture of the model with `frame.image`, and both with the clip's own."""
+    render, image, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
     original = clip.read_image(frame.index)
     vessels = vessel_mask(original, tissue_mask=mask)
     pair = None if frame.measured_depth is None else (drawn.depth, frame.measured_depth)
@@ -238,10 +238,10 @@ def measure_frame(
         label=clip.labels[frame.index],
         time=frame.time,
         evaluated_share=float(mask.mean()),
-        psnr=psnr(render, photo, mask),
-        psnr_masked=psnr_masked(render, photo, mask),
-        ssim=ssim(render, photo, mask),
-        lpips=None if lpips is None else lpips.distance(render, photo, mask),
+        psnr=psnr(render, image, mask),
+        psnr_masked=psnr_masked(render, image, mask),
+        ssim=ssim(render, image, mask),
+        lpips=None if lpips is None else lpips.distance(render, image, mask),
         depth_rmse_mm=depth_rmse(*pair, mask) if pair and clip.unit == "mm" else None,
         depth=pair and {"abs_rel": depth_abs_rel(*pair, mask), "covered": depth_coverage(*pair, mask)},
         visibility=_visibility(drawn.bytes, original, mask, vessels),

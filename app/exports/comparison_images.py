@@ -32,7 +32,7 @@ SHARE_WITHIN = 0.995
 class OtherRequest:
     """A picture of the same frame: by a setting, by a method without parameters, or by a model."""
 
-    photo: PictureRequest
+    original: PictureRequest
     """The frame; its own params do not matter and are None."""
     by: EnhancementSettings | str | Scene
 
@@ -51,7 +51,7 @@ class Other:
         """All that it keeps alive."""
         by = self.request.by
         model = by.model.arrays().values() if isinstance(by, Scene) else ()
-        return [self.image, *([self.made.photo] if self.made else ()), *model]
+        return [self.image, *([self.made.original] if self.made else ()), *model]
 
 
 class OtherMaker:
@@ -63,7 +63,7 @@ class OtherMaker:
 
     def make(self, request: OtherRequest) -> Iterator[Other]:
         """Raises ClipError or ImageError."""
-        if any(kept.photo.clip is not request.photo.clip for kept in self._kept):
+        if any(kept.original.clip is not request.original.clip for kept in self._kept):
             self._kept.clear()
         if request not in self._kept:
             self._kept[request] = self._made(request)
@@ -73,16 +73,16 @@ class OtherMaker:
         yield self._kept[request]
 
     def _n_bytes(self) -> int:
-        """Pictures share photos and models."""
+        """Pictures share frames and models."""
         return sum({id(one): one.nbytes for kept in self._kept.values() for one in kept.arrays}.values())
 
     def _made(self, request: OtherRequest) -> Other:
-        by, photo = request.by, request.photo
+        by, original = request.by, request.original
         if isinstance(by, Scene):
-            return Other(request, _render(by, photo.frame_index))
+            return Other(request, _render(by, original.frame_index))
         if isinstance(by, str):
-            return Other(request, BASELINES[by](photo.clip.read_image(photo.frame_index)))
-        *_, made = self._pictures.make(replace(photo, params=by))
+            return Other(request, BASELINES[by](original.clip.read_image(original.frame_index)))
+        *_, made = self._pictures.make(replace(original, params=by))
         assert made.enhanced is not None
         return Other(request, made.enhanced, made)
 

@@ -211,12 +211,12 @@ def view_moments(record: ViewVideo, sources: Sources) -> list[Views]:
 
 
 def _view(record: DrawnRecord, moment: MomentRecord, sources: Sources, *, trained: bool) -> ViewRequest:
-    """What is drawn at a moment; a difference is to the photos that the run was `trained` on, or to the
+    """What is drawn at a moment; a difference is to the frames that the run was `trained` on, or to the
     clip's own."""
     view = _seen(record, moment, sources.scene(record))
     if record.view != "difference":
         return view
-    return replace(view, photo=sources.photo(record, moment.frame, trained=trained))
+    return replace(view, reference=sources.reference(record, moment.frame, trained=trained))
 
 
 def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewRequest:
@@ -312,12 +312,12 @@ Row = dict[str, Any]
 
 def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
     """At a frame a row a pane, of its picture in its own size. Raises ClipError or ImageError."""
-    photo, label = maker.clip.read_image(frame), maker.clip.labels[frame]
-    view = field_of_view(photo)
-    vessels = vessel_mask(photo, tissue_mask=view)
+    original, label = maker.clip.read_image(frame), maker.clip.labels[frame]
+    view = field_of_view(original)
+    vessels = vessel_mask(original, tissue_mask=view)
     rows = []
     for pane, one in zip(record.panes, maker.made(frame, Sizing()), strict=True):
-        found = asdict(measured(one.panel.image, photo, vessels, view, 0.0))
+        found = asdict(measured(one.panel.image, original, vessels, view, 0.0))
         chosen = {name: found[name] for name in record.measures}
         rows.append({"frame": frame, "label": label, "pane": pane.title} | chosen)
     return rows

@@ -37,10 +37,10 @@ Shown = EnhancementSettings | str | Scene | None
 """A setting, a method without parameters, or a model; None: the frame itself."""
 
 
-def pane_record(title: str, photo: PictureRequest, by: Shown = None) -> PaneRecord:
+def pane_record(title: str, original: PictureRequest, by: Shown = None) -> PaneRecord:
     """Of a frame and how its statistics are taken, whatever its own params."""
     view = (
-        view_record(ViewRequest.of_clip_frame(by, photo.frame_index), ON_CPU)
+        view_record(ViewRequest.of_clip_frame(by, original.frame_index), ON_CPU)
         if isinstance(by, Scene)
         else None
     )
@@ -49,10 +49,10 @@ def pane_record(title: str, photo: PictureRequest, by: Shown = None) -> PaneReco
     return PaneRecord(
         title=title,
         shows="render" if view else "method" if method else "setting" if params else "original",
-        scope=photo.scope,
-        pixels=photo.pixels,
-        mask=photo.mask,
-        span=photo.span,
+        scope=original.scope,
+        pixels=original.pixels,
+        mask=original.mask,
+        span=original.span,
         params=params,
         method=method,
         view=view,
@@ -104,8 +104,8 @@ class PaneMaker:
         if by is None:
             caption = f"{pane.title}   {self.clip.labels[frame]}"
             return Made(Panel(caption, sizing.of(self.clip.read_image(frame))))
-        photo = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
-        (other,) = self._maker.make(OtherRequest(photo, by))
+        original = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
+        (other,) = self._maker.make(OtherRequest(original, by))
         said = describe(other.made) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None
         return Made(Panel(f"{pane.title}   {said}".rstrip(), sizing.of(other.image)), used)

@@ -13,7 +13,7 @@ from app.files.records import Source
 from app.scenes.drawer import Drawer
 from app.scenes.records import SceneRecord
 from app.scenes.scene import Scene
-from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
+from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
 
@@ -29,9 +29,11 @@ class Sources(Protocol):
     def scene(self, record: SceneRecord) -> Scene:
         """A model with the edits that the record tells of."""
 
-    def photo(self, record: SceneRecord, frame: int | None, *, trained: bool) -> Photo | PhotoRequest:
+    def reference(
+        self, record: SceneRecord, frame: int | None, *, trained: bool
+    ) -> FrameImage | FrameRequest:
         """What a difference at a frame of the scene is to: what its run was `trained` on, or the clip's own
-        photo."""
+        frame."""
 
     def drawer(self, renderer: str) -> Drawer:
         """What draws, of the kind that a record names."""
@@ -60,8 +62,10 @@ class Opened:
         wanted = record.scene
         return next(scene for scene in self._scenes if scene.record == wanted)
 
-    def photo(self, record: SceneRecord, frame: int | None, *, trained: bool) -> Photo | PhotoRequest:
-        return self._photos[id(self.scene(record)), frame]
+    def reference(
+        self, record: SceneRecord, frame: int | None, *, trained: bool
+    ) -> FrameImage | FrameRequest:
+        return self._references[id(self.scene(record)), frame]
 
     def drawer(self, renderer: str) -> Drawer:
         return self.pen
@@ -72,5 +76,7 @@ class Opened:
         return tuple({id(one): one for one in (*own, *(view.scene for view in self.views))}.values())
 
     @cached_property
-    def _photos(self) -> dict[tuple[int, int | None], Photo | PhotoRequest]:
-        return {(id(view.scene), view.frame): view.photo for view in self.views if view.photo is not None}
+    def _references(self) -> dict[tuple[int, int | None], FrameImage | FrameRequest]:
+        return {
+            (id(view.scene), view.frame): view.reference for view in self.views if view.reference is not None
+        }

@@ -8,7 +8,7 @@ from renderer.depth.stereo_pairs import eye_folders
 from renderer.layouts import layout_of
 from renderer.readers.clip_files import files_in, numbered_pictures, pictures_of, those_there
 from renderer.readers.endonerf import is_endonerf
-from renderer.readers.picture_kinds import map_folders, photo_folder
+from renderer.readers.picture_kinds import frame_folder, map_folders
 from renderer.readers.pictures import is_picture
 
 ENDONERF = ("images", "depth", "depth_fine", "masks", "gt_masks")
@@ -26,7 +26,7 @@ def former_files(folder: Path) -> list[Path]:
     if layout_of(folder).is_data_set:
         return [path for path in folder.rglob("[!.]*") if path.is_file()]
     maps = map_folders(folder)
-    places = [place for place in eye_folders(folder) or (photo_folder(folder),) if place not in maps]
+    places = [place for place in eye_folders(folder) or (frame_folder(folder),) if place not in maps]
     found = [path for place in places for path in numbered_pictures(place)]
     found += [path for place in maps for path in files_in(place) if is_picture(path) or path.suffix == ".npy"]
     return found or list(files_in(folder))

@@ -20,7 +20,7 @@ from renderer.budget import OverBudget
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy, require_size
-from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of, photo_folder
+from renderer.readers.picture_kinds import PictureKinds, frame_folder, is_named_array, kinds_of
 from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, natural_key
 
 ArrayImage = NDArray[Any]
@@ -49,20 +49,20 @@ def is_image(path: Path) -> bool:
     return is_picture(path) or path.suffix.lower() == ".npy"
 
 
-def photos_in(folder: Path) -> PictureKinds:
-    """Photos of a folder in natural order, and what lies beside them; else those of its images/, or of its
+def frames_in(folder: Path) -> PictureKinds:
+    """Frames of a folder in natural order, and what lies beside them; else those of its images/, or of its
     one folder beside maps and masks; else its arrays.
 
     Raises:
         UserError: there are none.
     """
-    inside = photo_folder(folder)
+    inside = frame_folder(folder)
     files = sorted((path for path in inside.iterdir() if path.is_file()), key=natural_key)
     pictures = [path for path in files if is_picture(path)]
     kinds = kinds_of([path for path in files if is_picture(path) or is_named_array(path)])
     if not pictures:
         kinds = PictureKinds(tuple(path for path in files if is_image(path)))
-    if not kinds.photos:
+    if not kinds.frames:
         folders = ", ".join(
             sorted(path.name for path in folder.iterdir() if path.is_dir() and is_visible(path))
         )

@@ -8,14 +8,14 @@ from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
-from app.files.image_files import ArrayImage, is_image, photos_in, read_image
+from app.files.image_files import ArrayImage, frames_in, is_image, read_image
 from app.files.records import Source
 from app.files.timing import Timing
 from renderer.clip import Clip
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.pages import left_pages
-from renderer.readers.picture_kinds import left_out, map_folders, photo_folder
+from renderer.readers.picture_kinds import frame_folder, left_out, map_folders
 from renderer.sources import open_clip
 
 FRAMES_PER_SECOND = 25.0
@@ -69,18 +69,18 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
     if not path.exists():
         raise UserError(f"expected an image, a folder of images or a video, got no such file: {path}")
     if path.is_dir():
-        if not layout_of(path).photos_are_files:
+        if not layout_of(path).frames_are_files:
             # The pictures of a folder whose files tell more than pictures: left ones of pairs, rectified.
             return _of_clip(path, DEFAULTS)
-        kinds = photos_in(path)
-        series = _of_files(kinds.photos)
+        kinds = frames_in(path)
+        series = _of_files(kinds.frames)
         return replace(series, notices=(*kinds.notices(), *_left_out(path), *series.notices))
     return _of_files((path,)) if is_image(path) else _of_clip(path, options)
 
 
 def _left_out(path: Path) -> Iterator[str]:
-    """What is said of the folders beside that of the photos, where no layout says what they are."""
-    if photo_folder(path) != path and not layout_of(path).is_data_set:
+    """What is said of the folders beside that of the frames, where no layout says what they are."""
+    if frame_folder(path) != path and not layout_of(path).is_data_set:
         for folder, kind in map_folders(path).items():
             yield left_out(kind, [f"{folder.name}/"])
 

@@ -164,7 +164,7 @@ class Session:
     view_kind: ViewKind = "color"
     snapped: bool = False
     blend: Share = 0.5
-    """Share of the photo over a snapped view."""
+    """Share of the frame over a snapped view."""
     config: TrainConfig = TrainConfig()
     input: InputKind = "original"
     d_factor: DFactor = 0.5

@@ -35,9 +35,9 @@ STATISTICS: Final[tuple[Measured, ...]] = ("whole image", "tissue")
 SPREAD: Final = 2.0
 """Standard deviations over the seeds that a mean must lie away from 1."""
 Ratios = dict[Pixels, float]
-PHOTOS: Final = "frames"
+FRAMES: Final = "frames"
 Kind = tuple[Input, Measured]
-"""Of photos that are trained on."""
+"""Of frames that are trained on."""
 KINDS: Final[tuple[Kind, ...]] = (
     ("original", "tissue"),
     *(("enhanced", statistics) for statistics in STATISTICS),
@@ -94,7 +94,7 @@ class PixelSets:
 
 @dataclass(frozen=True)
 class Rise:
-    """From original to enhanced photos, of one kind of picture."""
+    """From original to enhanced frames, of one kind of picture."""
 
     what: str
     """A method whose renders these are; or "frames"."""
@@ -161,11 +161,11 @@ def published(method: str, clip: Clip) -> str:
 def measured_rises(
     bench: Bench, clock: Clock, methods: Mapping[Method, str], missing: list[str]
 ) -> Iterator[Rise]:
-    """Of the photos, then of each method's renders."""
+    """Of the frames, then of each method's renders."""
     sets = PixelSets.of(bench.clip_path, bench.clip)
     if sets.tools_only is None:
         missing.append("DV/BV over gt_masks: the clip has none")
-    yield from _of_photos(sets)
+    yield from _of_frames(sets)
     found: dict[Method, dict[Kind, dict[int, Ratios]]] = {
         method: {kind: {} for kind in KINDS} for method in methods
     }
@@ -185,8 +185,8 @@ def measured_rises(
 
 
 def _named(kind: Kind) -> str:
-    photos, statistics = kind
-    return "original frames" if photos == "original" else f"enhanced with statistics of {statistics}"
+    source, statistics = kind
+    return "original frames" if source == "original" else f"enhanced with statistics of {statistics}"
 
 
 def table(found: list[Rise], clip: Clip) -> Table:
@@ -196,27 +196,27 @@ def table(found: list[Rise], clip: Clip) -> Table:
 
 
 def _row(one: Rise, clip: Clip) -> tuple[Cell, ...]:
-    is_photo = one.what == PHOTOS
+    is_frame = one.what == FRAMES
     gains = one.gains
     return (
         *(one.what, one.pixels, one.statistics),
         *(float(np.mean(one.original)), float(np.mean(one.enhanced))),
         float(np.mean(gains)) if gains else None,
         spread(gains),
-        None if is_photo else len(gains),
-        None if is_photo else verdict(gains),
+        None if is_frame else len(gains),
+        None if is_frame else verdict(gains),
         published(one.what, clip) or None,
     )
 
 
-def _of_photos(sets: PixelSets) -> Iterator[Rise]:
+def _of_frames(sets: PixelSets) -> Iterator[Rise]:
     clip, indices = sets.clip, sets.clip.test_indices or sets.clip.train_indices
     enhanced = {
         statistics: enhanced_clip(clip, pooled(clip, RECONSTRUCTION_PARAMS, statistics))
         for statistics in STATISTICS
     }
     after = {name: {0: _of_clip(sets, other, indices)} for name, other in enhanced.items()}
-    yield from rises(PHOTOS, {0: _of_clip(sets, clip, indices)}, after)
+    yield from rises(FRAMES, {0: _of_clip(sets, clip, indices)}, after)
 
 
 def _of_clip(sets: PixelSets, clip: Clip, indices: tuple[int, ...]) -> Ratios:

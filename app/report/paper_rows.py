@@ -10,7 +10,7 @@ from app.runs.run_folder import Input
 
 @dataclass(frozen=True)
 class PaperRow:
-    """One row of Tables 1 and 2: renders of a clip, from its own photos or enhanced ("Ours")."""
+    """One row of Tables 1 and 2: renders of a clip, from its own frames or enhanced ("Ours")."""
 
     clip: str
     """A word in its name."""

@@ -44,8 +44,8 @@ class Trained:
 
     folder: RunFolder
     finished: Finished
-    photos: Clip
-    """The clip with the photos that it was trained on."""
+    clip: Clip
+    """The clip with the frames that it was trained on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,19 +60,19 @@ class Runs:
     _warmed: set[Method] = field(default_factory=set)
 
     def trained(
-        self, config: TrainConfig, photos: Input = "original", measured: Measured = "tissue"
+        self, config: TrainConfig, kind: Input = "original", measured: Measured = "tissue"
     ) -> Trained:
-        """Trains the first time; `measured`: of what the statistics of enhanced photos are."""
-        key = hashlib.sha256(f"{photos} {measured} {strict_json(config)}".encode()).hexdigest()[:16]
+        """Trains the first time; `measured`: of what the statistics of enhanced frames are."""
+        key = hashlib.sha256(f"{kind} {measured} {strict_json(config)}".encode()).hexdigest()[:16]
         if key not in self._known:
             self._warm(config)
-            self.say(f"training {setting_of(config)}, {photos} frames")
+            self.say(f"training {setting_of(config)}, {kind} frames")
             folder = RunFolder(self.work / key)
             request = TrainRequest(
                 clip_path=self.clip_path,
                 run_path=folder.path,
                 config=config,
-                input=photos,
+                input=kind,
                 measured=measured,
                 device="cpu",
                 resume=True,
@@ -81,10 +81,10 @@ class Runs:
             self._known[key] = Trained(folder, finished, input_clip(self.clip, folder.record()))
         return self._known[key]
 
-    def seconds_again(self, config: TrainConfig, photos: Input) -> float:
+    def seconds_again(self, config: TrainConfig, kind: Input) -> float:
         """Of the training steps of a run that was trained before."""
-        self.say(f"timing {setting_of(config)}, {photos} frames")
-        events = train(self.trained(config, photos).photos, config)
+        self.say(f"timing {setting_of(config)}, {kind} frames")
+        events = train(self.trained(config, kind).clip, config)
         return next(event.seconds for event in events if isinstance(event, Finished))
 
     def _warm(self, config: TrainConfig) -> None:

@@ -75,7 +75,7 @@ class ClipRecord:
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
 class Enhancement:
-    """What turned the clip's photos into the run's own."""
+    """What turned the clip's frames into the run's own."""
 
     params: RecordedSettings
     """Of either method; all of them are recorded, so that they tell which."""
@@ -95,7 +95,7 @@ class RunRecord:
     input: Input
     config: TrainConfig
     enhancement: Enhancement | None = None
-    """None when the run was trained on the original photos."""
+    """None when the run was trained on the original frames."""
     device: Device = "cpu"
 
     def camera(self, index: int) -> Camera:
@@ -292,12 +292,12 @@ def run_clip(record: RunRecord) -> Clip:
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:
-    """The clip with the photos that the run was trained on: its own, or the same enhanced again."""
+    """The clip with the frames that the run was trained on: its own, or the same enhanced again."""
     return enhanced_clip(clip, record.enhancement) if record.enhancement else clip
 
 
 def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
-    """The clip with every photo enhanced, all with the same statistics."""
+    """The clip with every frame enhanced, all with the same statistics."""
 
     def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
         enhancer = MethodEnhancer()

@@ -48,7 +48,7 @@ from renderer.train.trainer import TrainingError, require_depth, train
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
 Measured = Literal["tissue", "whole image"]
-"""The pixels that statistics of enhanced photos are of; the paper's Eqs 2 and 12 take the whole image."""
+"""The pixels that statistics of enhanced frames are of; the paper's Eqs 2 and 12 take the whole image."""
 PRESETS: Final[Mapping[Preset, EnhancementSettings]] = MappingProxyType(
     {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
 )
@@ -69,7 +69,7 @@ class TrainRequest:
     enhance_params: RecordedSettings = RECONSTRUCTION_PARAMS
     """Used when `input` is "enhanced"."""
     measured: Measured = "tissue"
-    """For the statistics of enhanced photos."""
+    """For the statistics of enhanced frames."""
     device: Asked = "auto"
     """For a run that goes on, "auto" is what it began with."""
     resume: bool = False

@@ -23,14 +23,14 @@ class Drawer:
 
     def drawn(self, view: ViewRequest) -> Drawn:
         """Raises UserError where it cannot be drawn."""
-        wanted = replace(view, photo=None, scale=None)
+        wanted = replace(view, reference=None, scale=None)
         if self._last is None or self._last[0] != wanted:
             self._last = None
             self._last = wanted, wanted.drawn(self.draw)
         return self._last[1]
 
     def picture(self, view: ViewRequest) -> Composed:
-        """Raises UserError where it cannot be drawn, ClipError for a photo."""
+        """Raises UserError where it cannot be drawn, ClipError for a frame."""
         return view.composed(self.drawn(view))
 
 

@@ -37,7 +37,7 @@ def _direction(told: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class FreeView:
-    """A camera with the pixels of the clip's photos, and the direction that stays down."""
+    """A camera with the pixels of the clip's frames, and the direction that stays down."""
 
     camera: RecordedCamera
     down: Annotated[Vector, AfterValidator(_direction)]

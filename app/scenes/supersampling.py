@@ -15,7 +15,7 @@ def supersampled(draw: Draw, factor: int) -> Draw:
     """The same drawing with `factor` times as many pixels each way, averaged down to the camera's size.
 
     The filter of 0.3 square pixels that every splat is drawn with is then that of the small pixels: the
-    picture is sharper than the one a model was trained by, and as a rule a little further from its photo.
+    picture is sharper than the one a model was trained by, and as a rule a little further from its frame.
     """
     if factor == 1:
         return draw
@@ -35,7 +35,7 @@ def averaged(drawn: Drawn, factor: int) -> Drawn:
     What is averaged are the sums that blending has made: premultiplied colour, alpha, and depth times alpha.
     They are linear in what each splat adds, so the mean is what the area of the pixel shows: a straight
     colour or depth would count alike where much and where little is seen, and draw seams along edges. Colours
-    stay in the values in which they are blended, trained and compared with photos, those of a screen: to
+    stay in the values in which they are blended, trained and compared with frames, those of a screen: to
     average light instead would brighten every edge against the same model drawn without.
     """
     alpha = _mean(drawn.alpha, factor)

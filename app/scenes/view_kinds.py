@@ -120,10 +120,10 @@ def composed(
     kind: ViewKind,
     drawn: Drawn,
     unit: str,
-    photo: ByteImage | None = None,
+    reference: ByteImage | None = None,
     scale: Scale | None = None,
 ) -> Composed:
-    """The view of splats drawn in its shape and colours; `photo` (H', W', 3) is what a difference is to.
+    """The view of splats drawn in its shape and colours; `reference` (H', W', 3) is what a difference is to.
 
     Without a `scale`, values have that which holds those of this picture.
     """
@@ -139,8 +139,8 @@ def composed(
         scale = scale or Scale(0.0, _nice_end(way[seen], 99.5), f"{unit} since the start")
         return Composed(scale.colored(way, seen), scale)
     if kind == "difference":
-        assert photo is not None
-        away = difference(drawn.bytes, photo)
+        assert reference is not None
+        away = difference(drawn.bytes, reference)
         end = max(_nice_end(away, 90), LEAST_DIFFERENCE)
         scale = scale or Scale(0.0, end, "grey levels", "inferno")
         return Composed(scale.colored(away, np.ones(away.shape, bool)), scale)
@@ -159,11 +159,11 @@ def holding(scales: Sequence[Scale]) -> Scale:
     return replace(scales[0], low=min(one.low for one in scales), high=max(one.high for one in scales))
 
 
-def difference(picture: ByteImage, photo: ByteImage) -> Float32Array:
-    """(H, W) mean over the channels of the distance in grey levels, the photo resampled to the picture."""
-    if photo.shape != picture.shape:
-        photo = cv2.resize(photo, picture.shape[1::-1], interpolation=cv2.INTER_AREA).astype(np.uint8)
-    away: Float32Array = cv2.absdiff(picture, photo).mean(axis=2, dtype=np.float32)
+def difference(picture: ByteImage, reference: ByteImage) -> Float32Array:
+    """(H, W) mean over the channels of the distance in grey levels, `reference` resampled to the picture."""
+    if reference.shape != picture.shape:
+        reference = cv2.resize(reference, picture.shape[1::-1], interpolation=cv2.INTER_AREA).astype(np.uint8)
+    away: Float32Array = cv2.absdiff(picture, reference).mean(axis=2, dtype=np.float32)
     return away
 
 

@@ -27,7 +27,7 @@ from renderer.clip import ByteImage, Clip
 
 
 @dataclass(frozen=True)
-class PhotoRequest:
+class FrameRequest:
     """A clip's frame, to lay over the 3D view."""
 
     clip: Clip
@@ -35,22 +35,22 @@ class PhotoRequest:
 
     @property
     def image(self) -> ByteImage:
-        """(H, W, 3), read each time: a clip's photos fill the memory. Raises ClipError."""
+        """(H, W, 3), read each time: a clip's frames fill the memory. Raises ClipError."""
         return self.clip.read_image(self.frame)
 
 
 @dataclass(frozen=True, eq=False)
-class Photo:
+class FrameImage:
     """With the request that it answers."""
 
-    request: PhotoRequest
+    request: FrameRequest
     image: ByteImage
     """(H, W, 3)."""
 
 
-def read_photo(request: PhotoRequest) -> Iterator[Photo]:
+def read_frame(request: FrameRequest) -> Iterator[FrameImage]:
     """Off the window's thread. Raises ClipError: the file is gone or damaged."""
-    yield Photo(request, request.image)
+    yield FrameImage(request, request.image)
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class ViewRequest:
     time: float
     camera: Camera
     kind: ViewKind = "color"
-    photo: Photo | PhotoRequest | None = None
+    reference: FrameImage | FrameRequest | None = None
     """Of the same frame, where the view is the difference to it; read when it is needed, or before."""
     supersampling: int = 1
     """Drawn with so many times as many pixels each way, and averaged."""
@@ -86,7 +86,7 @@ class ViewRequest:
     def fitted(cls, scene: Scene, time: float, free: FreeView | None, size: tuple[int, int]) -> ViewRequest:
         """Of (width, height) pixels at `time` in [0, 1]: the free view, or that of the clip's camera.
 
-        The photo's whole field stays in view, whatever the shape of the view.
+        The frame's whole field stays in view, whatever the shape of the view.
         """
         camera = scene.camera_at(time) if free is None else free.camera
         return cls(scene, time, camera.fitted(*size))
@@ -101,10 +101,10 @@ class ViewRequest:
         """Of the scene's frames the nearest."""
         return self.scene.frame_at(self.time)
 
-    def of_kind(self, kind: ViewKind, photo: Photo | PhotoRequest | None = None) -> ViewRequest:
-        """The same camera and time shown otherwise; a difference without its photo stays in colour."""
+    def of_kind(self, kind: ViewKind, reference: FrameImage | FrameRequest | None = None) -> ViewRequest:
+        """The same camera and time shown otherwise; a difference without its reference stays in colour."""
         if kind == "difference":
-            return self if photo is None else replace(self, kind=kind, photo=photo)
+            return self if reference is None else replace(self, kind=kind, reference=reference)
         return replace(self, kind=kind)
 
     def scaled(self, scale: float) -> ViewRequest:
@@ -120,12 +120,12 @@ class ViewRequest:
         return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind])
 
     def composed(self, drawn: Drawn) -> Composed:
-        """The picture that is asked for, of its splats drawn in their shape. Raises ClipError for a photo."""
-        photo = self.photo.image if self.photo else None
-        return composed(self.kind, drawn, self.scene.unit, photo, self.scale)
+        """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""
+        reference = self.reference.image if self.reference else None
+        return composed(self.kind, drawn, self.scene.unit, reference, self.scale)
 
     def picture(self, draw: Draw) -> Composed:
-        """Raises ClipError for a photo, UserError where it cannot be drawn."""
+        """Raises ClipError for a reference, UserError where it cannot be drawn."""
         return self.composed(self.drawn(draw))
 
 

@@ -52,8 +52,8 @@ class _Offer:
         )
 
 
-def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
-    """The clip with what lies beside its pictures in `photos`, or in folders of the clip of such names.
+def with_maps(clip: Clip, frames: Path, options: ClipOptions) -> Clip:
+    """The clip with what lies beside its pictures in `frames`, or in folders of the clip of such names.
 
     A map belongs to the picture of its name without the word that says its kind, else of its last number.
     Maps called depth hold distances along the axis, those called disparity the inverse, where they are of
@@ -66,7 +66,7 @@ def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
         ClipError: masks of another shape than the pictures; or, when its frame is read, a map or mask that
             cannot be.
     """
-    offers = list(_offers(clip.path, photos, clip.labels))
+    offers = list(_offers(clip.path, frames, clip.labels))
     if not offers:
         return clip
     kept = tuple(
@@ -85,8 +85,8 @@ def with_maps(clip: Clip, photos: Path, options: ClipOptions) -> Clip:
     )
 
 
-def map_files(path: Path, photos: Path, labels: Sequence[str]) -> list[Path]:
-    """What `with_maps` may take for a clip in the folder `path` whose pictures in `photos` are called so, and
+def map_files(path: Path, frames: Path, labels: Sequence[str]) -> list[Path]:
+    """What `with_maps` may take for a clip in the folder `path` whose pictures in `frames` are called so, and
     all maps in folders of such names.
 
     Raises:
@@ -94,16 +94,16 @@ def map_files(path: Path, photos: Path, labels: Sequence[str]) -> list[Path]:
     """
     used = [
         each
-        for offer in (_offers(path, photos, labels) if labels else ())
+        for offer in (_offers(path, frames, labels) if labels else ())
         if offer.kind != "map"
         for each in offer.files.values()
     ]
     return [*used, *(each for place in map_folders(path) for each in files_in(place) if _is_map_file(each))]
 
 
-def _offers(path: Path, photos: Path, labels: Sequence[str]) -> Iterator[_Offer]:
+def _offers(path: Path, frames: Path, labels: Sequence[str]) -> Iterator[_Offer]:
     files = [
-        entry for entry in sorted(photos.iterdir(), key=natural_key) if entry.is_file() and is_visible(entry)
+        entry for entry in sorted(frames.iterdir(), key=natural_key) if entry.is_file() and is_visible(entry)
     ]
     kinds = kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
     groups: dict[tuple[str, Kind], list[Path]] = defaultdict(list)
@@ -113,7 +113,7 @@ def _offers(path: Path, photos: Path, labels: Sequence[str]) -> Iterator[_Offer]
         yield _offer(labels, kind, paths[0].name, paths)
     for place, kind in map_folders(path).items():
         inside = [entry for entry in sorted(place.iterdir(), key=natural_key) if _is_map_file(entry)]
-        if inside and place.name not in MONOCULAR and place != photos:
+        if inside and place.name not in MONOCULAR and place != frames:
             yield _offer(labels, kind, f"{place.name}/", inside)
 
 

@@ -99,14 +99,14 @@ def measured(
         near = near_plane(model, frame.camera)
         drawn = render(model.at(frame.time), frame.camera, near=near, mode=mode)
         picture = np.rint(np.clip(drawn.image, 0, 1) * 255) / 255
-        photo, mask = frame.image / 255.0, frame.evaluation_mask
+        image, mask = frame.image / 255.0, frame.evaluation_mask
         known = frame.measured_depth
         depth = np.zeros_like(drawn.depth) if known is None else known
         rows.append(
             (
-                psnr(picture, photo, mask),
-                psnr_masked(picture, photo, mask),
-                ssim(picture, photo, mask),
+                psnr(picture, image, mask),
+                psnr_masked(picture, image, mask),
+                ssim(picture, image, mask),
                 depth_rmse(drawn.depth, depth, mask),
             )
         )

@@ -15,7 +15,7 @@ class ClipFiles:
     """What a reader takes from its folder, but for right pictures and monocular maps, which any layout
     may have."""
 
-    photos: tuple[Path, ...]
+    frames: tuple[Path, ...]
     """In the order of the frames; further ones that belong to no frame may be among them."""
     others: tuple[Path, ...] = ()
     """Depth, masks, poses, calibration: those too that are read under some option alone, or in place of

@@ -43,8 +43,8 @@ def is_endonerf(path: Path) -> bool:
 
 def endonerf_files(path: Path) -> ClipFiles:
     """What a folder of this layout is read from; depth/ too where depth_fine/ is preferred."""
-    photos, *others = FOLDERS
-    return ClipFiles(pictures_of(path, [photos]), (*pictures_of(path, others), *those_there(path, [POSES])))
+    frames, *others = FOLDERS
+    return ClipFiles(pictures_of(path, [frames]), (*pictures_of(path, others), *those_there(path, [POSES])))
 
 
 def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:

@@ -22,9 +22,9 @@ FIELD_OF_VIEW = 60.0
 
 
 def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
-    """The photos of a folder in natural order (2.jpg before 10.jpg).
+    """The frames of a folder in natural order (2.jpg before 10.jpg).
 
-    Files that are no photos (`kinds_of`), and photos without a number beside numbered ones, are left
+    Files that are no frames (`kinds_of`), and frames without a number beside numbered ones, are left
     out and reported. Raises ClipError when there is none, when two have one name but for the suffix, or
     when sizes differ.
     """
@@ -57,7 +57,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     )
 
 
-def photos_of(folder: Path) -> tuple[Path, ...]:
+def frames_of(folder: Path) -> tuple[Path, ...]:
     """The pictures that `open_images` takes, in its order; none where there are none.
 
     Raises:
@@ -71,8 +71,8 @@ def _kinds(files: Iterable[Path]) -> PictureKinds:
 
 
 def _frames_of(kinds: PictureKinds) -> tuple[Path, ...]:
-    """The numbered photos, else all."""
-    return tuple(entry for entry in kinds.photos if re.search(r"\d", entry.stem)) or kinds.photos
+    """The numbered frames, else all."""
+    return tuple(entry for entry in kinds.frames if re.search(r"\d", entry.stem)) or kinds.frames
 
 
 def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
@@ -112,7 +112,7 @@ def without_depth(
     pixel_aspect: float = 1.0,
     notices: tuple[str, ...] = (),
 ) -> Clip:
-    """A clip of photos alone, all taken by one camera of that horizontal field of view in degrees.
+    """A clip of frames alone, all taken by one camera of that horizontal field of view in degrees.
 
     `read` gives (H, W, 3) RGB by number; pixels are `pixel_aspect` times as wide as high.
     """

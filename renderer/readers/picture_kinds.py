@@ -1,4 +1,4 @@
-"""What the pictures of a folder are: photos, or depth maps and masks that lie beside photos.
+"""What the pictures of a folder are: frames, or depth maps and masks that lie beside them.
 
 The one rule for all that takes the pictures of a folder, so that what is enhanced is what is trained on.
 """
@@ -42,7 +42,7 @@ FEW_VALUES = 16
 
 
 def kind_by_name(stem: str) -> Kind | None:
-    """What the words of a name without suffix say; None: a photo, or nothing."""
+    """What the words of a name without suffix say; None: a frame, or nothing."""
     for words in (_words(stem), _words(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))):
         found = next((WORDS[word] for word in words if word in WORDS), None)
         if found:
@@ -59,12 +59,12 @@ def is_named_array(path: Path) -> bool:
 class PictureKinds:
     """The pictures of a folder."""
 
-    photos: tuple[Path, ...]
+    frames: tuple[Path, ...]
     others: dict[Path, Kind] = field(default_factory=dict)
-    """What lies beside the photos."""
+    """What lies beside the frames."""
 
     def notices(self) -> tuple[str, ...]:
-        """One sentence for each kind that is not a photo."""
+        """One sentence for each kind that is not a frame."""
         return tuple(
             left_out(kind, [path.name for path in paths])
             for kind in KINDS
@@ -73,17 +73,17 @@ class PictureKinds:
 
 
 def left_out(kind: Kind, names: Sequence[str], why: str = "") -> str:
-    """The sentence about files that are no photos; `why`, and what would help, where that is known."""
+    """The sentence about files that are no frames; `why`, and what would help, where that is known."""
     return f"left out, {PLURAL[kind]} beside the images: {listed(names)}" + (f" ({why})" if why else "")
 
 
 def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
-    """Photos and others among the picture files of one folder, in their order.
+    """Frames and others among the picture files of one folder, in their order.
 
     A name says it by a whole word of the stem (WORDS). Where names do not, the content does, but only beside
-    photos in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
-    are a few grey levels where the name goes on from that of a photo. Files whose names differ in
-    numbers alone are of one kind: the header of the first tells. Where no photo would be left, all are.
+    frames in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
+    are a few grey levels where the name goes on from that of a frame. Files whose names differ in
+    numbers alone are of one kind: the header of the first tells. Where no frame would be left, all are.
     """
     pictures = tuple(pictures)
     groups: dict[str, list[Path]] = defaultdict(list)
@@ -102,26 +102,26 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
         for name, mode in modes.items():
             kind = _kind_by_content(groups[name][0], mode, colour)
             others |= dict.fromkeys(groups[name], kind) if kind else {}
-    photos = tuple(path for path in pictures if path not in others)
-    if not photos:
+    frames = tuple(path for path in pictures if path not in others)
+    if not frames:
         return PictureKinds(tuple(path for path in pictures if is_picture(path)))
-    return PictureKinds(photos, {path: others[path] for path in pictures if path in others})
+    return PictureKinds(frames, {path: others[path] for path in pictures if path in others})
 
 
-def photo_folder(path: Path) -> Path:
-    """Where the photos of a folder lie: in itself, in images/, or in the one folder beside maps and masks."""
+def frame_folder(path: Path) -> Path:
+    """Where the frames of a folder lie: in itself, in images/, or in the one folder beside maps and masks."""
     if not path.is_dir() or _holds_pictures(path):
         return path
     if (path / "images").is_dir():
         return path / "images"
     folders = [entry for entry in sorted(path.iterdir()) if is_visible(entry) and entry.is_dir()]
-    photos = [entry for entry in folders if kind_by_name(entry.name) is None and _holds_pictures(entry)]
+    frames = [entry for entry in folders if kind_by_name(entry.name) is None and _holds_pictures(entry)]
     beside = [entry for entry in folders if kind_by_name(entry.name) is not None]
-    return photos[0] if len(photos) == 1 and beside else path
+    return frames[0] if len(frames) == 1 and beside else path
 
 
 def map_folders(path: Path) -> dict[Path, Kind]:
-    """The folders in a folder whose names say that they hold no photos."""
+    """The folders in a folder whose names say that they hold no frames."""
     folders = [entry for entry in sorted(path.iterdir()) if is_visible(entry) and entry.is_dir()]
     return {entry: kind for entry in folders if (kind := kind_by_name(entry.name)) is not None}
 
@@ -135,7 +135,7 @@ def _holds_pictures(folder: Path) -> bool:
 
 
 def _mode(path: Path) -> str:
-    """As Pillow calls it, by the header; of a file that is none, that of a photo, whose reader says so."""
+    """As Pillow calls it, by the header; of a file that is none, that of a frame, whose reader says so."""
     try:
         with opened(path) as picture:
             return picture.mode

@@ -33,9 +33,9 @@ def is_stereomis(path: Path) -> bool:
 
 def stereomis_files(path: Path) -> ClipFiles:
     """What a sequence is read from."""
-    photos = filter(_is_left, numbered_pictures(_photo_folder(path)))
+    frames = filter(_is_left, numbered_pictures(_frame_folder(path)))
     masks = filter(_is_left, numbered_pictures(path / "masks"))
-    return ClipFiles(tuple(photos), (*masks, *those_there(path, (CALIBRATION, TRAJECTORY))))
+    return ClipFiles(tuple(frames), (*masks, *those_there(path, (CALIBRATION, TRAJECTORY))))
 
 
 def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
@@ -50,7 +50,7 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     Raises:
         ClipError: parts that are missing or do not agree, masks that look inverted, a bad calibration.
     """
-    images = _lefts(_photo_folder(path))
+    images = _lefts(_frame_folder(path))
     masks = numbered(path / "masks", _is_left) if (path / "masks").is_dir() else {}
     kept = [number for number in images if number in masks or not masks]
     if not kept:
@@ -105,7 +105,7 @@ class _Reader:
         return Frame(index, time, self.image(index), camera, tissue, tissue.copy())
 
 
-def _photo_folder(path: Path) -> Path:
+def _frame_folder(path: Path) -> Path:
     return path / "video_frames" if (path / "video_frames").is_dir() else path
 
 

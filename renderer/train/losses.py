@@ -46,7 +46,7 @@ class LossWeights:
     """What the loss adds up; each term is a mean over the pixels that it is of."""
 
     color: float = 1.0
-    """Of |colour - photo| over tissue and channels."""
+    """Of |colour - image| over tissue and channels."""
     depth: float = 0.0
     """Of |depth - measured| / scene size."""
     inverse_depth: float = 0.0
@@ -134,10 +134,10 @@ def _extra_terms(
             extra[:, *inside],
         )  # fmt: skip
     if weights.dissimilarity > 0:
-        photo = frame.colors * BYTE
+        image = frame.colors * BYTE
         mask = frame.color_mask.astype(np.float32)
         picture = planes[PLANE_RED : PLANE_BLUE + 1]
-        loss += add_dissimilarity(picture, photo, mask, weights.dissimilarity, extra)
+        loss += add_dissimilarity(picture, image, mask, weights.dissimilarity, extra)
     return loss, extra
 
 
@@ -162,7 +162,7 @@ def masked_loss(
 ) -> None:
     """L1 of colour on tissue plus L1 of expected depth where it is measured and alpha > 0.5.
 
-    Loss = color_weight * sum |color - photo| + depth_weight * sum |D - depth|
+    Loss = color_weight * sum |color - image| + depth_weight * sum |D - depth|
     + inverse_weight * sum |1 / D - 1 / depth| with D = sum(w z) / sum(w).
     """
     for y in prange(planes.shape[1]):
@@ -191,7 +191,7 @@ def _row_loss(
     sums: NDArray[np.float64],  # (N_SUMS,), out
 ) -> None:
     """One row, a tile's width at a time: fetched to the stack, reckoned there as vectors, and put back."""
-    drawn, photo = stack_array(PLANES, TILE), stack_array(3, TILE)
+    drawn, image = stack_array(PLANES, TILE), stack_array(3, TILE)
     by, lanes = stack_array(ADJOINT_PLANES, TILE), stack_array(N_SUMS, TILE)
     kept, measured = stack_array(TILE), stack_array(TILE)
     for row in range(N_SUMS):
@@ -207,12 +207,12 @@ def _row_loss(
             for plane in range(PLANES):
                 drawn[plane, lane] = planes[plane, left + lane]
             for channel in range(3):
-                photo[channel, lane] = np.float32(colors[channel, left + lane]) * BYTE
+                image[channel, lane] = np.float32(colors[channel, left + lane]) * BYTE
         for lane in range(TILE):
             keep = kept[lane]
-            red = (drawn[PLANE_RED, lane] - photo[0, lane]) * keep
-            green = (drawn[PLANE_GREEN, lane] - photo[1, lane]) * keep
-            blue = (drawn[PLANE_BLUE, lane] - photo[2, lane]) * keep
+            red = (drawn[PLANE_RED, lane] - image[0, lane]) * keep
+            green = (drawn[PLANE_GREEN, lane] - image[1, lane]) * keep
+            blue = (drawn[PLANE_BLUE, lane] - image[2, lane]) * keep
             lanes[COLOR_LOSS, lane] += abs(red) + abs(green) + abs(blue)
             lanes[SQUARED_ERROR, lane] += red * red + green * green + blue * blue
             by_red = color_gradient * _sign(red)

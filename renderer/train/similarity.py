@@ -18,7 +18,7 @@ BY_MEAN, BY_SQUARE, BY_PRODUCT = range(3)
 
 def add_dissimilarity(
     picture: NDArray[np.float32],
-    photo: NDArray[np.float32],
+    image: NDArray[np.float32],
     mask: NDArray[np.float32],
     weight: float,
     extra: NDArray[np.float32],
@@ -30,7 +30,7 @@ def add_dissimilarity(
 
     Args:
         picture: (3, H, W) rendered.
-        photo: (3, H, W) in [0, 1].
+        image: (3, H, W) in [0, 1].
         mask: (H, W) 1 = supervised.
         extra: (3 or more, H, W), gradient by the picture, added to its first three.
     """
@@ -41,7 +41,7 @@ def add_dissimilarity(
     scale = np.float32(weight / (3 * count))
     total = 0.0
     for channel in range(3):
-        x, y = picture[channel] * mask, photo[channel] * mask
+        x, y = picture[channel] * mask, image[channel] * mask
         windows = np.stack([_window(plane) for plane in (x, y, x * x, y * y, x * y)])
         slopes = np.empty((3, *mask.shape), np.float32)
         sums = np.empty(len(mask))

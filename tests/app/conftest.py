@@ -65,7 +65,7 @@ def clip_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """One finished run on the original photos and one on the enhanced."""
+    """One finished run on the original frames and one on the enhanced."""
     folder = tmp_path_factory.mktemp("runs")
     paths = {name: folder / name for name in ("original", "enhanced")}
     list(run_training(request_of(clip_path, paths["original"])))

@@ -71,7 +71,7 @@ def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
     assert read_splats(tmp_path / "ply" / "frame-000009.ply").mode == "mip"
     evaluation = open_evaluation(path)
     *_, last = evaluation.frames()
-    frame = evaluation.photos.read_frame(9)
+    frame = evaluation.trained_clip.read_frame(9)
     assert last.psnr == psnr(picture / 255.0, frame.image / 255.0, frame.evaluation_mask)
 
 

@@ -230,7 +230,7 @@ def view(person: Person, model: Model) -> Iterator[str]:
     yield "view free"
     person.press(K.home)
     person.press(K.c)
-    yield "view photo"
+    yield "view frame"
     person.press(K.c)
     person.press(K.n)
     person.press(K.m)

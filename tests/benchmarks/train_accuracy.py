@@ -88,13 +88,13 @@ def folder(config: TrainConfig, flags: argparse.Namespace) -> RunFolder:
 
 
 def measured(path: Path, config: TrainConfig, truth: Phantom | None, flags: argparse.Namespace) -> Run:
-    """Train, or take what is there, and measure against the photos that it was trained on."""
+    """Train, or take what is there, and measure against the frames that it was trained on."""
     run = folder(config, flags)
     sys.stderr.write(f"{run.path.name}\n")
     request = TrainRequest(clip_path=path, run_path=run.path, config=config, input=flags.input, resume=True)
     finished = next(event for event in run_training(request) if isinstance(event, Finished))
-    photos = input_clip(open_clip(path), run.record())
-    return Run(config=config, input=flags.input, outcome=outcome(finished, photos, config, truth))
+    frames = input_clip(open_clip(path), run.record())
+    return Run(config=config, input=flags.input, outcome=outcome(finished, frames, config, truth))
 
 
 def show(runs: Sequence[Run]) -> None:

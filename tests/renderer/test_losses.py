@@ -57,14 +57,14 @@ def test_slopes_of_the_variation() -> None:
 
 def pictures(seed: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
-    photo = rng.uniform(0, 1, (3, HEIGHT, WIDTH)).astype(np.float32)
-    picture = np.clip(photo + rng.normal(0, 0.1, photo.shape), 0, 1).astype(np.float32)
+    image = rng.uniform(0, 1, (3, HEIGHT, WIDTH)).astype(np.float32)
+    picture = np.clip(image + rng.normal(0, 0.1, image.shape), 0, 1).astype(np.float32)
     mask = np.ones((HEIGHT, WIDTH), np.float32)
     mask[:6, 10:] = 0
-    return picture, photo, mask
+    return picture, image, mask
 
 
-def literal_dissimilarity(picture: np.ndarray, photo: np.ndarray, mask: np.ndarray) -> float:
+def literal_dissimilarity(picture: np.ndarray, image: np.ndarray, mask: np.ndarray) -> float:
     """Every window by hand, float64."""
     offsets = np.arange(-5, 6)
     line = np.exp(-(offsets**2) / (2 * 1.5**2))
@@ -79,7 +79,7 @@ def literal_dissimilarity(picture: np.ndarray, photo: np.ndarray, mask: np.ndarr
                     if 0 <= row < HEIGHT and 0 <= column < WIDTH and mask[row, column] > 0:
                         weights.append(line[i] * line[j])
                         a.append(float(picture[channel, row, column]))
-                        b.append(float(photo[channel, row, column]))
+                        b.append(float(image[channel, row, column]))
             w = np.array(weights) / np.sum(weights)
             first, second = np.array(a), np.array(b)
             mean_a, mean_b = w @ first, w @ second
@@ -92,21 +92,21 @@ def literal_dissimilarity(picture: np.ndarray, photo: np.ndarray, mask: np.ndarr
 
 
 def test_dissimilarity_is_the_literal_one() -> None:
-    picture, photo, mask = pictures()
-    got = add_dissimilarity(picture, photo, mask, 0.7, np.zeros_like(picture))
-    assert got == pytest.approx(0.7 * literal_dissimilarity(picture, photo, mask), rel=1e-4)
+    picture, image, mask = pictures()
+    got = add_dissimilarity(picture, image, mask, 0.7, np.zeros_like(picture))
+    assert got == pytest.approx(0.7 * literal_dissimilarity(picture, image, mask), rel=1e-4)
 
 
 def test_slope_of_the_dissimilarity() -> None:
-    picture, photo, mask = pictures()
+    picture, image, mask = pictures()
     extra = np.zeros((4, HEIGHT, WIDTH), np.float32)
-    add_dissimilarity(picture, photo, mask, 0.7, extra)
+    add_dissimilarity(picture, image, mask, 0.7, extra)
     rng = np.random.default_rng(2)
     for _ in range(5):
         direction = rng.normal(size=picture.shape).astype(np.float32)
         ahead, behind = (
             add_dissimilarity(
-                picture + np.float32(sign * 1e-3) * direction, photo, mask, 0.7, np.zeros_like(extra)
+                picture + np.float32(sign * 1e-3) * direction, image, mask, 0.7, np.zeros_like(extra)
             )
             for sign in (1, -1)
         )
@@ -115,12 +115,12 @@ def test_slope_of_the_dissimilarity() -> None:
 
 
 def test_dissimilarity_of_the_same_pictures_is_none_and_the_mask_hides_the_rest() -> None:
-    picture, photo, mask = pictures()
-    assert add_dissimilarity(photo, photo, mask, 1.0, np.zeros_like(photo)) == pytest.approx(0, abs=1e-5)
+    picture, image, mask = pictures()
+    assert add_dissimilarity(image, image, mask, 1.0, np.zeros_like(image)) == pytest.approx(0, abs=1e-5)
     other = np.where(mask > 0, picture, 0.123).astype(np.float32)
-    first, second = np.zeros_like(photo), np.zeros_like(photo)
-    assert add_dissimilarity(picture, photo, mask, 1.0, first) == pytest.approx(
-        add_dissimilarity(other, photo, mask, 1.0, second), rel=1e-6
+    first, second = np.zeros_like(image), np.zeros_like(image)
+    assert add_dissimilarity(picture, image, mask, 1.0, first) == pytest.approx(
+        add_dissimilarity(other, image, mask, 1.0, second), rel=1e-6
     )
     assert np.array_equal(first, second)
-    assert add_dissimilarity(picture, photo, np.zeros_like(mask), 1.0, np.zeros_like(photo)) == 0
+    assert add_dissimilarity(picture, image, np.zeros_like(mask), 1.0, np.zeros_like(image)) == 0

@@ -27,7 +27,7 @@ from tests.renderer import gsplat_on_cpu
 from tests.renderer.scenes import random_splats, turned_camera
 from tests.renderer.sheet import SMALL, moving_sheet
 from tests.renderer.test_densify import blobs
-from tests.renderer.test_torch_train import before, losses, photo
+from tests.renderer.test_torch_train import before, losses, noisy_frame
 
 BACKGROUND = (0.2, 0.5, 0.1)
 PARTS = ("image", "alpha", "depth")
@@ -142,7 +142,7 @@ def test_an_opacity_above_the_cap_can_fall(device: str) -> None:
 def test_gradients_are_those_of_the_kernels(device: str) -> None:
     """By raw values, and by the centres on screen, which density control lives on."""
     camera = turned_camera(64, 48)
-    frame, raw = photo(camera), before(camera, blobs(150))
+    frame, raw = noisy_frame(camera), before(camera, blobs(150))
     raw.means[:] *= np.linspace(0.95, 1.05, 150, dtype=np.float32)[:, None]
     kernels, card = CpuBackend(), TorchBackend(device)
     expected, got = (

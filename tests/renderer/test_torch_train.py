@@ -50,7 +50,7 @@ def through_torch() -> TorchBackend:
     return TorchBackend("cpu", kernels_draw)
 
 
-def photo(camera: Camera, *, guess: bool = False) -> TrainFrame:
+def noisy_frame(camera: Camera, *, guess: bool = False) -> TrainFrame:
     """Noise with a tool and holes in its depth; no whole number of tiles."""
     rng = np.random.default_rng(5)
     shape = camera.height, camera.width
@@ -85,7 +85,7 @@ def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int, 
     # At many depths, or neighbours' depths would differ by rounding alone, whose sign is anyone's.
     raw = replace(raw, means=raw.means * np.linspace(0.9, 1.1, len(raw), dtype=np.float32)[:, None])
     raw = before(camera, raw)
-    frame = photo(camera, guess=guess)
+    frame = noisy_frame(camera, guess=guess)
     one, other = (
         pictures.loss_and_gradients(raw, frame, weights, 50.0, every_tile=False, mode=mode)
         for pictures in (CpuBackend(), through_torch())
@@ -104,7 +104,7 @@ def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int, 
 
 
 def test_a_term_without_counterpart_is_refused() -> None:
-    frame = photo(turned_camera(40, 30))
+    frame = noisy_frame(turned_camera(40, 30))
     with pytest.raises(ValueError, match="dissimilarity"):
         through_torch().loss_and_gradients(
             blobs(20), frame, LossWeights(dissimilarity=0.2), 50.0, every_tile=True
@@ -115,7 +115,7 @@ def test_gradients_that_are_no_numbers_are_seen_and_so_left_out() -> None:
     raw = blobs(50)
     raw.colors[7] = np.nan
     slopes = through_torch().loss_and_gradients(
-        raw, photo(turned_camera(40, 30)), LossWeights(), 50.0, every_tile=True
+        raw, noisy_frame(turned_camera(40, 30)), LossWeights(), 50.0, every_tile=True
     )
     assert slopes.by.colors.dtype == np.float32
     assert np.isfinite(slopes.by.means[~slopes.seen]).all()

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from app.commands.described.fact import Fact, count, next_steps, notices
-from app.files.image_files import photos_in
+from app.files.image_files import frames_in
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
@@ -40,7 +40,7 @@ def of_clip(path: Path) -> tuple[Fact, ...]:
     except SeveralSizes as error:
         if layout_of(path).is_data_set:
             raise
-        found = len(photos_in(path).photos)
+        found = len(frames_in(path).frames)
         return (
             Fact("what", "images of several sizes: not a clip to train on", {"kind": "pictures"}),
             Fact("frames", count(found, "image"), {"count": found}),
@@ -81,7 +81,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
 def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
     eyes = eye_folders(path) if path.is_dir() else ()
     stereo = _has_right(clip)
-    # Matching a pair takes its time: of those, only the photos are looked at.
+    # Matching a pair takes its time: of those, only the frames are looked at.
     matched = clip.has_depth and clip.depth_origin == "stereo"
     frames = _looked_at(open_clip(path, replace(DEFAULTS, depth="off")) if matched else clip)
     layout = TITLES[clip.format] + (", left and right" if stereo else "")

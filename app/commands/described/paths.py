@@ -12,7 +12,7 @@ from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
-from renderer.readers.picture_kinds import photo_folder
+from renderer.readers.picture_kinds import frame_folder
 from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
 from renderer.regular_files import require_regular
 from renderer.splat_files import is_named_as_splats
@@ -58,7 +58,7 @@ def _folder(path: Path) -> tuple[Fact, ...]:
     if RunFolder(path).is_run:
         return of_run(path)
     known = layout_of(path).name != "images"
-    pictures = any(is_picture(entry) for entry in photo_folder(path).iterdir())
+    pictures = any(is_picture(entry) for entry in frame_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)
 
 

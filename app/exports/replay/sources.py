@@ -16,7 +16,7 @@ from app.scenes.drawer import Drawer
 from app.scenes.records import RunSource, SceneRecord
 from app.scenes.renderers import Renderer, drawer
 from app.scenes.scene import Scene, open_scene
-from app.scenes.view_request import PhotoRequest
+from app.scenes.view_request import FrameRequest
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
@@ -31,7 +31,7 @@ class Found:
     given: tuple[Path, ...] = ()
     _drawers: dict[str, Drawer] = field(default_factory=dict, init=False)
     _scenes: dict[object, Scene] = field(default_factory=dict, init=False)
-    _photos: dict[tuple[RunSource, bool], Clip] = field(default_factory=dict, init=False)
+    _references: dict[tuple[RunSource, bool], Clip] = field(default_factory=dict, init=False)
 
     def series(self, source: Source, options: ClipOptions) -> Series:
         return open_series(self.find(source), options)
@@ -57,17 +57,17 @@ class Found:
             return scene
         return scene.edited(unpacked(record.edits.deleted, record.edits.hidden, len(scene.model), self.file))
 
-    def photo(self, record: SceneRecord, frame: int | None, *, trained: bool) -> PhotoRequest:
+    def reference(self, record: SceneRecord, frame: int | None, *, trained: bool) -> FrameRequest:
         if record.run is None:
             raise UserError("expected the run of a difference, got none")
         key = record.run, trained
-        if key not in self._photos:
+        if key not in self._references:
             run = self.find_run(record.run).record()
-            self._photos[key] = input_clip(run_clip(run), run) if trained else run_clip(run)
-        photos = self._photos[key]
-        if frame is None or not 0 <= frame < len(photos):
-            raise UserError(f"expected a difference to one of {len(photos)} frames, got {frame}")
-        return PhotoRequest(photos, frame)
+            self._references[key] = input_clip(run_clip(run), run) if trained else run_clip(run)
+        clip = self._references[key]
+        if frame is None or not 0 <= frame < len(clip):
+            raise UserError(f"expected a difference to one of {len(clip)} frames, got {frame}")
+        return FrameRequest(clip, frame)
 
     def drawer(self, renderer: str) -> Drawer:
         """The kind of renderer that drew, as it is here."""

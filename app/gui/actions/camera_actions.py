@@ -29,15 +29,15 @@ def reset_view(state: AppState) -> None:
 
 
 def toggle_snap(state: AppState) -> None:
-    """The clip's camera to the pixel, under its photo; and back to filling the view."""
-    if not state.has_photos:
+    """The clip's camera to the pixel, under its frame; and back to filling the view."""
+    if not state.has_frames:
         return
     viewer, state.scene.cameras.playing = state.scene.viewer, False
     state.scene.viewer = replace(viewer, free=None, pivot=None, flying=False, snapped=not viewer.snapped)
 
 
 def blend(state: AppState, share: float) -> None:
-    """Share of the photo in a snapped view."""
+    """Share of the frame in a snapped view."""
     state.scene.viewer.blend = min(max(share, 0.0), 1.0)
 
 
@@ -53,7 +53,7 @@ def turn(state: AppState, yaw: float, pitch: float) -> None:
 
 
 def pan(state: AppState, x: float, y: float) -> None:
-    """So that the orbit's centre follows the hand by so many pixels of the clip's photo."""
+    """So that the orbit's centre follows the hand by so many pixels of the clip's frame."""
     if state.scene.model is not None:
         view = _leave(state, state.scene.model)
         state.scene.viewer.free = view.panned(centre(state, state.scene.model), x, y)
@@ -125,7 +125,7 @@ def centre(state: AppState, model: Scene) -> Vector:
 
 
 def _leave(state: AppState, model: Scene) -> FreeView:
-    """The view as it stands, no longer the clip's camera nor under its photo; its centre stays, too."""
+    """The view as it stands, no longer the clip's camera nor under its frame; its centre stays, too."""
     viewer = state.scene.viewer
     viewer.pivot, viewer.snapped = centre(state, model), False
     state.scene.cameras.playing = False
@@ -144,12 +144,12 @@ def _carry(state: AppState, view: FreeView) -> None:
 
 
 def choices(state: AppState) -> tuple[ViewKind, ...]:
-    """The views that this model has: without photos there is no difference to them."""
-    return tuple(kind for kind in EXPLAINED if kind != "difference" or state.has_photos)
+    """The views that this model has: without frames there is no difference to them."""
+    return tuple(kind for kind in EXPLAINED if kind != "difference" or state.has_frames)
 
 
 def choose_view(state: AppState, kind: ViewKind) -> None:
-    """A difference is to the photo, so it is seen through the clip's camera."""
+    """A difference is to the frame, so it is seen through the clip's camera."""
     state.scene.kind = kind
     if kind == "difference" and not state.scene.viewer.snapped:
         camera_actions.toggle_snap(state)

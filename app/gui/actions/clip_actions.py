@@ -49,7 +49,7 @@ def round_view(state: AppState) -> None:
     """The circle of the field of view of the present picture."""
     if state.picture.pictures is None:
         return
-    field = find_field(state.picture.pictures.photo)
+    field = find_field(state.picture.pictures.original)
     circle = (field.circle or enclosing(field.mask())) if field is not None else None
     if circle is None:
         actions.announce(state, "this frame has no dark surround")

@@ -33,7 +33,7 @@ from app.gui.views.comparison import SIDES, Side, label_of
 from app.gui.work.background import Failure
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.scene import Scene
-from app.scenes.view_request import PhotoRequest, ViewRequest, drawn_record, moment_record, view_record
+from app.scenes.view_request import FrameRequest, ViewRequest, drawn_record, moment_record, view_record
 from app.scenes.view_selection import FRAMES_PER_SECOND
 
 What = Literal[
@@ -218,16 +218,16 @@ def _panes(state: AppState, offer: Offer) -> PanesRecord:
 
 
 def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
-    """What a side shows; in white light and while the original is peeked at the photo, whatever is chosen."""
-    source, photo = state.comparing.chosen.source(side), replace(picture, params=None)
+    """What a side shows; in white light and while the original is peeked at the frame, whatever is chosen."""
+    source, original = state.comparing.chosen.source(side), replace(picture, params=None)
     active = state.enhancement.active and not state.enhancement.peeking
     if active and source == ENHANCED:
-        return pane_record("Enhanced", photo, picture.params)
+        return pane_record("Enhanced", original, picture.params)
     request = other_request(state, side) if active else None
     # As on screen, the original also where there is nothing else to show.
     if request is None:
-        return pane_record("Original", photo)
-    return pane_record(label_of(source), request.photo, request.by)
+        return pane_record("Original", original)
+    return pane_record(label_of(source), request.original, request.by)
 
 
 def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
@@ -252,12 +252,12 @@ def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
 
 
 def _through_time(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
-    """Every frame of the clip, from here or through its own cameras, where a difference is to its photo."""
-    clip = state.source.clip if state.has_photos else None
+    """Every frame of the clip, from here or through its own cameras, where a difference is to its frame."""
+    clip = state.source.clip if state.has_frames else None
     for frame in range(len(scene.cameras)):
         if state.scene.viewer.snapped:
-            photo = PhotoRequest(clip, scene.start + frame) if clip is not None else None
-            yield ViewRequest.of_frame(scene, frame).of_kind(state.scene.kind, photo)
+            reference = FrameRequest(clip, scene.start + frame) if clip is not None else None
+            yield ViewRequest.of_frame(scene, frame).of_kind(state.scene.kind, reference)
         else:
             view = ViewRequest.fitted(scene, scene.time(frame), state.scene.viewer.free, state.scene.size)
             yield view.of_kind(state.scene.kind)
@@ -270,13 +270,13 @@ def _along_path(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
 
 
 def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
-    """With so many pixels; without a size in its own shape, no smaller than the clip's photos.
+    """With so many pixels; without a size in its own shape, no smaller than the clip's frames.
 
-    A difference keeps the photo's shape, within the size.
+    A difference keeps the frame's shape, within the size.
     """
-    camera, photo = view.camera, view.scene.cameras[0]
+    camera, clip_camera = view.camera, view.scene.cameras[0]
     if size is None:
-        scale = max(1.0, photo.width / camera.width, photo.height / camera.height)
+        scale = max(1.0, clip_camera.width / camera.width, clip_camera.height / camera.height)
     elif view.kind == "difference":
         scale = min(size[0] / camera.width, size[1] / camera.height)
     else:

@@ -22,7 +22,7 @@ from renderer.train.config import Method, Part
 
 
 def choose_input(state: AppState, frames: InputKind) -> None:
-    """The photos as they are, enhanced, or both in turn."""
+    """The frames as they are, enhanced, or both in turn."""
     state.runs.reconstruction.input = frames
 
 

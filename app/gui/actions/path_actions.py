@@ -25,7 +25,7 @@ OUR_FORMAT, THEIR_FORMAT = "views", "cameras"
 
 
 def present_camera(state: AppState) -> Camera | None:
-    """What the 3D view is seen through, with the pixels of the clip's photos."""
+    """What the 3D view is seen through, with the pixels of the clip's frames."""
     if state.scene.model is None:
         return None
     free = state.scene.viewer.free

@@ -126,7 +126,7 @@ def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
 
 def _restore_views(state: AppState, session: Session) -> None:
     state.scene.kind = session.view_kind
-    state.scene.viewer.snapped = session.snapped and state.has_photos
+    state.scene.viewer.snapped = session.snapped and state.has_frames
     state.scene.viewer.blend = session.blend
     if session.free is not None:
         state.scene.viewer.free = session.free

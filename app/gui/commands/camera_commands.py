@@ -19,7 +19,7 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
                 text="return the 3D view to the clip's camera", applies=_has_model),
         Command("Frame overlay", camera_actions.toggle_snap, ("C",),
                 text="3D view from the clip's camera, with its frame over it",
-                applies=lambda s: s.has_photos, ticked=lambda s: s.scene.viewer.snapped),
+                applies=lambda s: s.has_frames, ticked=lambda s: s.scene.viewer.snapped),
         Command("Less of the frame", lambda s: _blend(s, -BLEND_STEP), ("[",),
                 applies=lambda s: s.scene.viewer.snapped, repeats=True),
         Command("More of the frame", lambda s: _blend(s, BLEND_STEP), ("]",),

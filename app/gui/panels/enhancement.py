@@ -113,12 +113,12 @@ def _draw_thumbnail(state: AppState, name: str, texture: Texture) -> bool:
     if pictures is None:
         imgui.dummy(ImVec2(0, em(HEIGHT)))
         return False
-    height, width = pictures.photo.shape[:2]
+    height, width = pictures.original.shape[:2]
     scale = min(em(HEIGHT) / height, em(WIDEST) / width)
     corner, room = imgui.get_cursor_screen_pos(), ImVec2(em(WIDEST), em(HEIGHT))
     imgui.dummy(room)
     clicked = imgui.is_item_clicked()
-    if made is not None and made.request.pictures.photo is pictures.photo and name in made.images:
+    if made is not None and made.request.pictures.original is pictures.original and name in made.images:
         size = ImVec2(scale * width, scale * height)
         low, drawn = corner + (room - size) / 2, texture(f"preset {name}", made.images[name])
         imgui.get_window_draw_list().add_image(drawn, low, low + size)

@@ -65,11 +65,11 @@ def draw_curves(state: AppState) -> None:
     then = None if seen is None else seen.pictures.request
     if then is None or then.clip is not now.clip or then.frame_index != now.frame_index:
         seen = None  # A histogram of another setting is worth showing, one of another frame is not.
-    spreads = None if seen is None else (seen.photo.value, seen.enhanced.value)
+    spreads = None if seen is None else (seen.original.value, seen.enhanced.value)
     _draw_plot("V", size, spreads, (made.given, made.value), used.level / 255)
     explain("Eq 1: V to Vn, at the marked L. Histograms: grey, the original frame; blue, the enhanced one.")
     imgui.same_line(0, em(0.5))
-    spreads = None if seen is None else (seen.photo.saturation, seen.enhanced.saturation)
+    spreads = None if seen is None else (seen.original.saturation, seen.enhanced.saturation)
     _draw_plot("S", size, spreads, (made.given, made.saturation), used.saturation_mean)
     explain("Eqs 11 and 12: S to S*, at the marked mean S_m. Grey: original frame; blue: enhanced.")
     _captions(used, size.x)
@@ -105,7 +105,7 @@ def _draw_plot(
 
 
 def draw_measures(state: AppState) -> None:
-    """Photo and enhanced picture in numbers, greyed while they are of an earlier setting."""
+    """Frame and enhanced picture in numbers, greyed while they are of an earlier setting."""
     seen, pictures = state.picture.measured, state.picture.pictures
     if seen is None or pictures is None:
         muted("Not measured yet.")

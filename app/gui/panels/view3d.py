@@ -20,7 +20,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, stack_tags
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
-from app.scenes.view_request import Photo, ViewRequest
+from app.scenes.view_request import FrameImage, ViewRequest
 from renderer.clip import ByteImage
 
 TURN = 2.2
@@ -33,24 +33,24 @@ VIEW_BUTTONS = (
     imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
     | imgui.ButtonFlags_.mouse_button_middle
 )  # fmt: skip
-PhotoTexture = Callable[[ByteImage], imgui.ImTextureRef]
-"""What shows a whole photo."""
+FrameTexture = Callable[[ByteImage], imgui.ImTextureRef]
+"""What shows a whole frame."""
 FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
 MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
-PHOTO = f"{icons.ICON_FA_CLONE}  Frame###snap"
+FRAME = f"{icons.ICON_FA_CLONE}  Frame###snap"
 FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back."
 MEASURE_TEXT = "M: click two points on the surface. Measured on the model, at its expected depth."
 SECOND_TEXT = (
     "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
 )
-PHOTO_TEXT = (
+FRAME_TEXT = (
     "C: align with the clip's camera, with its frame over the reconstruction. Moving the view ends this."
 )
 Tag = tuple[str, ImVec4]
 
 
-def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, photo_texture: PhotoTexture) -> None:
+def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, frame_texture: FrameTexture) -> None:
     """The view with its controls, beside it the second reconstruction when there is one.
 
     The first view is the last item drawn, for those who draw on it.
@@ -68,12 +68,17 @@ def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, photo_tex
     laid_out.size_view(state, int(size.x * scale.x), int(size.y * scale.y))
     if state.scene.second.shown is not None:
         right = Area(corner + ImVec2(size.x + gap, 0), size)
-        _draw_pane(state, "second view", second, state.second_request, right, photo_texture)
-    _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), photo_texture)
+        _draw_pane(state, "second view", second, state.second_request, right, frame_texture)
+    _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), frame_texture)
 
 
 def _draw_pane(
-    state: AppState, name: str, viewport: Viewport, seen: ViewRequest | None, area: Area, photo: PhotoTexture
+    state: AppState,
+    name: str,
+    viewport: Viewport,
+    seen: ViewRequest | None,
+    area: Area,
+    frame_texture: FrameTexture,
 ) -> None:
     """One of the views; the hand on either moves both."""
     imgui.set_cursor_screen_pos(area.corner)
@@ -82,7 +87,7 @@ def _draw_pane(
     if seen is not None:
         _pick(state, seen, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
-        _draw_picture(state, viewport.show(state), photo, area)
+        _draw_picture(state, viewport.show(state), frame_texture, area)
 
 
 def _draw_toolbar(state: AppState) -> None:
@@ -113,7 +118,7 @@ def _draw_toolbar(state: AppState) -> None:
 def _draw_second(state: AppState) -> None:
     shown = state.scene.second.shown is not None
     button(SECOND, lambda: imgui.open_popup("second"), SECOND_TEXT, color=theme.switch(shown))
-    beside(PHOTO)
+    beside(FRAME)
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
             draw_commands(state, second_commands(state))
@@ -122,7 +127,7 @@ def _draw_second(state: AppState) -> None:
 def _draw_snap(state: AppState) -> None:
     snapped = state.scene.viewer.snapped
     snap, color = partial(camera_actions.toggle_snap, state), theme.switch(snapped)
-    button(PHOTO, snap, PHOTO_TEXT, enabled=state.has_photos, color=color)
+    button(FRAME, snap, FRAME_TEXT, enabled=state.has_frames, color=color)
     if not snapped:
         return
     beside_of(em(8))
@@ -193,24 +198,24 @@ def _pick(state: AppState, request: ViewRequest, area: Area) -> None:
         camera_actions.ask_point(state, request, pixel, "measure")
 
 
-def _draw_picture(state: AppState, shown: OnScreen | None, photo_texture: PhotoTexture, area: Area) -> None:
+def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameTexture, area: Area) -> None:
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.grey(0.0)))
     if shown is not None:
         low, high = Sight(shown.request.camera, area).bounds
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
-        if (photo := photo_over(state)) is not None:
+        if (frame_image := frame_over(state)) is not None:
             tint = imgui.get_color_u32(theme.grey(1.0, state.scene.viewer.blend))
-            draw.add_image(photo_texture(photo.image), low, high, (0, 0), (1, 1), tint)
+            draw.add_image(frame_texture(frame_image.image), low, high, (0, 0), (1, 1), tint)
         draw_marks(state, shown.request, area)
         if shown.scale is not None:
             draw_color_bar(shown.scale, area)
     stack_tags(view_tags(state, shown), area.corner, area.size.x)
 
 
-def photo_over(state: AppState) -> Photo | None:
-    """The photo that lies over the picture; a difference to it shows it already."""
-    return None if state.scene.kind == "difference" else state.photo
+def frame_over(state: AppState) -> FrameImage | None:
+    """The frame that lies over the picture; a difference to it shows it already."""
+    return None if state.scene.kind == "difference" else state.frame_image
 
 
 def made_by(model: Scene, other: Scene | None) -> str:
@@ -261,7 +266,7 @@ def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
         tags.append((f"FLYING · W A S D Q E · speed {viewer.speed:.2f} · G to stop", theme.TAG_CAUTION))
     if viewer.measuring:
         tags.append(("MEASURING on the model, at expected depth", theme.TAG_CAUTION))
-    if viewer.snapped and state.photo is None:
+    if viewer.snapped and state.frame_image is None:
         tags.append(("READING THE FRAME…", theme.TAG_ENHANCED))
     elif viewer.snapped and shown.request.kind == "difference":
         tags.append(("DIFFERENCE to the frame", theme.TAG_ENHANCED))

@@ -19,7 +19,7 @@ from app.gui.work.omissions import OmissionsRequest
 from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
 from app.scenes.scene import Scene
-from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
+from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
 from renderer.train.config import TrainConfig
 
 LOOK_AGAIN = 4.0
@@ -76,7 +76,7 @@ class AppState:
     @property
     def timed(self) -> tuple[int, int]:
         """Of the open clip, the first frame that the 3D view's time is of, and how many."""
-        if self.scene.model is not None and self.has_photos:
+        if self.scene.model is not None and self.has_frames:
             return self.scene.model.start, len(self.scene.model.cameras)
         return 0, 1 if self.source.clip is None else len(self.source.clip)
 
@@ -159,7 +159,7 @@ class AppState:
             return None
         if self.scene.viewer.snapped:
             nearest = ViewRequest.of_frame(model, model.frame_at(self.time))
-            return nearest.of_kind(self.scene.kind, self.photo)
+            return nearest.of_kind(self.scene.kind, self.frame_image)
         whole = ViewRequest.fitted(model, self.time, self.scene.viewer.free, self.scene.size)
         return whole.of_kind(self.scene.kind)
 
@@ -170,7 +170,7 @@ class AppState:
         return None if first is None else self.scene.beside(first)
 
     @property
-    def has_photos(self) -> bool:
+    def has_frames(self) -> bool:
         """The open clip is the one that the 3D view is of."""
         return (
             self.scene.model is not None
@@ -179,19 +179,19 @@ class AppState:
         )
 
     @property
-    def photo(self) -> Photo | None:
+    def frame_image(self) -> FrameImage | None:
         """Of the very frame that a snapped view shows; None while it is being read, or without one."""
-        photo = self.scene.viewer.photo
-        return photo if photo is not None and photo.request == self.photo_request else None
+        newest = self.scene.viewer.frame_image
+        return newest if newest is not None and newest.request == self.frame_request else None
 
     @property
-    def photo_request(self) -> PhotoRequest | None:
-        """The photo that should lie over the 3D view now; None without one."""
+    def frame_request(self) -> FrameRequest | None:
+        """The frame that should lie over the 3D view now; None without one."""
         if (
             self.scene.model is None
             or self.source.clip is None
             or not self.scene.viewer.snapped
-            or not self.has_photos
+            or not self.has_frames
         ):
             return None
-        return PhotoRequest(self.source.clip, self.scene.model.start + self.scene.model.frame_at(self.time))
+        return FrameRequest(self.source.clip, self.scene.model.start + self.scene.model.frame_at(self.time))

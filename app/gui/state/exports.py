@@ -20,7 +20,7 @@ class Exports:
     sizing: Sizing = field(default_factory=Sizing)
     """Of the panes."""
     view_size: tuple[int, int] | None = None
-    """Pixels of the 3D view in files; None: its shape on screen, no smaller than the clip's photos."""
+    """Pixels of the 3D view in files; None: its shape on screen, no smaller than the clip's frames."""
     supersampling: int = 1
     """Of the 3D view in files, one of FACTORS."""
     settling: int = 0

@@ -71,14 +71,14 @@ def why_not(state: AppState, source: str) -> str:
 def _renders(state: AppState) -> bool:
     """The open model was made through this clip's cameras."""
     model, clip = state.scene.model, state.source.clip
-    if model is None or clip is None or not (state.has_photos or len(model.cameras) == len(clip)):
+    if model is None or clip is None or not (state.has_frames or len(model.cameras) == len(clip)):
         return False
     camera = model.cameras[0]
     return (camera.width, camera.height) == clip.size
 
 
 def other_request(state: AppState, side: Side) -> OtherRequest | None:
-    """What is to be made for a side; None where the photo or the present setting is shown."""
+    """What is to be made for a side; None where the frame or the present setting is shown."""
     source, pictures = state.comparing.chosen.source(side), state.picture_request
     if (
         source in (ORIGINAL, ENHANCED)
@@ -87,14 +87,14 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
         or why_not(state, source)
     ):
         return None
-    photo = replace(pictures, params=None)
+    original = replace(pictures, params=None)
     if source == RENDER:
         assert state.scene.model is not None
-        return OtherRequest(replace(photo, scope="image", pixels="automatic"), state.scene.model)
+        return OtherRequest(replace(original, scope="image", pixels="automatic"), state.scene.model)
     look = _look(state, source)
     if look is None:
-        return OtherRequest(replace(photo, scope="image", pixels="automatic"), source)
-    return OtherRequest(photo, look)
+        return OtherRequest(replace(original, scope="image", pixels="automatic"), source)
+    return OtherRequest(original, look)
 
 
 def _look(state: AppState, source: str) -> EnhancementSettings | None:
@@ -112,39 +112,39 @@ def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
 
 
 def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
-    source, photo = state.comparing.chosen.source(side), pictures.photo
+    source, original = state.comparing.chosen.source(side), pictures.original
     stale = state.pictures_are_stale
-    original = Tag("ORIGINAL")
+    tag = Tag("ORIGINAL")
     if not state.enhancement.active:
-        said = original if side == "left" else Tag("WHITE LIGHT · enhancement off", "caution")
-        return photo, (said,), stale
+        said = tag if side == "left" else Tag("WHITE LIGHT · enhancement off", "caution")
+        return original, (said,), stale
     if source == ORIGINAL:
-        return photo, (original,), stale
+        return original, (tag,), stale
     if state.enhancement.peeking:
-        return photo, (Tag("ORIGINAL · peek", "caution"),), stale
+        return original, (Tag("ORIGINAL · peek", "caution"),), stale
     if source == ENHANCED:
         if pictures.enhanced is None:
-            return photo, (Tag("PREPARING… original shown", "caution"), *_first_use(state)), stale
+            return original, (Tag("PREPARING… original shown", "caution"), *_first_use(state)), stale
         return pictures.enhanced, (Tag("ENHANCED", "enhanced"), Tag(describe(pictures))), stale
     if reason := why_not(state, source):
-        return photo, (Tag("ORIGINAL · nothing else to show", "caution"), Tag(reason)), stale
-    return _other(state, photo, side)
+        return original, (Tag("ORIGINAL · nothing else to show", "caution"), Tag(reason)), stale
+    return _other(state, original, side)
 
 
-def _other(state: AppState, photo: ByteImage, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
+def _other(state: AppState, original: ByteImage, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
     wanted = other_request(state, side)
     made = next(
         (other for other in state.comparing.others.values() if other.request == wanted),
         state.comparing.others.get(side),
     )
     if made is None or wanted is None or not _is_earlier(made.request, wanted):
-        return photo, (Tag("PREPARING… original shown", "caution"),), True
+        return original, (Tag("PREPARING… original shown", "caution"),), True
     return made.image, _named(state, side, made), made.request != wanted
 
 
 def _is_earlier(made: OtherRequest, wanted: OtherRequest) -> bool:
     """The same thing at another moment of the clip or of the training."""
-    if made.photo.clip is not wanted.photo.clip:
+    if made.original.clip is not wanted.original.clip:
         return False
     now, then = wanted.by, made.by
     if isinstance(now, Scene) and isinstance(then, Scene):

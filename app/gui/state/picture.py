@@ -19,7 +19,7 @@ class Comparing:
 
     chosen: Comparison = field(default_factory=Comparison)
     others: dict[Side, Other] = field(default_factory=dict)
-    """The newest pictures of each side that are neither photo nor present setting."""
+    """The newest pictures of each side that are neither frame nor present setting."""
     difference: Difference | None = None
     waits: bool = False
     """A picture of `others` is being made."""

@@ -12,7 +12,7 @@ from app.scenes.drawer import View
 from app.scenes.free_camera import FreeView, Vector
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import ViewKind
-from app.scenes.view_request import Photo, ViewRequest
+from app.scenes.view_request import FrameImage, ViewRequest
 from renderer.view_files import Views
 
 MIN_SPEED, MAX_SPEED = 0.02, 4.0
@@ -25,11 +25,11 @@ class Viewer:
     free: FreeView | None = None
     """None: the clip's own camera, at every time."""
     snapped: bool = False
-    """The clip's camera with its own pixels, under its photo."""
+    """The clip's camera with its own pixels, under its frame."""
     blend: float = 0.5
-    """Share of the photo in a snapped view, in [0, 1]."""
-    photo: Photo | None = None
-    """The newest photo for a snapped view."""
+    """Share of the frame in a snapped view, in [0, 1]."""
+    frame_image: FrameImage | None = None
+    """The newest frame for a snapped view."""
     pivot: Vector | None = None
     """What the view turns around; None: the middle of the tissue, until the view leaves the clip's camera."""
     flying: bool = False
@@ -99,12 +99,12 @@ class ShownScene:
     def beside(self, first: ViewRequest) -> ViewRequest | None:
         """The second reconstruction at the moment of `first` through its camera; None without one.
 
-        A photo is of the first one's frames: where the second has others, its difference to them is none.
+        A frame is of the first one's frames: where the second has others, its difference to them is none.
         """
         shown = self.second.shown
         if shown is None:
             return None
         same = (shown.first, shown.cameras) == (first.scene.first, first.scene.cameras)
         if first.kind == "difference" and not same:
-            return replace(first, scene=shown, kind="color", photo=None)
+            return replace(first, scene=shown, kind="color", reference=None)
         return replace(first, scene=shown)

@@ -47,7 +47,7 @@ from app.gui.work.tidying import clear_places, tidy
 from app.gui.work.tuning import CellMaker
 from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
 from app.scenes.drawer import draw_view
-from app.scenes.view_request import read_photo
+from app.scenes.view_request import read_frame
 
 Server = Literal["first", "second", "apart"]
 """The first worker, with numba, which pictures wait for; the second, for work without numba that no picture
@@ -93,14 +93,14 @@ class Channels:
 
     def __init__(self) -> None:
         self.pictures = Channel(PictureMaker().make)
-        self.photo: Pictures | None = None
-        """A photo whose enhanced partner is being made."""
+        self.original: Pictures | None = None
+        """Of a frame whose enhanced partner is not there yet."""
         self.opening = NewestChannel(open_path)
         self.second_opening = NewestChannel(open_path)
         self.clips = NewestChannel(take_up)
         self.models, self.left = Channel(run_model), Channel(left_of)
         self.picks, self.selecting = Channel(pick), Channel(Selector().select)
-        self.photos = Channel(read_photo)
+        self.frames = Channel(read_frame)
         others = OtherMaker()  # What one side remembers serves the other.
         self.others = {side: Channel(others.make) for side in SIDES}
         self.difference = Channel(heat_map)
@@ -146,7 +146,7 @@ class Channels:
             Row(self.picks, told("the point cannot be located", camera_actions.take_point),
                 lambda s: s.scene.viewer.pick),
             Row(self.selecting, edit_actions.take_selected, lambda s: s.editing.wish),
-            Row(self.photos, told("the frame cannot be read", taking.take_photo), lambda s: s.photo_request),
+            Row(self.frames, told("the frame cannot be read", taking.take_frame), lambda s: s.frame_request),
             Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
                 lambda s: s.omissions_request, SECOND),
             Row(self.runs, run_actions.take_found, lambda s: s.runs_request, SECOND),

@@ -20,7 +20,7 @@ from app.gui.work.opening import Opened, OpenRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
 from app.gui.work.writing import WriteRequest
 from app.scenes.drawer import View
-from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
+from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
 
 Take = Callable[[AppState, Request, Answer | Failure], None]
 
@@ -45,8 +45,8 @@ def take_omissions(state: AppState, request: OmissionsRequest, omissions: Omissi
     state.runs.omissions = omissions
 
 
-def take_photo(state: AppState, request: PhotoRequest, photo: Photo) -> None:
-    state.scene.viewer.photo = photo
+def take_frame(state: AppState, request: FrameRequest, frame_image: FrameImage) -> None:
+    state.scene.viewer.frame_image = frame_image
 
 
 def take_difference(state: AppState, request: DifferenceRequest, difference: Difference) -> None:

@@ -19,7 +19,7 @@ PROMPT = 0.012
 """Seconds that a frame waits for a picture after a setting has moved: most come in less, and are shown in the
 frame that moved it."""
 PATIENCE = 0.3
-"""Seconds before a new frame's photo is shown without its enhanced partner."""
+"""Seconds before a new frame is shown without its enhanced partner."""
 
 
 def update(state: AppState, channels: Channels, now: float) -> None:
@@ -57,12 +57,12 @@ def take_pictures(state: AppState, channels: Channels) -> None:
     if taken is not None and taken[0].clip is state.source.clip:
         request, answer = taken
         if isinstance(answer, Pictures):
-            channels.photo = answer
+            channels.original = answer
         elif request == state.picture_request:
             state.timeline.playing = False
             actions.fail(state, answer.message)
-    if channels.photo is not None and _may_show(state, channels.photo):
-        state.picture.pictures, channels.photo = channels.photo, None
+    if channels.original is not None and _may_show(state, channels.original):
+        state.picture.pictures, channels.original = channels.original, None
 
 
 def _may_come_at_once(state: AppState) -> bool:
@@ -75,7 +75,7 @@ def _may_come_at_once(state: AppState) -> bool:
 
 
 def _may_show(state: AppState, pictures: Pictures) -> bool:
-    """A photo and its enhanced partner appear together; alone only where it would be long in coming, and
+    """An original and its enhanced partner appear together; alone only where it would be long in coming, and
     never in a clip that plays enhanced, which would flash."""
     if pictures.request.clip is not state.source.clip:
         return False

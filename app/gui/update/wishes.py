@@ -72,7 +72,7 @@ def to_tidy(state: AppState) -> OnScreen | None:
 
 
 def side_wish(state: AppState, side: Side) -> OtherRequest | None:
-    """What a pane waits for: neither photo nor present setting, and made for no side yet."""
+    """What a pane waits for: neither frame nor present setting, and made for no side yet."""
     wanted = other_request(state, side)
     return wanted if all(made.request != wanted for made in state.comparing.others.values()) else None
 

@@ -36,33 +36,33 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Of the photo and of the enhanced picture on screen."""
+    """Of the frame and of the enhanced picture on screen."""
 
     pictures: Pictures
     before: Measures
     after: Measures
-    photo: Spread
+    original: Spread
     enhanced: Spread
 
 
 class Measurer:
-    """Measures pictures; remembers what follows from the photo alone."""
+    """Measures pictures; remembers what follows from the frame alone."""
 
     def __init__(self) -> None:
-        self._photo: ByteImage | None = None
+        self._original: ByteImage | None = None
         self._masks: tuple[BoolImage, BoolImage] | None = None
         self._before: tuple[Measures, Spread] | None = None
 
     def measure(self, pictures: Pictures) -> Iterator[Measured]:
         """Raises ImageError."""
-        photo, enhanced = pictures.photo, pictures.enhanced
+        original, enhanced = pictures.original, pictures.enhanced
         if enhanced is None:
             return
-        if self._photo is not photo or self._masks is None or self._before is None:
-            view = field_of_view(photo)
-            self._photo, self._masks = photo, (vessel_mask(photo, tissue_mask=view), view)
-            self._before = measured(photo, photo, *self._masks, 0.0), spread(photo)
-        after = measured(enhanced, photo, *self._masks, pictures.milliseconds)
+        if self._original is not original or self._masks is None or self._before is None:
+            view = field_of_view(original)
+            self._original, self._masks = original, (vessel_mask(original, tissue_mask=view), view)
+            self._before = measured(original, original, *self._masks, 0.0), spread(original)
+        after = measured(enhanced, original, *self._masks, pictures.milliseconds)
         yield Measured(pictures, self._before[0], after, self._before[1], spread(enhanced))
 
 

@@ -15,7 +15,7 @@ from renderer.train.events import Omission
 
 @dataclass(frozen=True)
 class OmissionsRequest:
-    """What it depends on: the photos as they are, and the settings but for the number of iterations."""
+    """What it depends on: the frames as they are, and the settings but for the number of iterations."""
 
     clip: Clip
     config: TrainConfig

@@ -37,11 +37,11 @@ class Thumbnails:
 
 def make_thumbnails(request: ThumbnailsRequest) -> Iterator[Thumbnails]:
     """Raises ImageError."""
-    photo = request.pictures.photo
-    factor = min(1.0, SIDE / max(photo.shape[:2]))
-    size = (max(1, round(factor * photo.shape[1])), max(1, round(factor * photo.shape[0])))
+    original = request.pictures.original
+    factor = min(1.0, SIDE / max(original.shape[:2]))
+    size = (max(1, round(factor * original.shape[1])), max(1, round(factor * original.shape[0])))
     enhancer = MethodEnhancer()
-    small = np.ascontiguousarray(cv2.resize(photo, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    small = np.ascontiguousarray(cv2.resize(original, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     enhancer.show(small, None, drawn(request.pictures.request.pixels))
     images = {
         name: np.asarray(enhancer.enhance(smaller(look, factor)).image, np.uint8)

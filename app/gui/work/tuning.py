@@ -54,10 +54,10 @@ class CellMaker:
         wanted = request.grid.picture.with_params(request.setting.params)
         pictures = list(self._pictures.make(wanted))[-1]
         assert pictures.enhanced is not None
-        if self._masks is None or self._masks[0] is not pictures.photo:
-            view = field_of_view(pictures.photo)
-            self._masks = pictures.photo, view, vessel_mask(pictures.photo, tissue_mask=view)
-        photo, view, vessels = self._masks
-        measures = measured(pictures.enhanced, photo, vessels, view, pictures.milliseconds)
+        if self._masks is None or self._masks[0] is not pictures.original:
+            view = field_of_view(pictures.original)
+            self._masks = pictures.original, view, vessel_mask(pictures.original, tissue_mask=view)
+        original, view, vessels = self._masks
+        measures = measured(pictures.enhanced, original, vessels, view, pictures.milliseconds)
         image = pictures.enhanced if request.whole else small(pictures.enhanced, THUMB_WIDTH)
         yield GridCell(request, image, measures)

@@ -25,8 +25,8 @@ COLUMNS: Final = (
 
 
 def measure(bench: Bench, clock: Clock) -> Section:
-    """On the first photo of the clip; of the phantom, drawn as large as an endoscope's picture."""
-    image = photo(bench)
+    """On the first frame of the clip; of the phantom, drawn as large as an endoscope's picture."""
+    image = first_frame(bench)
     height, width = image.shape[:2]
     bench.say(f"enhancement of an image of {width}x{height} against float64")
     rows = list(accuracy(image, REPEATS))
@@ -57,7 +57,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     )  # fmt: skip
 
 
-def photo(bench: Bench) -> NDArray[np.uint8]:
+def first_frame(bench: Bench) -> NDArray[np.uint8]:
     """What pictures are measured on."""
     if bench.truth is None:
         return bench.clip.read_image(0)

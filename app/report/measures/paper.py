@@ -12,7 +12,7 @@ import numpy as np
 from app.evaluation.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
 from app.evaluation.mean import mean_of_finite
 from app.report.bench import Bench, Clock, scene_name
-from app.report.dvbv import PHOTOS, Rise, measured_rises, verdict
+from app.report.dvbv import FRAMES, Rise, measured_rises, verdict
 from app.report.dvbv import table as table_of_rises
 from app.report.measures.training import INPUTS
 from app.report.paper_rows import PAPER, SCARED, TABLE_3
@@ -93,22 +93,22 @@ def measure(bench: Bench, clock: Clock) -> Section:
 
 def _renders(bench: Bench, clock: Clock, missing: list[str]) -> Iterator[dict[str, Cell]]:
     for method, name in METHODS.items():
-        for photos in INPUTS:
+        for kind in INPUTS:
             if clock.is_out:
-                missing.append(f"{name}, {photos} frames: no time left")
+                missing.append(f"{name}, {kind} frames: no time left")
                 continue
             try:
-                trained = bench.runs.trained(schedule(bench.clip, method), photos)
+                trained = bench.runs.trained(schedule(bench.clip, method), kind)
             except TrainingError as error:
-                missing.append(f"{name}, {photos} frames: {error}")
+                missing.append(f"{name}, {kind} frames: {error}")
                 continue
             evaluation = open_evaluation(trained.folder.path)
             frames = list(evaluation.frames())
             found = evaluation.report(frames)
             mean, seen = found["mean"], found["visibility"]
-            gain = _noise_gain(bench, trained.photos.read_image, evaluation.indices)
+            gain = _noise_gain(bench, trained.clip.read_image, evaluation.indices)
             yield {
-                "clip": bench.clip.name, "table": "here", "method": name, "photos": photos,
+                "clip": bench.clip.name, "table": "here", "method": name, "photos": kind,
                 "lpips": mean["lpips"], "dv": mean["dv"], "bv": mean["bv"], "dv_bv": mean["dv_bv"],
                 "contrast": seen["vessel_contrast"], "psnr": mean["psnr"], "ssim": mean["ssim"],
                 "saturated": seen["saturated_share"], "noise": gain,
@@ -155,11 +155,11 @@ def _reading_of_rises(rises: Sequence[Rise]) -> Iterator[str]:
     for what in dict.fromkeys(one.what for one in rises):
         told = [
             f"{np.mean(one.gains):.2f} over {one.pixels} with statistics of {one.statistics}"
-            + ("" if what == PHOTOS else f" ({verdict(one.gains)})")
+            + ("" if what == FRAMES else f" ({verdict(one.gains)})")
             for one in rises
             if one.what == what and one.gains
         ]
-        yield f"DV/BV of {what if what == PHOTOS else f'renders by {what}'}, enhanced against original: " + (
+        yield f"DV/BV of {what if what == FRAMES else f'renders by {what}'}, enhanced against original: " + (
             f"{'; '.join(told)}."
         )
 

@@ -41,9 +41,9 @@ def measure(bench: Bench, clock: Clock) -> Section:
     clips = {name: open_clip(path) for name, path in paths.items()}
     rows: list[tuple[Cell, ...]] = []
     points = []
-    for (name, clip), (whole, photo) in zip(clips.items(), _times([*paths.values()]), strict=True):
+    for (name, clip), (whole, image) in zip(clips.items(), _times([*paths.values()]), strict=True):
         if name not in written:
-            rows.append(_row(name, clip, whole, photo, None, None))
+            rows.append(_row(name, clip, whole, image, None, None))
             continue
         read = [clip.read_frame(index) for index in range(len(clip))]
         apart = [np.abs(a.image.astype(float) - b.image).mean() for a, b in zip(read, frames, strict=True)]
@@ -53,7 +53,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
             if a.depth is not None and b.depth is not None
         ]
         error, depth = float(np.mean(apart)), float(np.mean(depths)) if depths else None
-        rows.append(_row(name, clip, whole, photo, error, depth))
+        rows.append(_row(name, clip, whole, image, error, depth))
         points.append(Point(series=clip.format, setting=name, seconds=whole.median, error=error,
                             spread=whole.spread, is_default=name == "EndoNeRF, PNG"))  # fmt: skip
     return Section(
@@ -83,12 +83,12 @@ def _written(folder: Path, images: list[np.ndarray]) -> Iterator[tuple[str, Path
 
 
 def _times(paths: Sequence[Path]) -> list[tuple[Laps, Laps]]:
-    """Of a frame of each, and of its photo alone, all in turns; each from a clip of its own, which reads on
+    """Of a frame of each, and of its image alone, all in turns; each from a clip of its own, which reads on
     from where it is."""
     works: list[Callable[[], object]] = []
     for path in paths:
-        frames, photos = open_clip(path), open_clip(path)
-        for clip, read in ((frames, frames.read_frame), (photos, photos.read_image)):
+        frames, images = open_clip(path), open_clip(path)
+        for clip, read in ((frames, frames.read_frame), (images, images.read_image)):
             indices = cycle(range(min(len(clip), PARAMS.n_frames)))
             works.append(lambda read=read, indices=indices: read(next(indices)))  # type: ignore[misc]
     taken = iter(laps(works, LAPS))
@@ -96,9 +96,9 @@ def _times(paths: Sequence[Path]) -> list[tuple[Laps, Laps]]:
 
 
 def _row(
-    name: str, clip: Clip, whole: Laps, photo: Laps, error: float | None, depth: float | None
+    name: str, clip: Clip, whole: Laps, image: Laps, error: float | None, depth: float | None
 ) -> tuple[Cell, ...]:
     paths = [clip.path] if clip.path.is_file() else [path for path in clip.path.rglob("*") if path.is_file()]
     size = sum(path.stat().st_size for path in paths) / 1e6
-    times = 1e3 * whole.median, 1e3 * whole.spread, 1e3 * photo.median
+    times = 1e3 * whole.median, 1e3 * whole.spread, 1e3 * image.median
     return (name, clip.format, *times, error, depth, size)

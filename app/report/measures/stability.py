@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import enhance.stability
 import renderer.measuring.stability
 from app.report.bench import Bench, Clock
-from app.report.measures.enhancement import photo
+from app.report.measures.enhancement import first_frame
 from app.report.section import Cell, Column, Section, Table
 from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, standalone_context
@@ -27,7 +27,9 @@ SMALLER = 2
 def measure(bench: Bench, clock: Clock) -> Section:
     """Of both libraries; of drawing with OpenGL, where there is any."""
     bench.say("stability of the enhancement")
-    tables = {"Enhancement": _cells(enhance.stability.stability(photo(bench)[::SMALLER, ::SMALLER].copy()))}
+    tables = {
+        "Enhancement": _cells(enhance.stability.stability(first_frame(bench)[::SMALLER, ::SMALLER].copy()))
+    }
     bench.say("stability of reconstruction and rendering")
     missing = (
         [] if has_torch() else [f"images, depths, gradients and training steps against float64: {NO_TORCH}"]

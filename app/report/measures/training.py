@@ -56,21 +56,21 @@ def measure(bench: Bench, clock: Clock) -> Section:
 def _finished(bench: Bench, clock: Clock, missing: list[str]) -> dict[Input, list[Run]]:
     default, is_short = schedule(bench.clip), bench.truth is not None
     runs: dict[Input, list[Run]] = {name: [] for name in INPUTS}
-    for config, photos in _wanted(bench.clip, default, SEEDS if is_short else 1):
+    for config, kind in _wanted(bench.clip, default, SEEDS if is_short else 1):
         again = f", seed {config.seed}" if config.seed != default.seed else ""
-        name = f"{setting_of(config)}{again}, {photos} frames"
+        name = f"{setting_of(config)}{again}, {kind} frames"
         if clock.is_out:
             missing.append(f"{name}: no time left")
             continue
         try:
-            trained = bench.runs.trained(config, photos)
+            trained = bench.runs.trained(config, kind)
         except TrainingError as error:
             missing.append(f"{name}: {error}")
             continue
-        found = outcome(trained.finished, trained.photos, config, bench.truth)
-        runs[photos].append(Run(config=config, input=photos, outcome=found))
+        found = outcome(trained.finished, trained.clip, config, bench.truth)
+        runs[kind].append(Run(config=config, input=kind, outcome=found))
     for _ in range(REPEATS if is_short else 0):
-        runs = {photos: _timed_again(bench, clock, those) for photos, those in runs.items()}
+        runs = {kind: _timed_again(bench, clock, those) for kind, those in runs.items()}
     return runs
 
 
@@ -87,12 +87,12 @@ def _timed_again(bench: Bench, clock: Clock, runs: list[Run]) -> list[Run]:
 
 def _wanted(clip: Clip, default: TrainConfig, seeds: int) -> Iterator[tuple[TrainConfig, Input]]:
     """The long ones come first: other parts need them, too."""
-    for photos in INPUTS:
+    for kind in INPUTS:
         for method in STEPS:
-            yield schedule(clip, method), photos
+            yield schedule(clip, method), kind
         for method, counts in STEPS.items():
             for count in counts[1:]:
-                yield replace(schedule(clip, method), iterations=count), photos
+                yield replace(schedule(clip, method), iterations=count), kind
     usual = default.n_gaussians
     for count in (usual // 4, usual // 2, 2 * usual):
         yield replace(default, n_gaussians=count), "original"
@@ -101,6 +101,6 @@ def _wanted(clip: Clip, default: TrainConfig, seeds: int) -> Iterator[tuple[Trai
     for share in (0.0, 2 / 3):
         yield replace(default, half_resolution_share=share), "original"
     for seed in range(default.seed + 1, default.seed + seeds):
-        for photos in INPUTS:
+        for kind in INPUTS:
             for method in STEPS:
-                yield replace(schedule(clip, method), seed=seed), photos
+                yield replace(schedule(clip, method), seed=seed), kind

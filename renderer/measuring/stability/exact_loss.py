@@ -22,7 +22,7 @@ LEAST_SHARE: Final = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class ExactLoss:
-    """Of one photo with its depth; planes (5, H, W) are those of the raster, without padding."""
+    """Of one frame with its depth; planes (5, H, W) are those of the raster, without padding."""
 
     frame: Frame
     weights: LossWeights
@@ -39,11 +39,11 @@ class ExactLoss:
         return (more - less) / (2 * STEP) + self._depth_slope(planes, way)
 
     def _of_picture(self, planes: FloatArray) -> float:
-        weights, photo = self.weights, self.frame.image / 255.0
+        weights, image = self.weights, self.frame.image / 255.0
         mask, picture = self.frame.tissue_mask, planes[PLANE_RED : PLANE_BLUE + 1].transpose(1, 2, 0)
-        loss = weights.color * np.abs(picture - photo)[mask].sum() / max(1, 3 * mask.sum())
+        loss = weights.color * np.abs(picture - image)[mask].sum() / max(1, 3 * mask.sum())
         if mask.any():
-            loss += weights.dissimilarity * (1 - _similarity(picture, photo, mask))
+            loss += weights.dissimilarity * (1 - _similarity(picture, image, mask))
         loss += weights.image_variation * sum(_steps(picture[..., c]) for c in range(3)) / picture.size
         alpha = 1 - planes[LEFT]
         drawn = (alpha > 0.5) & (planes[PLANE_DEPTH] > 0)
@@ -77,12 +77,12 @@ def _steps(values: FloatArray) -> float:
     return float(sum(np.nansum(np.abs(np.diff(values, axis=axis))) for axis in (0, 1)))
 
 
-def _similarity(picture: FloatArray, photo: FloatArray, mask: NDArray[np.bool_]) -> float:
+def _similarity(picture: FloatArray, image: FloatArray, mask: NDArray[np.bool_]) -> float:
     """Mean SSIM over tissue; a window with next to no tissue is alike."""
     share = _window(mask.astype(np.float64))
     counts, total = mask & (share > LEAST_SHARE), 0.0
     for channel in range(3):
-        x, y = picture[..., channel] * mask, photo[..., channel] * mask
+        x, y = picture[..., channel] * mask, image[..., channel] * mask
         parts = (_window(each)[counts] / share[counts] for each in (x, y, x * x, y * y, x * y))
         mean_x, mean_y, square_x, square_y, product = parts
         alike = (2 * mean_x * mean_y + 1e-4) * (2 * (product - mean_x * mean_y) + 9e-4)

@@ -73,7 +73,7 @@ def unseen() -> Iterator[Row]:
 
 
 def _frame() -> Frame:
-    """A photo of noise from elsewhere, tissue on its right."""
+    """A frame of noise from elsewhere, tissue on its right."""
     tissue = np.zeros(SHAPE, bool)
     tissue[:, 17:] = True
     return replace(frame(), camera=TURNED, tissue_mask=tissue)

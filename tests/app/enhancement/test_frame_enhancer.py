@@ -36,9 +36,9 @@ def test_the_enhanced_picture_is_the_library_s_own(clip: Clip) -> None:
     assert whole.statistics == expected.statistics
 
 
-def test_white_light_is_the_photo_alone(clip: Clip) -> None:
+def test_white_light_is_the_frame_alone(clip: Clip) -> None:
     (only,) = PictureMaker().make(PictureRequest(clip, 1, None))
-    np.testing.assert_array_equal(only.photo, clip.read_image(1))
+    np.testing.assert_array_equal(only.original, clip.read_image(1))
 
 
 def test_pooled_statistics_are_measured_once_for_all_sliders(clip: Clip) -> None:

@@ -68,7 +68,7 @@ def evaluated(vesselsplat: Cli, *arguments: object) -> dict[str, Any]:
 def test_depth_error_and_shares_are_of_the_evaluated_pixels(runs: dict[str, Path], vesselsplat: Cli) -> None:
     report = evaluated(vesselsplat, runs["enhanced"])
     evaluation = open_evaluation(runs["enhanced"])
-    row, frame = report["frames"][1], evaluation.photos.read_frame(9)
+    row, frame = report["frames"][1], evaluation.trained_clip.read_frame(9)
     drawn = draw_on_cpu(
         evaluation.model.at(frame.time), frame.camera, near_plane(evaluation.model, frame.camera)
     )
@@ -95,11 +95,11 @@ def large_clip(tmp_path_factory: pytest.TempPathFactory) -> Clip:
     return open_clip(path)
 
 
-def test_the_photo_itself_is_a_perfect_render(large_clip: Clip) -> None:
+def test_the_frame_itself_is_a_perfect_render(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
     assert frame.depth is not None
-    photo = Drawn(frame.image.astype(np.float32) / 255, frame.depth, np.ones_like(frame.depth))
-    measures = measure_frame(frame, photo, large_clip, None, {"raster": 2.0, "deformation": 1.0})
+    render = Drawn(frame.image.astype(np.float32) / 255, frame.depth, np.ones_like(frame.depth))
+    measures = measure_frame(frame, render, large_clip, None, {"raster": 2.0, "deformation": 1.0})
     assert measures.psnr == measures.psnr_masked == math.inf
     assert measures.ssim == pytest.approx(1)
     assert measures.depth_rmse_mm == 0
@@ -110,14 +110,14 @@ def test_the_photo_itself_is_a_perfect_render(large_clip: Clip) -> None:
     assert measures.visibility["vessel_contrast"] > 0
 
 
-def test_the_ridges_are_those_of_the_original_photo(large_clip: Clip) -> None:
+def test_the_ridges_are_those_of_the_original_frame(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
     mask = frame.evaluation_mask
     ridges = vessel_mask(frame.image, tissue_mask=mask)
     darker = np.where(ridges[..., None], frame.image // 2, frame.image)
     empty = np.zeros(mask.shape, np.float32)
     shown = Drawn(darker.astype(np.float32) / 255, empty, empty)
-    # The photo that a run was trained on has vessels elsewhere, which must not matter.
+    # The frame that a run was trained on has vessels elsewhere, which must not matter.
     turned = replace(frame, image=np.ascontiguousarray(frame.image[::-1]))
     measures = measure_frame(turned, shown, large_clip, None, {})
     assert measures.visibility["vessel_contrast"] == vessel_contrast(darker, ridges, tissue_mask=mask)
@@ -129,10 +129,10 @@ def test_the_ridges_are_those_of_the_original_photo(large_clip: Clip) -> None:
 
 def test_the_two_psnr_differ_by_the_evaluated_share_on_a_constant_error(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
-    photo = np.clip(frame.image, 0, 245)
-    flat = np.ones(photo.shape[:2], np.float32)
-    raised = Drawn((photo + 10).astype(np.float32) / 255, flat, flat)
-    measures = measure_frame(replace(frame, image=photo), raised, large_clip, None, {})
+    image = np.clip(frame.image, 0, 245)
+    flat = np.ones(image.shape[:2], np.float32)
+    raised = Drawn((image + 10).astype(np.float32) / 255, flat, flat)
+    measures = measure_frame(replace(frame, image=image), raised, large_clip, None, {})
     assert measures.psnr_masked == pytest.approx(-20 * math.log10(10 / 255))
     gap = -10 * math.log10(measures.evaluated_share)
     assert gap > 0.1
@@ -141,7 +141,7 @@ def test_the_two_psnr_differ_by_the_evaluated_share_on_a_constant_error(large_cl
 
 def test_the_stopwatch_draws_what_is_drawn_elsewhere_and_its_parts_add_up(runs: dict[str, Path]) -> None:
     evaluation = open_evaluation(runs["original"])
-    frame = evaluation.photos.read_frame(1)
+    frame = evaluation.trained_clip.read_frame(1)
     drawn, parts = Stopwatch(evaluation.model, frame.camera).draw(frame)
     other = draw_on_cpu(
         evaluation.model.at(frame.time), frame.camera, near_plane(evaluation.model, frame.camera)
@@ -193,7 +193,7 @@ def test_lpips_is_measured_with_weights_given_named_or_cached(
 ) -> None:
     run = runs["original"]
     given = evaluated(vesselsplat, run, "--lpips-weights", weights)
-    frame = open_evaluation(run).photos.read_frame(9)
+    frame = open_evaluation(run).trained_clip.read_frame(9)
     drawn, _ = Stopwatch(RunFolder(run).model(), frame.camera).draw(frame)
     mask, pair = frame.evaluation_mask, (drawn.bytes / 255, frame.image / 255)
     assert given["frames"][1]["lpips"] == pytest.approx(read_lpips(weights).distance(*pair, mask))

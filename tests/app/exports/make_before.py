@@ -56,12 +56,12 @@ def make(folder: Path) -> None:
 def _by_commands(folder: Path, clip: Path, run: Path, mip: Path) -> None:
     command("enhance", clip, folder / "pooled", "--statistics", "clip", "--pixels", "tissue", "--z", "0.3")
     _keep(folder / "pooled", {"frame-000002.color.png": "enhanced.png"})
-    photo = folder / "photo.png"
-    photo.write_bytes(next(iter(sorted((clip / "images").iterdir()))).read_bytes())
-    command("enhance", photo, folder / "vessel.tiff", "--method", "vessel")
-    command("enhance", photo, folder / "clahe.npy", "--method", "clahe")
+    image = folder / "photo.png"
+    image.write_bytes(next(iter(sorted((clip / "images").iterdir()))).read_bytes())
+    command("enhance", image, folder / "vessel.tiff", "--method", "vessel")
+    command("enhance", image, folder / "clahe.npy", "--method", "clahe")
     command("enhance", clip, folder / "enhanced.mp4", "--statistics", "clip")
-    command("tune", photo, "--vary", "d_factor=0,2", "--out", folder / "tuned")
+    command("tune", image, "--vary", "d_factor=0,2", "--out", folder / "tuned")
     _keep(folder / "tuned", {"sheet.png": "tuning-sheet.png", "setting-001.png": "tuned.png"})
     for name, path, flags in (
         ("color", run, ("--depth", "--supersampling", "2")),

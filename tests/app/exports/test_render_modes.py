@@ -41,7 +41,7 @@ Cli = Callable[..., Call]
 Kind = Literal["finished run", "edited run", "splat file"]
 MODES: tuple[RenderMode, ...] = get_args(RenderMode)
 SIZE = (64, 48)
-"""Of the clip's photos."""
+"""Of the clip's frames."""
 FRAME = 3
 FEW_LEVELS = 3
 """Grey levels by which the card's half floats may be off; the modes are further apart."""

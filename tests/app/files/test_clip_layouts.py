@@ -60,13 +60,13 @@ def save(path: Path, array: np.ndarray) -> None:
         Image.fromarray(array).save(path)
 
 
-def write_depth_files(folder: Path, photos: str, maps: str) -> None:
+def write_depth_files(folder: Path, images: str, maps: str) -> None:
     """Right pictures and monocular maps for the pictures of a folder."""
-    for number, photo in enumerate(sorted((folder / photos).iterdir())):
-        shutil.copy(photo, folder / f"{photos}_right" / photo.name)
-        with Image.open(photo) as picture:
+    for number, image in enumerate(sorted((folder / images).iterdir())):
+        shutil.copy(image, folder / f"{images}_right" / image.name)
+        with Image.open(image) as picture:
             inverse = np.full((picture.height, picture.width), 0.02 + 0.001 * number, np.float32)
-        found = "".join(each for each in photo.stem if each.isdigit())
+        found = "".join(each for each in image.stem if each.isdigit())
         values = inverse if maps == "depth_dam" else (inverse * 5000).astype(np.uint8)
         save(folder / maps / (f"{found}.npy" if maps == "depth_dam" else f"{found}.png"), values)
 
@@ -95,18 +95,18 @@ def endonerf_with_maps(maps: str) -> Callable[[Path], Path]:
 def scared(folder: Path) -> Path:
     phantom(folder, "scared")
     (folder / "data/right_finalpass").mkdir()
-    for photo in (folder / "data/left_finalpass").iterdir():
-        shutil.copy(photo, folder / "data/right_finalpass")
+    for image in (folder / "data/left_finalpass").iterdir():
+        shutil.copy(image, folder / "data/right_finalpass")
     return folder
 
 
 def scared_of_points(folder: Path) -> Path:
     shutil.rmtree(scared(folder) / "data/disparity")
     points = np.zeros((2 * SMALL.height, SMALL.width, 3), np.float32)
-    for photo in (folder / "data/left_finalpass").iterdir():
+    for image in (folder / "data/left_finalpass").iterdir():
         points[..., 2] = 60
         (folder / "data/scene_points").mkdir(exist_ok=True)
-        tiff = folder / f"data/scene_points/{photo.stem}.tiff"
+        tiff = folder / f"data/scene_points/{image.stem}.tiff"
         assert cv2.imwrite(str(tiff), points)
     return folder
 
@@ -125,13 +125,13 @@ def eyes(left: str, right: str) -> Callable[[Path], Path]:
 
 
 def pictures(
-    photo: str = "{}.png", depth: str = "", mask: str = "", one_mask: str = ""
+    image: str = "{}.png", depth: str = "", mask: str = "", one_mask: str = ""
 ) -> Callable[[Path], Path]:
     """Numbered pictures, with depth and masks of these names."""
 
     def write(folder: Path) -> Path:
         for frame in small_frames(count=COUNT):
-            save(folder / photo.format(frame.index), frame.image)
+            save(folder / image.format(frame.index), frame.image)
             assert frame.depth is not None
             marked = np.where(frame.tissue_mask, 0, 255).astype(np.uint8)
             in_steps = np.rint(100 * frame.depth).astype(np.uint16)

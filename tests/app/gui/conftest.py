@@ -29,7 +29,7 @@ from tests.app.gui.ui import Ui
 SIZE = (48, 40)
 
 
-def photo(index: int) -> ByteImage:
+def image_of(index: int) -> ByteImage:
     """(H, W, 3): red tissue with a dark vertical vessel that is further right in each frame."""
     image = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
     image[...] = (190, 120, 100)
@@ -43,7 +43,7 @@ def make_clip(path: Path, count: int = 6, *, has_depth: bool = True) -> Clip:
     depth = np.full(mask.shape, 50.0, np.float32)
 
     def read_frame(index: int) -> Frame:
-        return Frame(index, index / count, photo(index), camera, mask, mask, depth if has_depth else None)
+        return Frame(index, index / count, image_of(index), camera, mask, mask, depth if has_depth else None)
 
     return Clip(
         name=path.name,
@@ -51,7 +51,7 @@ def make_clip(path: Path, count: int = 6, *, has_depth: bool = True) -> Clip:
         format="images",
         cameras=(camera,) * count,
         read_frame=read_frame,
-        read_image=photo,
+        read_image=image_of,
         labels=tuple(f"{index}.png" for index in range(count)),
         has_depth=has_depth,
         unit="mm",

@@ -1,4 +1,4 @@
-"""A picture of photo, enhanced photo and 3D view, as the window asks for it."""
+"""A picture of frame, enhanced frame and 3D view, as the window asks for it."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from app.scenes.view_request import ViewRequest, view_record
 def asked(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None = None) -> ExportRequest:
     record = PanesPicture(views=() if view is None else (view_record(view, ON_CPU),))
     if wanted is not None:
-        photo = replace(wanted, params=None)
-        panes = (pane_record("Original", photo),)
+        original = replace(wanted, params=None)
+        panes = (pane_record("Original", original),)
         if wanted.params is not None:
-            panes += (pane_record("Enhanced", photo, wanted.params),)
+            panes += (pane_record("Enhanced", original, wanted.params),)
         frame = FrameRecord(index=wanted.frame_index, label=wanted.clip.labels[wanted.frame_index])
         record = replace(record, frame=frame, panes=panes)
     stem = wanted.clip.path.stem if wanted is not None else "view"

@@ -20,7 +20,7 @@ Act = Callable[[AppState], None]
 
 @pytest.fixture
 def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    """A reconstruction on screen, through the clip's camera and as large as its photos."""
+    """A reconstruction on screen, through the clip's camera and as large as its frames."""
     job_actions.start_reconstruction(state)
     start_due(state, FakeJob)
     show_live(state, model)
@@ -147,12 +147,12 @@ def test_a_snapped_view_is_the_clip_s_camera_exactly_until_it_is_moved(seen: App
     camera_actions.toggle_snap(seen)
     assert request(seen).camera == seen.source.clip.cameras[2]
     assert request(seen).time == seen.source.clip.times[2]
-    assert seen.photo_request is not None
-    assert (seen.photo_request.clip, seen.photo_request.frame) == (seen.source.clip, 2)
+    assert seen.frame_request is not None
+    assert (seen.frame_request.clip, seen.frame_request.frame) == (seen.source.clip, 2)
     move(seen)
     assert not seen.scene.viewer.snapped
     assert request(seen).camera.width == 301
-    assert seen.photo_request is None
+    assert seen.frame_request is None
 
 
 def test_a_snapped_view_between_two_frames_is_of_the_nearer_one(seen: AppState) -> None:
@@ -160,11 +160,11 @@ def test_a_snapped_view_between_two_frames_is_of_the_nearer_one(seen: AppState) 
     actions.seek_view(seen, 3.4 / 6)
     camera_actions.toggle_snap(seen)
     assert request(seen).time == 3 / 6
-    assert seen.photo_request is not None
-    assert seen.photo_request.frame == 3
+    assert seen.frame_request is not None
+    assert seen.frame_request.frame == 3
 
 
-def test_without_the_model_s_own_clip_there_is_no_photo(seen: AppState) -> None:
+def test_without_the_model_s_own_clip_there_is_no_frame(seen: AppState) -> None:
     assert seen.source.clip is not None
     other = seen.source.clip.cameras[0].resized(10, 10)
     seen.source.clip = replace(seen.source.clip, cameras=(other,) * 6)
@@ -172,7 +172,7 @@ def test_without_the_model_s_own_clip_there_is_no_photo(seen: AppState) -> None:
     assert not seen.scene.viewer.snapped
 
 
-def test_the_photo_s_share_stays_between_none_and_all(seen: AppState) -> None:
+def test_the_frame_s_share_stays_between_none_and_all(seen: AppState) -> None:
     for share, kept in ((-0.3, 0.0), (0.4, 0.4), (7.0, 1.0)):
         camera_actions.blend(seen, share)
         assert seen.scene.viewer.blend == kept

@@ -23,7 +23,7 @@ from app.gui.work.settings import FILE, MOST_CLIPS, Places, clips_content, load_
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
 from app.runs.clip_selection import ClipPart
 from renderer.clip import Clip
-from tests.app.gui.conftest import make_clip, photo
+from tests.app.gui.conftest import image_of, make_clip
 from tests.app.gui.settling import keep_all, served
 
 
@@ -80,7 +80,9 @@ def test_masked_pixels_do_not_count(state: AppState) -> None:
 def test_pooled_statistics_keep_to_the_trim(state: AppState, clip: Clip) -> None:
     read: list[int] = []
     state.source.clip = make_clip(clip.path)
-    object.__setattr__(state.source.clip, "read_image", lambda index: (read.append(index), photo(index))[1])
+    object.__setattr__(
+        state.source.clip, "read_image", lambda index: (read.append(index), image_of(index))[1]
+    )
     state.enhancement.scope = "clip"
     actions.seek(state, 2)
     clip_actions.trim_here(state, start=True)
@@ -187,10 +189,10 @@ def test_the_tint_is_where_pixels_are_left_out_and_only_while_it_is_asked_for(st
     assert not left_out[:, 10:].any()
     assert state.picture.pictures is not None
     assert any("TINTED" in tag.text for tag in pane(state, state.picture.pictures, "right").tags)
-    patch = Patch(photo(0), 0, 0)
+    patch = Patch(image_of(0), 0, 0)
     painted = tint(patch, left_out, Placement(1.0, 0.0, 0.0), (48.0, 40.0)).pixels
-    np.testing.assert_array_equal(painted[:, 10:], photo(0)[:, 10:])
-    moved = np.abs(painted[:, :10].astype(int) - TINT) < np.abs(photo(0)[:, :10].astype(int) - TINT)
+    np.testing.assert_array_equal(painted[:, 10:], image_of(0)[:, 10:])
+    moved = np.abs(painted[:, :10].astype(int) - TINT) < np.abs(image_of(0)[:, :10].astype(int) - TINT)
     assert moved.all()
     actions.seek(state, 2)
     update(state, channels, 0.2)

@@ -25,7 +25,7 @@ from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
-from tests.app.gui.conftest import make_clip, photo, start_live
+from tests.app.gui.conftest import image_of, make_clip, start_live
 from tests.app.gui.scenes import scene_of
 from tests.app.gui.settling import settle
 
@@ -60,14 +60,14 @@ def test_every_source_shows_what_its_name_says(
     actions.seek(state, 2)
     rendered = render(model.at(2 / 6), state.source.clip.cameras[2], (0.0, 0.0, 0.0), near=0.05).image
     expected = {
-        "original": photo(2),
-        "enhanced": enhance(photo(2), EnhanceParams(z=0.7)).image,
-        "A": enhance(photo(2), EnhanceParams(z=0.2)).image,
-        "B": enhance_vessels(photo(2), VesselParams(strength=3.0)).image,
+        "original": image_of(2),
+        "enhanced": enhance(image_of(2), EnhanceParams(z=0.7)).image,
+        "A": enhance(image_of(2), EnhanceParams(z=0.2)).image,
+        "B": enhance_vessels(image_of(2), VesselParams(strength=3.0)).image,
         "render": np.rint(np.clip(rendered, 0, 1) * 255).astype(np.uint8),
-        "paper": enhance(photo(2)).image,
-        "vessel": enhance_vessels(photo(2)).image,
-        "clahe": clahe(photo(2)),
+        "paper": enhance(image_of(2)).image,
+        "vessel": enhance_vessels(image_of(2)).image,
+        "clahe": clahe(image_of(2)),
     }
     for source in SOURCES:
         comparing.choose_source(state, "right", source)
@@ -76,7 +76,7 @@ def test_every_source_shows_what_its_name_says(
         assert source in expected or said(state).startswith(f"METHOD {named(source)}")
         if source in expected:
             np.testing.assert_array_equal(image(state), expected[source], source)
-        np.testing.assert_array_equal(image(state, "left"), photo(2))
+        np.testing.assert_array_equal(image(state, "left"), image_of(2))
 
 
 def test_a_source_that_is_missing_says_so_and_shows_the_original(state: AppState, channels: Channels) -> None:
@@ -85,7 +85,7 @@ def test_a_source_that_is_missing_says_so_and_shows_the_original(state: AppState
         settle(state, channels)
         assert why_not(state, source) in said(state)
         assert "ORIGINAL" in said(state)
-        np.testing.assert_array_equal(image(state), photo(0))
+        np.testing.assert_array_equal(image(state), image_of(0))
 
 
 def test_a_model_of_another_clip_is_no_render_of_this_one(state: AppState, model: DynamicGaussians) -> None:
@@ -100,7 +100,7 @@ def test_a_model_of_another_clip_is_no_render_of_this_one(state: AppState, model
     assert not why_not(state, "render")
 
 
-def test_peek_and_white_light_show_the_photo_whatever_is_compared(
+def test_peek_and_white_light_show_the_frame_whatever_is_compared(
     state: AppState, channels: Channels
 ) -> None:
     comparing.store(state, "A")
@@ -108,12 +108,12 @@ def test_peek_and_white_light_show_the_photo_whatever_is_compared(
     settle(state, channels)
     state.enhancement.peeking = True
     for side in ("left", "right"):
-        assert image(state, side) is state.picture.pictures.photo  # type: ignore[union-attr]
+        assert image(state, side) is state.picture.pictures.original  # type: ignore[union-attr]
         assert "peek" in said(state, side)
     actions.white_light(state)
     settle(state, channels)
     for side in ("left", "right"):
-        np.testing.assert_array_equal(image(state, side), photo(0))
+        np.testing.assert_array_equal(image(state, side), image_of(0))
     assert "WHITE LIGHT" in said(state)
     assert shown_mode(state) == "side by side"
 
@@ -129,7 +129,7 @@ def test_another_frame_is_stale_until_its_picture_is_there(state: AppState, chan
     assert pane(state, state.picture.pictures, "right").stale
     assert state.is_busy
     settle(state, channels, 1.0)
-    np.testing.assert_array_equal(image(state), clahe(photo(3)))
+    np.testing.assert_array_equal(image(state), clahe(image_of(3)))
 
 
 def test_playing_waits_for_both_panes(state: AppState, channels: Channels) -> None:
@@ -166,9 +166,9 @@ def test_pictures_are_remembered_and_let_go(state: AppState, monkeypatch: pytest
     (first,) = maker.make(request)
     (again,) = maker.make(request)
     assert again is first
-    monkeypatch.setattr("app.exports.comparison_images.KEPT_BYTES", 2 * photo(0).nbytes)
+    monkeypatch.setattr("app.exports.comparison_images.KEPT_BYTES", 2 * image_of(0).nbytes)
     for index in range(1, 4):
-        list(maker.make(replace(request, photo=replace(request.photo, frame_index=index))))
+        list(maker.make(replace(request, original=replace(request.original, frame_index=index))))
     (renewed,) = maker.make(request)
     assert renewed is not first
     np.testing.assert_array_equal(renewed.image, first.image)
@@ -180,7 +180,7 @@ def test_pictures_of_a_clip_that_was_left_are_let_go(state: AppState, tmp_path: 
     request = other_request(state, "right")
     assert request is not None
     first = ref(next(maker.make(request)))
-    list(maker.make(replace(request, photo=replace(request.photo, clip=make_clip(tmp_path / "next")))))
+    list(maker.make(replace(request, original=replace(request.original, clip=make_clip(tmp_path / "next")))))
     assert first() is None
 
 
@@ -193,7 +193,7 @@ def test_models_count_among_what_is_kept(
     comparing.choose_source(state, "right", "clahe")
     request = other_request(state, "right")
     assert request is not None
-    monkeypatch.setattr("app.exports.comparison_images.KEPT_BYTES", 2 * photo(0).nbytes)
+    monkeypatch.setattr("app.exports.comparison_images.KEPT_BYTES", 2 * image_of(0).nbytes)
     maker = OtherMaker()
     first = ref(next(maker.make(replace(request, by=state.scene.model))))
     list(maker.make(replace(request, by=replace(state.scene.model, iteration=9))))
@@ -247,7 +247,7 @@ def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels)
     assert difference is not None
     assert pictures is not None
     assert pictures.enhanced is not None
-    apart = np.abs(pictures.photo.astype(int) - pictures.enhanced).max(axis=2)
+    apart = np.abs(pictures.original.astype(int) - pictures.enhanced).max(axis=2)
     assert difference.mean == pytest.approx(apart.mean())
     shown = difference_pane(state, pictures, difference)
     assert not shown.stale
@@ -257,7 +257,7 @@ def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels)
 
 
 def test_requests_of_the_same_two_pictures_are_one() -> None:
-    first, second = photo(0), photo(0)
+    first, second = image_of(0), image_of(0)
     assert DifferenceRequest(first, second) == DifferenceRequest(first, second)
     assert DifferenceRequest(first, second) != DifferenceRequest(second, first)
 

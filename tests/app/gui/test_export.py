@@ -24,7 +24,7 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
-from tests.app.gui.conftest import SIZE, FakeJob, photo
+from tests.app.gui.conftest import SIZE, FakeJob, image_of
 from tests.app.gui.saving import asked, saved
 from tests.app.gui.scenes import scene_of
 from tests.app.gui.settling import show_finished, show_live
@@ -54,7 +54,7 @@ def test_the_pixels_are_the_data_s_own(tmp_path: Path, clip: Clip) -> None:
     page = cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB)
     width, height = SIZE
     top = (page.shape[0] - height) // 2
-    np.testing.assert_array_equal(page[top : top + height, :width], photo(2))
+    np.testing.assert_array_equal(page[top : top + height, :width], image_of(2))
     np.testing.assert_array_equal(page[top : top + height, -width:], shown.enhanced)
 
 
@@ -71,7 +71,7 @@ def test_the_file_says_how_to_make_it_again_and_nothing_private(tmp_path: Path, 
     assert str(tmp_path) not in json.dumps(facts)
 
 
-def test_the_3d_view_is_drawn_at_the_photo_s_resolution_or_the_size_asked_for(
+def test_the_3d_view_is_drawn_at_the_frame_s_resolution_or_the_size_asked_for(
     tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
 ) -> None:
     shown = scene_of(model, clip.cameras, "run-1")

@@ -94,7 +94,7 @@ def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
     ui.io.add_key_event(imgui.Key.space, True)
     ui.frame(draw)
     assert opened.enhancement.peeking
-    assert pane(opened, pictures(opened), "right").image is pictures(opened).photo
+    assert pane(opened, pictures(opened), "right").image is pictures(opened).original
     ui.io.add_key_event(imgui.Key.space, False)
     ui.frame(draw)
     assert not opened.enhancement.peeking

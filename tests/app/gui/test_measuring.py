@@ -32,7 +32,7 @@ def test_the_measures_are_the_library_s(clip: Clip) -> None:
     assert pictures.enhanced is not None
     assert seen.pictures is pictures
     assert seen.after.dv == dvbv_otsu(pictures.enhanced).dv
-    assert seen.before.bv == dvbv_otsu(pictures.photo).bv
+    assert seen.before.bv == dvbv_otsu(pictures.original).bv
     assert seen.after.saturated_share == saturated_share(pictures.enhanced)
     assert seen.before.noise_gain == pytest.approx(1.0) or math.isnan(seen.before.noise_gain)
 

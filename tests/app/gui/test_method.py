@@ -18,7 +18,7 @@ from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams, measure
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import Clip
-from tests.app.gui.conftest import FakeJob, photo
+from tests.app.gui.conftest import FakeJob, image_of
 from tests.app.gui.saving import saved
 from tests.app.gui.ui import Ui, no_thumbnail
 
@@ -31,10 +31,10 @@ def made(request: PictureRequest) -> Pictures:
 
 def test_the_preset_s_picture_is_the_library_s(clip: Clip) -> None:
     shown = made(PictureRequest(clip, 2, STRONG))
-    np.testing.assert_array_equal(shown.enhanced, enhance_vessels(photo(2), STRONG).image)
+    np.testing.assert_array_equal(shown.enhanced, enhance_vessels(image_of(2), STRONG).image)
     pooled = made(PictureRequest(clip, 2, STRONG, "clip"))
-    statistics = measure(map(photo, range(len(clip))))
-    wanted = enhance_vessels(photo(2), STRONG, statistics=statistics)
+    statistics = measure(map(image_of, range(len(clip))))
+    wanted = enhance_vessels(image_of(2), STRONG, statistics=statistics)
     np.testing.assert_array_equal(pooled.enhanced, wanted.image)
 
 

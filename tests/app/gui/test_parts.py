@@ -67,12 +67,12 @@ def test_the_3d_view_is_at_the_frame_that_the_pictures_are(live: AppState) -> No
     for time, frame in ((0.0, 2), (1 / 3, 3), (0.99, 4), (1.0, 4)):
         actions.seek_view(live, time)
         assert live.timeline.frame_index == frame
-    assert live.has_photos
+    assert live.has_frames
     live.scene.viewer.snapped = True
     for frame in (2, 3, 4):
         actions.seek(live, frame)
-        assert live.photo_request is not None
-        assert live.photo_request.frame == frame
+        assert live.frame_request is not None
+        assert live.frame_request.frame == frame
 
 
 def test_no_frame_beyond_it_is_shown_as_reconstructed(live: AppState) -> None:
@@ -116,7 +116,7 @@ def test_a_run_of_a_part_is_found_opened_and_continued_as_such(state: AppState, 
     assert len(state.source.clip) == 10  # All of it is there to be looked at,
     assert state.source.part == part  # and what the run is of is marked.
     assert state.scene.model is not None
-    assert (state.scene.model.first, len(state.scene.model.cameras), state.has_photos) == (3, 6, True)
+    assert (state.scene.model.first, len(state.scene.model.cameras), state.has_frames) == (3, 6, True)
     job_actions.continue_reconstruction(state)
     start_due(state, FakeJob)
     assert state.runs.reconstruction.request is not None

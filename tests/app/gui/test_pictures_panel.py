@@ -26,7 +26,7 @@ def said(shown: Pane) -> str:
 def test_left_is_the_original_and_right_the_enhanced(ui: Ui, opened: AppState) -> None:
     shown = Shown()
     ui.frame(compare(opened, shown))
-    assert shown.images["left"] is pictures(opened).photo
+    assert shown.images["left"] is pictures(opened).original
     assert shown.images["right"] is pictures(opened).enhanced
 
 

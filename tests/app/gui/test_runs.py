@@ -96,8 +96,8 @@ def test_what_is_on_disk_is_found_again_wherever_the_clip_lies_now(opened: AppSt
 
 
 def test_runs_of_another_clip_are_not_listed(opened: AppState, folder: Path) -> None:
-    photo = next((folder / "clip" / "images").iterdir())
-    photo.write_bytes(photo.read_bytes() + b"\0")
+    image_of = next((folder / "clip" / "images").iterdir())
+    image_of.write_bytes(image_of.read_bytes() + b"\0")
     assert found(opened).runs == ()
 
 

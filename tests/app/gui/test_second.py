@@ -16,7 +16,7 @@ from app.gui.update.update import update
 from app.gui.update.wishes import SLOW_VIEW, second_wish, view_wish
 from app.scenes.drawer import View
 from app.scenes.view_kinds import ViewKind
-from app.scenes.view_request import Photo, PhotoRequest
+from app.scenes.view_request import FrameImage, FrameRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob
@@ -103,13 +103,13 @@ def test_two_views_are_reduced_when_they_are_slow_together(seen: AppState) -> No
     assert wanted.reduced
 
 
-def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: AppState) -> None:
+def test_a_second_of_other_frames_has_no_difference_to_the_firsts_frame(seen: AppState) -> None:
     first = seen.plain_view_request
     assert first is not None
     assert seen.scene.model is not None
     assert seen.source.clip is not None
-    photo = Photo(PhotoRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
-    wanted = first.of_kind("difference", photo)
+    reference = FrameImage(FrameRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
+    wanted = first.of_kind("difference", reference)
     assert seen.scene.beside(wanted) is None
     seen.scene.second.shown = replace(seen.scene.model)
     same = seen.scene.beside(wanted)
@@ -121,7 +121,7 @@ def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: Ap
         seen.scene.second.shown = other
         beside = seen.scene.beside(wanted)
         assert beside is not None
-        assert (beside.kind, beside.photo) == ("color", None)
+        assert (beside.kind, beside.reference) == ("color", None)
         assert (beside.time, beside.camera) == (wanted.time, wanted.camera)
         depth = seen.scene.beside(first.of_kind("depth"))
         assert depth is not None
@@ -129,12 +129,12 @@ def test_a_second_of_other_frames_has_no_difference_to_the_firsts_photo(seen: Ap
 
 
 def test_the_processor_draws_the_second_view_as_the_window_asks_for_it(seen: AppState) -> None:
-    """Also where the second one has other frames, whose difference to the first one's photo says nothing."""
+    """Also where the second one has other frames, whose difference to the first one's frame says nothing."""
     channels = Channels()
     assert seen.scene.model is not None
     assert seen.source.clip is not None
-    photo = Photo(PhotoRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
-    seen.scene.viewer.snapped, seen.scene.viewer.photo = True, photo
+    reference = FrameImage(FrameRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
+    seen.scene.viewer.snapped, seen.scene.viewer.frame_image = True, reference
     kinds: tuple[ViewKind, ...] = ("color", "difference")
     for shown in (replace(seen.scene.model), replace(seen.scene.model, first=2)):
         seen.scene.second.shown = shown

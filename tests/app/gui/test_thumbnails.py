@@ -23,14 +23,14 @@ def test_they_are_small_pictures_of_each_setting(clip: Clip) -> None:
     pictures = list(PictureMaker().make(PictureRequest(clip, 1, EnhanceParams())))[-1]
     (made,) = make_thumbnails(ThumbnailsRequest(pictures, tuple(BUILT_IN.items())))
     assert set(made.images) == set(BUILT_IN)
-    height, width = pictures.photo.shape[:2]
+    height, width = pictures.original.shape[:2]
     factor = min(1.0, SIDE / max(height, width))
     for image in made.images.values():
         assert image.shape == (round(factor * height), round(factor * width), 3)
     looks = {image.tobytes() for image in made.images.values()}
     assert len(looks) >= len(BUILT_IN) - 1  # Paper's automatic d may be 1.
     if factor == 1:
-        expected = enhance(pictures.photo, smaller(EnhanceParams(), 1.0)).image  # type: ignore[arg-type]
+        expected = enhance(pictures.original, smaller(EnhanceParams(), 1.0)).image  # type: ignore[arg-type]
         assert np.array_equal(made.images["Paper"], expected)
 
 

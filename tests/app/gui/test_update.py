@@ -23,7 +23,7 @@ from enhance import EnhanceParams
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Finished, Omission, Preparing, Progress, Started, Warned
-from tests.app.gui.conftest import FakeJob, make_clip, photo
+from tests.app.gui.conftest import FakeJob, image_of, make_clip
 from tests.app.gui.settling import follow_run, served, settle, show_live
 
 MakeFake = Callable[[object], FakeJob]
@@ -42,7 +42,7 @@ def test_the_pair_on_screen_is_of_one_request(state: AppState, channels: Channel
     assert shown.request == state.picture_request
     assert shown.enhanced is not None
     assert shown.statistics is not None
-    np.testing.assert_array_equal(shown.photo, photo(0))
+    np.testing.assert_array_equal(shown.original, image_of(0))
     assert not state.pictures_are_stale
 
 
@@ -55,7 +55,7 @@ def test_a_slider_changes_the_enhanced_picture_alone(state: AppState, channels: 
     after = state.picture.pictures
     assert before is not None
     assert after is not None
-    np.testing.assert_array_equal(before.photo, after.photo)
+    np.testing.assert_array_equal(before.original, after.original)
     assert not np.array_equal(before.enhanced, after.enhanced)
     assert after.request.params == EnhanceParams(z=0.0)
 
@@ -121,28 +121,28 @@ class TwoSteps:
         yield self.answers.pop(0)
 
 
-def test_the_first_photo_appears_before_its_enhanced_partner(state: AppState, channels: Channels) -> None:
+def test_the_first_frame_appears_before_its_enhanced_partner(state: AppState, channels: Channels) -> None:
     assert state.picture_request is not None
     steps = TwoSteps()
-    steps.answers = [Pictures(state.picture_request, photo(0))]
+    steps.answers = [Pictures(state.picture_request, image_of(0))]
     channels.pictures = Channel(steps.work)
     settle(state, channels)
     assert state.picture.pictures is not None
     assert state.picture.pictures.enhanced is None
 
 
-def test_a_later_photo_waits_for_its_partner_but_not_for_ever(state: AppState, channels: Channels) -> None:
+def test_a_later_frame_waits_for_its_partner_but_not_for_ever(state: AppState, channels: Channels) -> None:
     settle(state, channels)
     first, steps = state.picture.pictures, TwoSteps()
     channels.pictures = Channel(steps.work)
     actions.seek(state, 2)
     assert state.picture_request is not None
-    steps.answers = [Pictures(state.picture_request, photo(2))]
+    steps.answers = [Pictures(state.picture_request, image_of(2))]
     settle(state, channels, now=10.0)
     assert state.picture.pictures is first
     settle(state, channels, now=10.0 + PATIENCE + 0.01)
     assert state.picture.pictures is not None
-    np.testing.assert_array_equal(state.picture.pictures.photo, photo(2))
+    np.testing.assert_array_equal(state.picture.pictures.original, image_of(2))
 
 
 def test_a_clip_that_plays_enhanced_waits_for_every_partner(state: AppState, channels: Channels) -> None:
@@ -152,7 +152,7 @@ def test_a_clip_that_plays_enhanced_waits_for_every_partner(state: AppState, cha
     actions.toggle_play(state)
     actions.seek(state, 2)
     assert state.picture_request is not None
-    steps.answers = [Pictures(state.picture_request, photo(2))]
+    steps.answers = [Pictures(state.picture_request, image_of(2))]
     settle(state, channels, now=10.0)
     settle(state, channels, now=20.0)
     assert state.timeline.playing
@@ -165,7 +165,7 @@ def test_a_moving_slider_never_flashes_the_original(state: AppState, channels: C
     channels.pictures = Channel(steps.work)
     actions.set_params(state, EnhanceParams(z=0.1))
     assert state.picture_request is not None
-    steps.answers = [Pictures(state.picture_request, photo(0))]
+    steps.answers = [Pictures(state.picture_request, image_of(0))]
     settle(state, channels, now=10.0)
     settle(state, channels, now=20.0)
     assert state.picture.pictures is first

@@ -11,12 +11,12 @@ from imgui_bundle import ImVec2, imgui
 from app.gui.actions import actions, camera_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import Sight
-from app.gui.panels.view3d import photo_over, view_tags
+from app.gui.panels.view3d import frame_over, view_tags
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import Area
 from app.gui.work.selecting import pick
 from app.scenes.drawer import draw_view
-from app.scenes.view_request import read_photo
+from app.scenes.view_request import read_frame
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
@@ -69,16 +69,16 @@ def test_a_double_click_asks_for_the_point_under_the_pointer(
     assert opened.scene.viewer.pick.pixel == (400 - left, 300 - top)
 
 
-def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
+def test_the_frame_lies_pixel_for_pixel_over_the_snapped_view(
     ui: Ui, opened: AppState, model: DynamicGaussians
 ) -> None:
     start_live(opened, model)
     assert opened.source.clip is not None
     actions.seek(opened, 4)
     camera_actions.toggle_snap(opened)
-    wish = opened.photo_request
+    wish = opened.frame_request
     assert wish is not None
-    (opened.scene.viewer.photo,) = read_photo(wish)
+    (opened.scene.viewer.frame_image,) = read_frame(wish)
     laid: list[ByteImage] = []
 
     def draw() -> None:
@@ -97,7 +97,7 @@ def test_the_photo_lies_pixel_for_pixel_over_the_snapped_view(
     assert "FRAME 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
     ui.drag(draw, (400, 300), (420, 300))
     assert not opened.scene.viewer.snapped
-    assert photo_over(opened) is None
+    assert frame_over(opened) is None
 
 
 def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
@@ -182,9 +182,9 @@ def test_two_reconstructions_share_camera_time_and_hand(
     assert "FREE VIEW" in said[0]
     camera_actions.toggle_snap(opened)
     assert opened.second_request.camera == opened.scene.model.cameras[4]
-    wish = opened.photo_request
+    wish = opened.frame_request
     assert wish is not None
-    (opened.scene.viewer.photo,) = read_photo(wish)
+    (opened.scene.viewer.frame_image,) = read_frame(wish)
     laid: list[ByteImage] = []
     ui.frame(lambda: view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1)))
     assert len(laid) == 2

@@ -17,7 +17,7 @@ from app.gui.actions import camera_actions, export_actions, second_actions
 from app.gui.actions.export_actions import What
 from app.scenes.drawer import Drawer, draw_view
 from app.scenes.free_camera import FreeView
-from app.scenes.view_request import Photo, PhotoRequest, ViewRequest
+from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
 from renderer.camera_path import CameraPath, Keyframe
 from tests.app.gui.exporting import Exporter, same, shape_of, sidecar
 
@@ -89,7 +89,7 @@ def test_a_video_shows_the_kind_of_view_that_the_window_shows(run: Exporter, run
     assert not same(video, *runs.values())
 
 
-def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
+def test_a_video_of_the_difference_is_to_the_frame_of_each_frame(
     run: Exporter, runs: dict[str, Path]
 ) -> None:
     state = run.state
@@ -110,8 +110,8 @@ def test_a_video_of_the_difference_is_to_the_photo_of_each_frame(
     assert state.scene.model is not None
     assert state.source.clip is not None
     for frame in (0, 7):
-        photo = Photo(PhotoRequest(state.source.clip, frame), state.source.clip.read_image(frame))
-        (view,) = draw_view(ViewRequest.of_frame(state.scene.model, frame).of_kind("difference", photo))
+        reference = FrameImage(FrameRequest(state.source.clip, frame), state.source.clip.read_image(frame))
+        (view,) = draw_view(ViewRequest.of_frame(state.scene.model, frame).of_kind("difference", reference))
         np.testing.assert_array_equal(pages[frame][:48, :64], view.image)
     export_actions.cancelled(state)
     second_actions.open_second(state, runs["enhanced"])

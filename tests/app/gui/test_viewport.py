@@ -13,7 +13,7 @@ from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
 from app.scenes.drawer import draw_view
 from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
-from app.scenes.view_request import ViewRequest, read_photo
+from app.scenes.view_request import ViewRequest, read_frame
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import show_live
@@ -111,9 +111,9 @@ def test_both_ways_of_drawing_show_the_same_views(
     graphics, others = GraphicsViewport(ctx, textures), Textures(ctx)
     camera_actions.reset_view(live)
     camera_actions.choose_view(live, kind)
-    assert live.photo_request is not None or kind != "difference"
-    if live.photo_request is not None:
-        (live.scene.viewer.photo,) = read_photo(live.photo_request)
+    assert live.frame_request is not None or kind != "difference"
+    if live.frame_request is not None:
+        (live.scene.viewer.frame_image,) = read_frame(live.frame_request)
     request = live.view_request
     assert request is not None
     assert request.kind == kind
@@ -131,13 +131,13 @@ def test_both_ways_of_drawing_show_the_same_views(
     graphics.release()
 
 
-def test_a_difference_needs_the_clips_camera_and_its_photo(live: AppState) -> None:
+def test_a_difference_needs_the_clips_camera_and_its_frame(live: AppState) -> None:
     camera_actions.choose_view(live, "difference")
     assert live.scene.viewer.snapped
     assert live.view_request is not None
     assert live.view_request.kind == "color"
-    assert live.photo_request is not None
-    (live.scene.viewer.photo,) = read_photo(live.photo_request)
+    assert live.frame_request is not None
+    (live.scene.viewer.frame_image,) = read_frame(live.frame_request)
     assert live.view_request.kind == "difference"
     camera_actions.turn(live, 0.1, 0.0)
     assert live.view_request.kind == "color"

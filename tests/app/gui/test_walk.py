@@ -105,7 +105,7 @@ def scrub(person: Person) -> None:
         )
         assert state.picture.pictures is not None
         assert state.scene.view is not None
-        seen.append((state.picture.pictures.photo, state.scene.view.image, state.timeline.frame_index))
+        seen.append((state.picture.pictures.original, state.scene.view.image, state.timeline.frame_index))
     assert seen[0][2] != seen[1][2]
     assert not np.array_equal(seen[0][0], seen[1][0])
     assert not np.array_equal(seen[0][1], seen[1][1])

@@ -10,7 +10,7 @@ from app.enhancement.frame_enhancer import Pictures
 from app.gui.drawing.textures import PLAIN, Marks, OnPane
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.compare import draw_compare
-from app.gui.panels.view3d import PhotoTexture, draw_view3d
+from app.gui.panels.view3d import FrameTexture, draw_view3d
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import Placement
 from renderer.clip import ByteImage
@@ -112,8 +112,8 @@ class StillSecond(StillViewport):
         return None if request is None else OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request)
 
 
-def view3d(state: AppState, photo_texture: PhotoTexture = no_texture) -> None:
-    draw_view3d(state, StillViewport(), StillSecond(), photo_texture)
+def view3d(state: AppState, frame_texture: FrameTexture = no_texture) -> None:
+    draw_view3d(state, StillViewport(), StillSecond(), frame_texture)
 
 
 def pictures(state: AppState) -> Pictures:

@@ -12,7 +12,7 @@ import pytest
 from app.report import dvbv
 from app.report.bench import Bench, Clock
 from app.report.dvbv import (
-    PHOTOS,
+    FRAMES,
     PIXELS,
     STATISTICS,
     PixelSets,
@@ -113,7 +113,7 @@ def test_all_pixels_and_statistics_stand_side_by_side(
     found = list(measured_rises(bench, Clock.of(1000), {"vesselsplat": "Deform3DGS"}, missing))
     assert missing == []
     expected = [(pixels, statistics) for pixels in PIXELS for statistics in STATISTICS]
-    for what in (PHOTOS, "Deform3DGS"):
+    for what in (FRAMES, "Deform3DGS"):
         assert [(one.pixels, one.statistics) for one in found if one.what == what] == expected
     table = dvbv.table(found, bench.clip)
     names = [column.name for column in table.columns]
@@ -128,13 +128,13 @@ def test_all_pixels_and_statistics_stand_side_by_side(
     assert len(told) == 2
     assert "over gt_masks with statistics of whole image" in told[1]
     out_of_time = list(measured_rises(bench, Clock.of(-1), {"vesselsplat": "Deform3DGS"}, missing))
-    assert {one.what for one in out_of_time} == {PHOTOS}
+    assert {one.what for one in out_of_time} == {FRAMES}
     assert missing[-1].endswith("no time left")
 
 
 @pytest.mark.data
 @pytest.mark.skipif(not PULLING.is_dir(), reason="the pulling clip is not here")
-def test_photos_of_the_pulling_clip_gain_as_the_pixels_and_statistics_are_taken(tmp_path: Path) -> None:
+def test_frames_of_the_pulling_clip_gain_as_the_pixels_and_statistics_are_taken(tmp_path: Path) -> None:
     bench = Bench(PULLING, (), tmp_path, lambda _: None)
     found = measured_rises(bench, Clock.of(-1), {}, [])
     gains = {(one.pixels, one.statistics): float(np.mean(one.gains)) for one in found}

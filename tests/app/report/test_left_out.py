@@ -11,27 +11,27 @@ from app.report.measures import left_out
 from app.report.section import Section
 from renderer.phantom import Phantom, PhantomParams
 
-PHOTOS = PhantomParams(n_frames=9, width=64, height=48)
+FRAMES = PhantomParams(n_frames=9, width=64, height=48)
 
 
 @pytest.fixture(scope="module")
-def photos(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def frames(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Without depth, without poses."""
     folder = tmp_path_factory.mktemp("case") / "images"
     folder.mkdir()
-    phantom = Phantom(PHOTOS)
-    for index in range(PHOTOS.n_frames):
+    phantom = Phantom(FRAMES)
+    for index in range(FRAMES.n_frames):
         cv2.imwrite(str(folder / f"{index:02d}.png"), phantom.view(index).frame.image[..., ::-1])
     return folder
 
 
 def measured(
-    photos: Path, work: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, **other: Any
+    frames: Path, work: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, **other: Any
 ) -> Section:
     quick = {"KINDS": (), "STEPS": 6, "TIMED": 4, "LAPS": 1} | other
     for name, value in quick.items():
         monkeypatch.setattr(left_out, name, value)
-    return left_out.measure(Bench(None, (photos,), work, print), Clock.of(seconds))
+    return left_out.measure(Bench(None, (frames,), work, print), Clock.of(seconds))
 
 
 def rows(section: Section, title: str) -> list[dict[str, Any]]:
@@ -41,11 +41,11 @@ def rows(section: Section, title: str) -> list[dict[str, Any]]:
 
 
 def test_a_scene_without_depth_is_measured_with_a_guess_and_says_so(
-    photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    frames: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    section = measured(photos, tmp_path, monkeypatch, 600)
+    section = measured(frames, tmp_path, monkeypatch, 600)
     pairs = rows(section, "Reconstruction")
-    assert {row["scene"] for row in pairs} == {f"{photos.parent.name}/images, depth estimated"}
+    assert {row["scene"] for row in pairs} == {f"{frames.parent.name}/images, depth estimated"}
     assert "harmonics" in {row["left out"] for row in pairs}
     for row in pairs:
         assert row["error added, dB"] == row["kept, dB"] - row["PSNR, dB"]
@@ -55,10 +55,10 @@ def test_a_scene_without_depth_is_measured_with_a_guess_and_says_so(
 
 
 def test_what_the_enhancement_leaves_out_is_named_and_stays_below_its_bound(
-    photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    frames: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     by_setting = {
-        row["setting"]: row for row in rows(measured(photos, tmp_path, monkeypatch, 600), "Enhancement")
+        row["setting"]: row for row in rows(measured(frames, tmp_path, monkeypatch, 600), "Enhancement")
     }
     assert (by_setting["P = 0"]["left out"], by_setting["P = 1/2"]["left out"]) == ("local detail", "nothing")
     assert {row["memory saved"] for row in by_setting.values()} == {0}
@@ -68,9 +68,9 @@ def test_what_the_enhancement_leaves_out_is_named_and_stays_below_its_bound(
 
 
 def test_long_scenes_are_thinned_and_none_is_begun_when_the_time_is_used_up(
-    photos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    frames: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    section = measured(photos, tmp_path, monkeypatch, -1, MOST_FRAMES=4)
-    name = f"{photos.parent.name}/images, one frame in 3, depth estimated"
+    section = measured(frames, tmp_path, monkeypatch, -1, MOST_FRAMES=4)
+    name = f"{frames.parent.name}/images, one frame in 3, depth estimated"
     assert section.not_measured == (f"{name}: no time left",)
     assert not rows(section, "Reconstruction")

@@ -79,7 +79,7 @@ def test_a_real_clip_is_trained_and_measured(tmp_path: Path, vesselsplat: Cli) -
     assert 0 < report["mean"]["depth_rmse_mm"] < 30
 
 
-def test_the_enhanced_run_remembers_photos_pooled_over_its_training_frames(
+def test_the_enhanced_run_remembers_frames_pooled_over_its_training_frames(
     runs: dict[str, Path], clip_path: Path
 ) -> None:
     record = RunFolder(runs["enhanced"]).record()
@@ -90,8 +90,8 @@ def test_the_enhanced_run_remembers_photos_pooled_over_its_training_frames(
     assert record.enhancement is not None
     assert record.enhancement.params == params
     assert record.enhancement.statistics == pooled
-    photo = input_clip(clip, record).read_image(1)
-    assert np.array_equal(photo, enhance(clip.read_image(1), params, statistics=pooled).image)
+    image = input_clip(clip, record).read_image(1)
+    assert np.array_equal(image, enhance(clip.read_image(1), params, statistics=pooled).image)
 
 
 KILLED = """
@@ -208,15 +208,15 @@ def test_the_job_trains_a_real_run_and_cancel_leaves_it_to_be_resumed(
 
 
 @pytest.mark.parametrize("name", ["original", "enhanced"])
-def test_evaluation_compares_with_the_photos_the_run_was_trained_on(
+def test_evaluation_compares_with_the_frames_the_run_was_trained_on(
     runs: dict[str, Path], clip_path: Path, vesselsplat: Cli, name: str
 ) -> None:
     call = vesselsplat("evaluate", runs[name], "--json")
     report = json.loads(call.out)
     clip, run = open_clip(clip_path), RunFolder(runs[name])
-    photos, model = input_clip(clip, run.record()), run.model()
+    frames, model = input_clip(clip, run.record()), run.model()
     assert [frame["index"] for frame in report["frames"]] == [1, 9]
-    frame = photos.read_frame(9)
+    frame = frames.read_frame(9)
     drawn = draw_on_cpu(model.at(frame.time), frame.camera, near_plane(model, frame.camera))
     row = report["frames"][1]
     assert row["psnr"] == pytest.approx(psnr(drawn.bytes / 255, frame.image / 255, frame.evaluation_mask))
@@ -270,18 +270,18 @@ def test_a_frame_without_evaluated_pixels_does_not_count(
         assert report["mean"][name] == measured[name]
 
 
-def test_photos_without_depth_are_refused_until_it_may_be_guessed(
+def test_frames_without_depth_are_refused_until_it_may_be_guessed(
     clip_path: Path, tmp_path: Path, vesselsplat: Cli
 ) -> None:
-    photos = tmp_path / "photos"
-    photos.mkdir()
+    frames = tmp_path / "photos"
+    frames.mkdir()
     for path in sorted((clip_path / "images").iterdir())[:3]:
-        shutil.copy(path, photos)
-    call = vesselsplat("train", photos, "--run", tmp_path / "run", "--input", "enhanced")
+        shutil.copy(path, frames)
+    call = vesselsplat("train", frames, "--run", tmp_path / "run", "--input", "enhanced")
     assert call.code == 2
     assert "--depth brightness" in call.error
     guess = ("--depth", "brightness", "--iterations", "10")
-    assert vesselsplat("train", photos, "--run", tmp_path / "guessed", *guess).code == 0
+    assert vesselsplat("train", frames, "--run", tmp_path / "guessed", *guess).code == 0
     report = json.loads(vesselsplat("evaluate", tmp_path / "guessed", "--json").out)
     assert report["mean"]["psnr"] > 10
     assert report["mean"]["depth_rmse_mm"] is None

@@ -11,17 +11,17 @@ from app.scenes.free_camera import MAX_DISTANCE, MAX_PITCH, MIN_DISTANCE, FreeVi
 from renderer.camera import Camera
 
 POSE = np.array([[0.0, -1, 0, 3], [1, 0, 0, -2], [0, 0, 1, 5], [0, 0, 0, 1]])
-PHOTO = Camera(500.0, 480.0, 310.0, 250.0, 640, 512, POSE)
+CLIP_CAMERA = Camera(500.0, 480.0, 310.0, 250.0, 640, 512, POSE)
 DISTANCE = 60.0
-START = FreeView.of(PHOTO)
+START = FreeView.of(CLIP_CAMERA)
 angles = st.floats(-3.0, 3.0)
 pixels = st.tuples(st.floats(0, 640), st.floats(0, 512))
 
 
 def behind(pixel: tuple[float, float], depth: float = DISTANCE) -> Vector:
-    """The point of the world that a pixel of the photo shows."""
+    """The point of the world that a pixel of the frame shows."""
     ray = np.array([(pixel[0] - 310) / 500, (pixel[1] - 250) / 480, 1.0]) * depth
-    return vector((PHOTO.world_from_camera @ [*ray, 1.0])[:3])
+    return vector((CLIP_CAMERA.world_from_camera @ [*ray, 1.0])[:3])
 
 
 def seen(view: FreeView, point: Vector) -> tuple[np.ndarray, float]:
@@ -69,13 +69,13 @@ def test_zooming_ends_near_and_far(factor: float, share: float) -> None:
 
 
 def test_zooming_at_one_s_own_place_does_nothing() -> None:
-    assert START.zoomed(vector(PHOTO.position), 2.0, DISTANCE) == START
+    assert START.zoomed(vector(CLIP_CAMERA.position), 2.0, DISTANCE) == START
 
 
 @given(angles, st.floats(-1.4, 1.4))
 def test_looking_around_stays_on_the_spot(yaw: float, pitch: float) -> None:
     looked = START.looked(yaw, pitch)
-    assert looked.camera.position == pytest.approx(PHOTO.position, abs=1e-9)
+    assert looked.camera.position == pytest.approx(CLIP_CAMERA.position, abs=1e-9)
 
 
 def test_flight_goes_right_down_and_forward_in_the_camera_s_own_axes() -> None:

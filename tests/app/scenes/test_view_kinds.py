@@ -143,19 +143,19 @@ def test_a_quantity_is_averaged_over_what_a_pixel_shows_and_black_where_nothing_
     assert depth.high > depth.low
 
 
-def test_a_difference_is_in_grey_levels_of_the_photo() -> None:
+def test_a_difference_is_in_grey_levels_of_the_frame() -> None:
     drawn = Drawn(
         np.full((20, 30, 3), 100 / 255, np.float32),
         np.zeros((20, 30), np.float32),
         np.ones((20, 30), np.float32),
     )
-    photo = np.full((40, 60, 3), 100, np.uint8)
-    photo[:, 30:] = (130, 100, 100)
-    away = difference(drawn.bytes, photo)
+    reference = np.full((40, 60, 3), 100, np.uint8)
+    reference[:, 30:] = (130, 100, 100)
+    away = difference(drawn.bytes, reference)
     assert away.shape == (20, 30)
     assert (away[:, :15] == 0).all()
     assert (away[:, 15:] == 10).all()
-    scale = composed("difference", drawn, "mm", photo).scale
+    scale = composed("difference", drawn, "mm", reference).scale
     assert scale is not None
     assert (scale.high, scale.unit) == (10, "grey levels")
     calm = composed("difference", drawn, "mm", np.full((20, 30, 3), 101, np.uint8)).scale
@@ -207,7 +207,7 @@ def test_render_draws_every_view(runs: dict[str, Path], tmp_path: Path, vesselsp
     assert np.array_equal(cv2.imread(str(remade))[..., ::-1], picture)
 
 
-def test_the_difference_is_to_the_photo_that_the_run_was_trained_on(
+def test_the_difference_is_to_the_frame_that_the_run_was_trained_on(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
     flags = ("--out", tmp_path / "out", "--frames", 3, "--view", "difference")
@@ -217,8 +217,8 @@ def test_the_difference_is_to_the_photo_that_the_run_was_trained_on(
     record, model = run.record(), run.model()
     camera = record.camera(3)
     drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
-    photo = open_evaluation(runs["enhanced"]).photos.read_image(3)
-    assert np.array_equal(picture, composed("difference", drawn, "mm", photo).image)
+    reference = open_evaluation(runs["enhanced"]).trained_clip.read_image(3)
+    assert np.array_equal(picture, composed("difference", drawn, "mm", reference).image)
 
 
 @pytest.mark.parametrize(
@@ -240,7 +240,7 @@ def test_what_does_not_go_together_is_one_line(
 
 
 @pytest.mark.parametrize("command", [("render", "--out"), ("export", "--video")])
-def test_along_a_path_there_are_no_photos_to_differ_from(
+def test_along_a_path_there_are_no_frames_to_differ_from(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, command: tuple[str, str]
 ) -> None:
     file, out = tmp_path / "views.json", tmp_path / "out"

@@ -29,7 +29,7 @@ def _losses() -> list[Fault]:
         edit(
             "dropped", "the scene's size", LOSSES, "(max(frame.n_depths, 1) * size)", "max(frame.n_depths, 1)"
         ),
-        edit("swapped", "red and blue", LOSSES, "photo[channel, lane] =", "photo[2 - channel, lane] ="),
+        edit("swapped", "red and blue", LOSSES, "image[channel, lane] =", "image[2 - channel, lane] ="),
         Fault("loss", "float16", "the adjoint", ("losses",), rounded(f"{LOSSES}:masked_loss", 9), quick=True),
         Fault("loss", "float16", "sums of rows", ("losses",), rounded(f"{LOSSES}:masked_loss", 10)),
         edit("dropped", "the mask", LOSSES, "ONE if color_mask[left + lane] else ZERO", "ONE"),
@@ -62,7 +62,7 @@ def _losses() -> list[Fault]:
         ),
         edit(
             "swapped",
-            "picture and photo in a slope",
+            "picture and image in a slope",
             SIMILARITY,
             "TWO * x * by_square + y * by_product",
             "TWO * y * by_square + x * by_product",

@@ -164,7 +164,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("whole run", "float16", "planes", METHODS, rounded(f"{TILES}:blend", 5)),
     _edit(
         "swapped",
-        "colours of photos",
+        "colours of frames",
         FRAMES,
         "colors.transpose(2, 0, 1)",
         "colors.transpose(2, 0, 1)[::-1]",

@@ -124,7 +124,7 @@ def test_what_is_not_there_is_refused(pictures, source, said):
         with_depth(pictures, ClipOptions(depth=source))
 
 
-def test_depth_is_worked_out_from_the_photo_not_the_enhanced_picture(pictures):
+def test_depth_is_worked_out_from_the_frame_not_the_enhanced_picture(pictures):
     plain = with_depth(pictures, ClipOptions(depth="brightness"))
     inverted = plain.with_images(lambda image, frame: 255 - image, "inverted")
     np.testing.assert_array_equal(inverted.read_frame(0).depth, plain.read_frame(0).depth)

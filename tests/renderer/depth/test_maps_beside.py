@@ -25,7 +25,7 @@ def save(path: Path, array: np.ndarray) -> None:
         Image.fromarray(array).save(path)
 
 
-def write(folder: Path, photo: str = "left_{}.png", **patterns: str) -> Path:
+def write(folder: Path, image: str = "left_{}.png", **patterns: str) -> Path:
     """Pictures, and beside them maps of these kinds under names with a place for the number."""
     for index, frame in enumerate(FRAMES):
         assert frame.depth is not None
@@ -38,14 +38,14 @@ def write(folder: Path, photo: str = "left_{}.png", **patterns: str) -> Path:
             "disparity": np.where(depth > 0, 64 * 500 / np.maximum(depth, 1), 0).astype(np.uint16),
             "mask": np.where(frame.tissue_mask, 0, 1).astype(np.uint8),
         }
-        save(folder / photo.format(50 + index), frame.image)
+        save(folder / image.format(50 + index), frame.image)
         for kind, pattern in patterns.items():
             save(folder / pattern.format(50 + index), arrays[kind])
     return folder
 
 
 def check(clip: Clip, factor: float = 1.0) -> None:
-    """Its photos are the phantom's, its depth is proportional."""
+    """Its frames are the phantom's, its depth is proportional."""
     assert len(clip) == COUNT
     assert clip.has_depth
     assert clip.depth_origin == "beside"
@@ -60,7 +60,7 @@ def check(clip: Clip, factor: float = 1.0) -> None:
 
 
 @pytest.mark.parametrize(
-    ("photo", "depth"),
+    ("image", "depth"),
     [
         ("left_{}.png", "left_depthmap_{}.png"),
         ("{}_color.png", "{}_depth.png"),
@@ -69,9 +69,9 @@ def check(clip: Clip, factor: float = 1.0) -> None:
         ("rgb/{}.png", "depth maps/{}.png"),
     ],
 )
-def test_depth_of_sixteen_bits_is_used_without_a_unit(tmp_path, photo, depth):
-    write(tmp_path, photo, depth=depth)
-    clip = open_clip(tmp_path / "a" if photo.startswith("a/") else tmp_path)
+def test_depth_of_sixteen_bits_is_used_without_a_unit(tmp_path, image, depth):
+    write(tmp_path, image, depth=depth)
+    clip = open_clip(tmp_path / "a" if image.startswith("a/") else tmp_path)
     check(clip, 100)
     assert clip.unit == "scene units"
     assert "unknown unit" in clip.notices[0]

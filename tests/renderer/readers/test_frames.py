@@ -100,7 +100,7 @@ def test_other_kinds_of_pixels_become_rgb_bytes(tmp_path):
         np.testing.assert_array_equal(read, wanted, err_msg=name)
 
 
-def test_floats_are_no_photo(tmp_path):
+def test_floats_are_no_frame(tmp_path):
     Image.fromarray(np.zeros((4, 4), dtype=np.float32)).save(tmp_path / "1.tiff")
     with pytest.raises(ClipError, match="8 or 16 bits"):
         read_rgb(tmp_path / "1.tiff")

@@ -1,4 +1,4 @@
-"""Photos are told from the depth maps and masks beside them, by name and else by content."""
+"""Frames are told from the depth maps and masks beside them, by name and else by content."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import pytest
 from PIL import Image
 
 from renderer.readers.frames import open_images
-from renderer.readers.picture_kinds import kind_by_name, kinds_of, photo_folder
+from renderer.readers.picture_kinds import frame_folder, kind_by_name, kinds_of
 
 SHAPE = (24, 32)
 
 
-def photo(path: Path) -> Path:
+def image(path: Path) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     noise = np.random.default_rng(len(path.name)).integers(0, 255, (*SHAPE, 3), dtype=np.uint8)
     Image.fromarray(noise).save(path)
@@ -58,8 +58,8 @@ def test_whole_words_of_a_name_say_it(stem, kind):
 
 def test_maps_by_name_are_no_frames(tmp_path):
     for index in (9, 10):
-        photo(tmp_path / f"left_{index}.png")
-        photo(tmp_path / f"left_depthmap_{index}.png")
+        image(tmp_path / f"left_{index}.png")
+        image(tmp_path / f"left_depthmap_{index}.png")
         labels(tmp_path / f"left_{index}_mask.png")
     clip = open_images(tmp_path)
     assert clip.labels == ("left_9.png", "left_10.png")
@@ -70,44 +70,44 @@ def test_maps_by_name_are_no_frames(tmp_path):
 
 
 def test_maps_by_content_beside_colour_are_no_frames(tmp_path):
-    pictures = [photo(tmp_path / f"{index}.jpg") for index in (1, 2)]
+    pictures = [image(tmp_path / f"{index}.jpg") for index in (1, 2)]
     sixteen = [numbers(tmp_path / f"{index}_z.png") for index in (1, 2)]
     floats = [numbers(tmp_path / f"{index}_f.tiff", np.float32) for index in (1, 2)]
     few = [labels(tmp_path / f"{index}_tool.png", (0, 3, 7)) for index in (1, 2)]
     bits = tmp_path / "1_1stHO.png"
     Image.new("1", SHAPE[::-1]).save(bits)
     kinds = kinds_of([*pictures, *sixteen, *floats, *few, bits])
-    assert kinds.photos == tuple(pictures)
+    assert kinds.frames == tuple(pictures)
     wanted = dict.fromkeys([*sixteen, *floats], "map") | dict.fromkeys([*few, bits], "mask")
     assert kinds.others == wanted
 
 
-def test_grey_and_sixteen_bit_photos_without_colour_stay_photos(tmp_path):
+def test_grey_and_sixteen_bit_frames_without_colour_stay_frames(tmp_path):
     grey = [numbers(tmp_path / f"{index}.png") for index in (1, 2)]
-    assert kinds_of(grey).photos == tuple(grey)
-    beside = [photo(tmp_path / "10.png"), labels(tmp_path / "11.png")]
-    assert kinds_of(beside).photos == tuple(beside)
+    assert kinds_of(grey).frames == tuple(grey)
+    beside = [image(tmp_path / "10.png"), labels(tmp_path / "11.png")]
+    assert kinds_of(beside).frames == tuple(beside)
 
 
-def test_where_all_would_be_maps_all_are_photos(tmp_path):
-    named = [photo(tmp_path / f"mask_{index}.png") for index in (1, 2)]
-    assert kinds_of(named).photos == tuple(named)
+def test_where_all_would_be_maps_all_are_frames(tmp_path):
+    named = [image(tmp_path / f"mask_{index}.png") for index in (1, 2)]
+    assert kinds_of(named).frames == tuple(named)
     assert open_images(tmp_path).labels == ("mask_1.png", "mask_2.png")
 
 
-def test_the_folder_of_photos_beside_those_of_maps(tmp_path):
-    photo(tmp_path / "case/input/1.png")
-    assert photo_folder(tmp_path / "case") == tmp_path / "case"
-    photo(tmp_path / "case/mask/1.png")
-    assert photo_folder(tmp_path / "case") == tmp_path / "case/input"
-    photo(tmp_path / "case/other/1.png")
-    assert photo_folder(tmp_path / "case") == tmp_path / "case"
-    photo(tmp_path / "case/1.png")
-    assert photo_folder(tmp_path / "case") == tmp_path / "case"
+def test_the_folder_of_frames_beside_those_of_maps(tmp_path):
+    image(tmp_path / "case/input/1.png")
+    assert frame_folder(tmp_path / "case") == tmp_path / "case"
+    image(tmp_path / "case/mask/1.png")
+    assert frame_folder(tmp_path / "case") == tmp_path / "case/input"
+    image(tmp_path / "case/other/1.png")
+    assert frame_folder(tmp_path / "case") == tmp_path / "case"
+    image(tmp_path / "case/1.png")
+    assert frame_folder(tmp_path / "case") == tmp_path / "case"
 
 
 def test_what_a_file_manager_leaves_is_not_told_and_lost_links_are(tmp_path):
-    photo(tmp_path / "1.png")
+    image(tmp_path / "1.png")
     for name in ("Thumbs.db", ".DS_Store", "desktop.ini", "._1.png"):
         (tmp_path / name).write_text("x")
     assert open_images(tmp_path).notices == ()
@@ -116,7 +116,7 @@ def test_what_a_file_manager_leaves_is_not_told_and_lost_links_are(tmp_path):
 
 
 def test_one_name_in_two_formats_is_refused(tmp_path):
-    photo(tmp_path / "1.png")
-    photo(tmp_path / "1.jpg")
+    image(tmp_path / "1.png")
+    image(tmp_path / "1.jpg")
     with pytest.raises(ValueError, match=r"1\.jpg and 1\.png"):
         open_images(tmp_path)

@@ -27,7 +27,7 @@ ORIENTATIONS = {
 
 
 @pytest.mark.parametrize("orientation", ORIENTATIONS)
-def test_a_turned_photo_stands_upright_in_pixels_and_in_size(tmp_path: Path, orientation: int) -> None:
+def test_a_turned_frame_stands_upright_in_pixels_and_in_size(tmp_path: Path, orientation: int) -> None:
     rng = np.random.default_rng(0)
     stored = np.kron(rng.integers(0, 255, (4, 6, 3)), np.ones((16, 16, 1))).astype(np.uint8)
     exif = Image.Exif()
