@@ -4,8 +4,8 @@ Images are (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA; uint8, uint16 or float 
 True where tissue is kept. Visibility only: nothing here detects or diagnoses.
 
 - The paper's method: `enhance`, `EnhanceParams`, `EnhanceResult`, `Omission`; `Enhancer` for many images
-  or many settings of one; `measure`, `Statistics` for a clip, `LiveStatistics` for a stream. What the
-  endoscope sees inside a dark surround: `find_field`, `FieldOfView`.
+  or many settings of one; `measure`, `Pool`, `Statistics` for a clip, `LiveStatistics` for a stream. What
+  the endoscope sees inside a dark surround: `find_field`, `FieldOfView`.
 - VesselSplat's preset `vessel`: `enhance_vessels`, `VesselParams`, `VesselEnhancer`.
 - Others to compare with: `clahe`, `unsharp`, `msrcr`, `aindane`, `aindane_green`, `wang2020`, `jiang2019`,
   and all of them by name in `BASELINES`.
@@ -50,7 +50,7 @@ if _typing.TYPE_CHECKING:
         vessel_contrast,
     )
     from enhance.params import EnhanceParams
-    from enhance.pipeline import enhance, measure
+    from enhance.pipeline import Pool, enhance, measure
     from enhance.result import EnhanceResult, Omission
     from enhance.ridges import field_of_view, vessel_mask, vesselness
     from enhance.statistics import LiveStatistics, Statistics
@@ -66,6 +66,7 @@ __all__ = [
     "ImageError",
     "LiveStatistics",
     "Omission",
+    "Pool",
     "Statistics",
     "VesselEnhancer",
     "VesselParams",
@@ -104,7 +105,7 @@ _MODULES = {
     "metrics": "DvBv blackened_share chroma_noise_gain dvbv_local dvbv_otsu flicker noise_gain "
     "saturated_share vessel_cnr vessel_contrast",
     "params": "EnhanceParams",
-    "pipeline": "enhance measure",
+    "pipeline": "Pool enhance measure",
     "result": "EnhanceResult Omission",
     "ridges": "field_of_view vessel_mask vesselness",
     "statistics": "LiveStatistics Statistics",

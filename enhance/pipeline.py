@@ -85,19 +85,47 @@ def measure(
         >>> {enhance(frame, statistics=statistics).statistics.scope for frame in frames}
         {'clip'}
     """
-    enhancer, total, fields = Enhancer(), None, list[FieldOfView]()
+    pool = Pool(params, pixels)
     for index, (image, mask) in enumerate(_pairs(images, tissue_masks)):
         try:
-            enhancer.show(image, mask, pixels=pixels)
+            pool.add(image, mask)
         except ImageError as error:
             raise ImageError(f"image {index} of the clip: {error}") from error
-        one: Tally = enhancer.tally(params)
-        total = one if total is None else total + one
-        if enhancer.field is not None:
-            fields.append(enhancer.field)
-    if total is None:
-        raise ImageError("expected at least one image to measure, got none")
-    return replace(total.statistics(params, "clip"), field=typical(fields) if fields else None)
+    return pool.statistics()
+
+
+class Pool:
+    """Statistics of a clip whose images come one by one; see `measure`.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance import Pool
+        >>> pool = Pool()
+        >>> for level in (50, 150):
+        ...     pool.add(np.full((32, 32, 3), level, np.uint8))
+        >>> pool.statistics().scope
+        'clip'
+    """
+
+    def __init__(self, params: EnhanceParams = DEFAULTS, pixels: Pixels = "automatic") -> None:
+        self._params, self._pixels, self._enhancer = params, pixels, Enhancer()
+        self._total: Tally | None = None
+        self._fields: list[FieldOfView] = []
+
+    def add(self, image: AnyImage, tissue_mask: AnyImage | None = None) -> None:
+        """One more image, as `enhance` takes it. Raises ImageError: one that cannot be used is left out."""
+        self._enhancer.show(image, tissue_mask, pixels=self._pixels)
+        one = self._enhancer.tally(self._params)
+        self._total = one if self._total is None else self._total + one
+        if self._enhancer.field is not None:
+            self._fields.append(self._enhancer.field)
+
+    def statistics(self) -> Statistics:
+        """Of all images so far. Raises ImageError: there is none, or no pixel counts."""
+        if self._total is None:
+            raise ImageError("expected at least one image to measure, got none")
+        field = typical(self._fields) if self._fields else None
+        return replace(self._total.statistics(self._params, "clip"), field=field)
 
 
 def _pairs(

@@ -62,7 +62,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         choices=("automatic", "image", "clip"),
         default="automatic",
         help="take statistics of each image on its own, or of all together so that colours match and nothing "
-        "flickers (default: of a video all together)",
+        "flickers (default: of a video, or of images that follow one another as in a video, all together)",
     )
     parser.add_argument(
         "--pixels",

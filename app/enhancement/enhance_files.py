@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
+from app.enhancement.recording import is_recording
 from app.enhancement.records import EnhancedPicture, EnhancedVideo
 from app.enhancement.settable import Pixels, drawn
 from app.errors import UserError
@@ -47,7 +48,7 @@ class Setting:
     method: str
     params: Params
     statistics: Literal["automatic", "image", "clip"] = "automatic"
-    """Of each picture, or pooled over the series. Automatic: pooled of a video, against flicker."""
+    """Of each picture, or pooled over the series. Automatic: pooled of a recording, against flicker."""
     pixels: Pixels = "automatic"
     pooled: int | None = None
     """Evenly spread pictures whose statistics stand for a series; None: all of them."""
@@ -57,7 +58,7 @@ class Setting:
     def pools(self, series: Series) -> bool:
         """Whether all pictures have the same statistics."""
         if self.statistics == "automatic":
-            return series.is_video and self.params is not None
+            return self.params is not None and (series.is_video or is_recording(len(series), series.read))
         return self.statistics == "clip"
 
 

@@ -5,23 +5,20 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import tee
 from time import perf_counter
 
 import numpy as np
 
+from app.enhancement.clip_statistics import OfClip, StatisticsRequest, measured, read_frame, windows_of
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_kernels
 from app.enhancement.settable import Pixels, Scope, drawn
-from enhance import EnhanceParams, Statistics, measure
+from enhance import Pool, Statistics
 from enhance.result import Omission
-from enhance.surround import inside
 from renderer.clip import BoolImage, ByteImage, Clip
 
-POOLED_FRAMES = 16
-"""Frames, evenly spread, whose statistics stand for the whole clip."""
 POOLS = 4
-"""Sets of windows whose pooled statistics are remembered."""
+"""Clips and sets of windows whose statistics are remembered."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +37,11 @@ class PictureRequest:
     """What does not count either."""
     span: tuple[int, int] | None = None
     """First and last frame that are pooled; None: the whole clip."""
+    of_clip: OfClip = None
+
+    def statistics_request(self, params: EnhancementSettings) -> StatisticsRequest:
+        """For the statistics of its clip."""
+        return StatisticsRequest(self.clip, self.scope, windows_of(params), self.pixels, self.mask, self.span)
 
     def with_params(self, params: EnhancementSettings) -> PictureRequest:
         """The same frame, enhanced by these."""
@@ -68,8 +70,9 @@ class PictureMaker:
     def __init__(self) -> None:
         self._enhancer = MethodEnhancer()
         self._loaded: set[type[EnhancementSettings]] = set()
-        self._shown: tuple[PictureRequest, ByteImage] | None = None
-        self._pooled: dict[PictureRequest, Statistics] = {}
+        self._shown: tuple[PictureRequest, ByteImage, BoolImage | None] | None = None
+        self._pooled: dict[StatisticsRequest, Statistics | None] = {}
+        self._first: tuple[StatisticsRequest, Statistics] | None = None
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
         """First the frame alone, then both. Raises ClipError or ImageError."""
@@ -77,7 +80,7 @@ class PictureMaker:
         yield Pictures(request, original)
         if request.params is None:
             return
-        statistics = self._of_clip(request, request.params) if request.scope == "clip" else None
+        statistics = self._of_clip(request, request.params)
         self._load(request.params, original)
         start = perf_counter()
         result = self._enhancer.enhance(request.params, statistics=statistics)
@@ -95,45 +98,34 @@ class PictureMaker:
 
     def _show(self, request: PictureRequest) -> ByteImage:
         """The frame, read once for as long as only parameters move."""
-        key = replace(request, params=None, scope="image")
+        key = replace(request, params=None, scope="image", of_clip=None)
         if self._shown is None or self._shown[0] != key:
             self._shown = None
-            original, mask = _read(request, request.frame_index)
+            original, mask = read_frame(request.clip, request.frame_index, request.pixels, request.mask)
             self._enhancer.show(original, mask, drawn(request.pixels))
-            self._shown = key, original
+            self._shown = key, original, mask
         return self._shown[1]
 
-    def _of_clip(self, request: PictureRequest, params: EnhancementSettings) -> Statistics:
-        """What is measured depends on the windows alone; z and P are resolved again by `enhance`."""
-        paper = params if isinstance(params, EnhanceParams) else EnhanceParams()
-        windows = EnhanceParams(radii=paper.radii, eps=paper.eps, subsample=paper.subsample)
-        key = replace(request, frame_index=0, params=windows)
+    def _of_clip(self, request: PictureRequest, params: EnhancementSettings) -> Statistics | None:
+        """What all frames of the clip are enhanced with; None: each with its own."""
+        if request.scope == "image" or request.of_clip == "own":
+            return None
+        if isinstance(request.of_clip, Statistics):
+            return request.of_clip
+        key = request.statistics_request(params)
+        if request.of_clip == "later":
+            return self._of_first(key)
         if key not in self._pooled:
             while len(self._pooled) >= POOLS:
                 self._pooled.pop(next(iter(self._pooled)))
-            self._pooled[key] = _measured(key, windows)
+            self._pooled[key] = measured(key)
         return self._pooled[key]
 
-
-def _measured(request: PictureRequest, windows: EnhanceParams) -> Statistics:
-    """Pooled over frames that are evenly spread over the clip."""
-    first, last = request.span or (0, len(request.clip) - 1)
-    indices = np.linspace(first, last, min(last + 1 - first, POOLED_FRAMES)).round().astype(int)
-    # Both iterables of `measure` walk the same frames in step: each is decoded once and let go.
-    frames, again = tee(_read(request, int(index)) for index in indices)
-    images, masks = (image for image, _ in frames), (mask for _, mask in again)
-    return measure(images, windows, masks, pixels=drawn(request.pixels))
-
-
-def _read(request: PictureRequest, index: int) -> tuple[ByteImage, BoolImage | None]:
-    """The frame and the pixels that count, None = all: so too where nothing but black would be left."""
-    if request.pixels == "tissue":
-        frame = request.clip.read_frame(index)
-        image, mask = frame.image, frame.tissue_mask & inside([frame.image])
-    elif request.mask == NO_MASK:
-        return request.clip.read_image(index), None
-    else:
-        image = request.clip.read_image(index)
-        mask = np.ones(image.shape[:2], dtype=bool)
-    mask &= request.mask.kept(mask.shape)
-    return image, mask if mask.any() else None
+    def _of_first(self, key: StatisticsRequest) -> Statistics:
+        """Of the frame that was shown first since these have been asked for."""
+        if self._first is None or self._first[0] != key:
+            assert self._shown is not None
+            pool = Pool(key.windows, drawn(key.pixels))
+            pool.add(*self._shown[1:])
+            self._first = key, pool.statistics()
+        return self._first[1]

@@ -12,8 +12,8 @@ from app.enhancement.methods import METHODS
 
 Mode = Literal["side by side", "wipe", "flip", "difference"]
 Slot = Literal["A", "B"]
-Scope = Literal["image", "clip"]
-"""Statistics of one picture, or of the whole clip."""
+Scope = Literal["automatic", "image", "clip"]
+"""Statistics of one picture, or of the whole clip; automatic: of the clip where it is a recording."""
 Pixels = Literal["automatic", "all", "tissue"]
 """What counts in the statistics: the field of view, outside of which nothing is enhanced; every pixel; or
 neither tools nor what is black at the border, while every pixel is enhanced."""

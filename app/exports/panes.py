@@ -80,7 +80,7 @@ class PaneMaker:
         count, frame = len(self.clip), record.frame.index
         if not 0 <= frame < count:
             raise UserError(f"expected panes of one of {count} frames, got frame {frame}")
-        self._record, self._maker = record, OtherMaker()
+        self._record, self._maker, self._sources = record, OtherMaker(), sources
         self._panes = [(pane, _shown(pane, sources)) for pane in record.panes]
 
     def made(self, frame: int, sizing: Sizing | None = None) -> list[Made]:
@@ -105,6 +105,9 @@ class PaneMaker:
             caption = f"{pane.title}   {self.clip.labels[frame]}"
             return Made(Panel(caption, sizing.of(self.clip.read_image(frame))))
         original = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
+        if isinstance(by, EnhanceParams | VesselParams):
+            known = self._sources.of_clip(original.statistics_request(by))
+            original = replace(original, of_clip=known)
         (other,) = self._maker.make(OtherRequest(original, by))
         said = describe(other.made) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None

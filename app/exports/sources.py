@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
+from app.enhancement.clip_statistics import ClipStatistics, OfClip, StatisticsRequest
 from app.errors import UserError
 from app.files.image_series import Series
 from app.files.records import Source
@@ -38,6 +39,9 @@ class Sources(Protocol):
     def drawer(self, renderer: str) -> Drawer:
         """What draws, of the kind that a record names."""
 
+    def of_clip(self, request: StatisticsRequest) -> OfClip:
+        """The statistics of a clip where they are known already."""
+
 
 @dataclass(frozen=True, eq=False)
 class Opened:
@@ -49,6 +53,8 @@ class Opened:
     model: Scene | None = None
     """Of splats or panes, where it need be of no view."""
     pen: Drawer = field(default_factory=Drawer)
+    measured: ClipStatistics | None = None
+    """Of the clip, as it is shown."""
 
     def series(self, source: Source, options: ClipOptions) -> Series:
         raise UserError(f"expected panes or views, got a record of images of {source.name}")
@@ -69,6 +75,9 @@ class Opened:
 
     def drawer(self, renderer: str) -> Drawer:
         return self.pen
+
+    def of_clip(self, request: StatisticsRequest) -> OfClip:
+        return self.measured.told(request) if self.measured is not None else None
 
     @cached_property
     def _scenes(self) -> Iterable[Scene]:

@@ -147,7 +147,7 @@ class Session:
     params: RecordedSettings = EnhanceParams()
     past: Annotated[tuple[RecordedSettings, ...], at_most(MOST_STEPS)] = ()
     """Settled parameters, oldest first."""
-    scope: Scope = "image"
+    scope: Scope = "automatic"
     pixels: Pixels = "automatic"
     enhancing: bool = True
     stored: Annotated[dict[Slot, RecordedSettings], at_most(len(SLOTS))] = field(default_factory=dict)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
+from app.enhancement.clip_statistics import OfClip, StatisticsRequest
 from app.errors import UserError
 from app.files.image_series import Series, open_series
 from app.files.provenance import digests
@@ -68,6 +69,9 @@ class Found:
         if frame is None or not 0 <= frame < len(clip):
             raise UserError(f"expected a difference to one of {len(clip)} frames, got {frame}")
         return FrameRequest(clip, frame)
+
+    def of_clip(self, request: StatisticsRequest) -> OfClip:
+        return None
 
     def drawer(self, renderer: str) -> Drawer:
         """The kind of renderer that drew, as it is here."""

@@ -7,10 +7,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from app.enhancement.clip_statistics import POOLED_FRAMES
 from app.enhancement.enhance_files import Setting
-from app.enhancement.frame_enhancer import POOLED_FRAMES
 from app.enhancement.methods import preset_of, worded
-from app.enhancement.settable import Pixels
+from app.enhancement.settable import Pixels, Scope
 from app.files.legible import located
 from app.files.provenance import stamp
 from app.gui.actions import actions
@@ -18,6 +18,13 @@ from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
 
+SCOPES_SAID: Final[Mapping[Scope, str]] = MappingProxyType(
+    {
+        "automatic": "each recording as a whole",
+        "image": "each image on its own",
+        "clip": "each clip as a whole",
+    }
+)
 PIXELS_SAID: Final[Mapping[Pixels, str]] = MappingProxyType(
     {"automatic": "field of view alone", "all": "all pixels", "tissue": "statistics of tissue only"}
 )
@@ -59,8 +66,7 @@ def results_folder(state: AppState) -> Path:
 def summary(state: AppState) -> str:
     """The present setting in a line."""
     chosen = state.enhancement
-    measured = "each clip as a whole" if chosen.scope == "clip" else "each image on its own"
-    return f"{worded(chosen.params)} · {measured} · {PIXELS_SAID[chosen.pixels]}"
+    return f"{worded(chosen.params)} · {SCOPES_SAID[chosen.scope]} · {PIXELS_SAID[chosen.pixels]}"
 
 
 def why_not_start(state: AppState) -> str:

@@ -179,7 +179,8 @@ def _request(state: AppState, offer: Offer) -> ExportRequest:
     stem = clip.path.stem if clip is not None and panes.panes else views[0].scene.name
     rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
     record = _record(state, offer.form, panes, moments, rate or FRAMES_PER_SECOND)
-    return ExportRequest(state.places.pictures, stem, record, Opened(views, clip, state.scene.model))
+    opened = Opened(views, clip, state.scene.model, measured=state.picture.of_clip)
+    return ExportRequest(state.places.pictures, stem, record, opened)
 
 
 def _record(

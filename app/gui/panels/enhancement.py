@@ -34,7 +34,7 @@ Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
 HEIGHT, WIDEST = 3.4, 6.0
 """Em of a small picture."""
 MAIN_VESSEL = ("strength", "radius", "lift", "d_factor")
-SCOPES: dict[Scope, str] = {"image": "Of each frame", "clip": "Of the whole clip"}
+SCOPES: dict[Scope, str] = {"automatic": "Automatic", "image": "Of each frame", "clip": "Of the whole clip"}
 PIXELS: dict[Pixels, str] = {"automatic": "Automatic", "all": "All", "tissue": "Tissue only"}
 SUBSAMPLES = {1: "Off", 2: "2×", 4: "4×", 8: "8×"}
 METHOD_TEXT = (
@@ -43,7 +43,8 @@ METHOD_TEXT = (
 )
 RESET_TEXT = "R. For a single value, double click or right click its slider."
 SCOPE_TEXT = (
-    "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker."
+    "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker. "
+    "Automatic: of the clip where it is a recording, else of each image."
 )
 PIXELS_TEXT = (
     "Automatic: what the endoscope sees; a dark surround is found and stays as it is. All: every pixel, "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from app.enhancement.clip_statistics import OfClip
 from app.enhancement.frame_enhancer import PictureRequest
 from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
@@ -88,7 +89,7 @@ class AppState:
         params = self.enhancement.params if self.enhancement.active else None
         mask = self.source.part.mask
         span = self.source.span if self.source.part.trim else None
-        return PictureRequest(
+        request = PictureRequest(
             self.source.clip,
             self.timeline.shown_index,
             params,
@@ -97,6 +98,13 @@ class AppState:
             mask,
             span,
         )
+        return replace(request, of_clip=self._of_clip(request))
+
+    def _of_clip(self, request: PictureRequest) -> OfClip:
+        if request.params is None or request.scope == "image":
+            return None
+        known, wanted = self.picture.of_clip, request.statistics_request(request.params)
+        return (known.told(wanted) if known is not None else None) or "later"
 
     @property
     def pictures_are_stale(self) -> bool:

@@ -32,7 +32,7 @@ class SettingsSnapshot:
     """All that a person sets: what undo goes back to. How it is looked at is no setting."""
 
     params: EnhancementSettings = field(default_factory=EnhanceParams)
-    scope: Scope = "image"
+    scope: Scope = "automatic"
     pixels: Pixels = "automatic"
     part: ClipPart = WHOLE
     comparison: Comparison = field(default_factory=Comparison)
@@ -69,7 +69,7 @@ class Enhancement:
 
     params: EnhancementSettings = field(default_factory=EnhanceParams)
     """Of the method that is chosen."""
-    scope: Scope = "image"
+    scope: Scope = "automatic"
     pixels: Pixels = "automatic"
     active: bool = True
     """False: plain white light on both sides."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from app.enhancement.clip_statistics import ClipStatistics
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, Other
 from app.gui.views.comparison import Comparison, Side
@@ -34,6 +35,8 @@ class Picture:
     pictures: Pictures | None = None
     asked_at: float = 0.0
     """When the newest pictures were asked for, on the window's clock."""
+    of_clip: ClipStatistics | None = None
+    """What all frames of a clip are enhanced with; it knows of which."""
     measured: Measured | None = None
     pointer: tuple[int, int] | None = None
     """Column and row of the picture under the pointer."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Final, Generic, Literal
 
+from app.enhancement.clip_statistics import ClipMeasurer
 from app.enhancement.frame_enhancer import PictureMaker, Pictures
 from app.exports.comparison_images import OtherMaker, heat_map
 from app.exports.exporting import ExportRequest, export
@@ -106,6 +107,7 @@ class Channels:
         self.difference = Channel(heat_map)
         self.view, self.second = Channel(draw_view), Channel(draw_view)
         self.bakes, self.second_bakes = Channel(bake), Channel(bake)
+        self.statistics = SteppedChannel(ClipMeasurer().measure)
         self.thumbnails = Channel(make_thumbnails)
         self.saving = Channel(export, depth=16)
         self.cells = Channel(CellMaker().make)
@@ -158,6 +160,7 @@ class Channels:
                 difference_request),
             Row(self.measures, told("the frame cannot be measured", taking.take_measured, actions.say),
                 wishes.to_measure, SECOND, forgets=False),
+            Row(self.statistics, taking.take_statistics, wishes.statistics_wish),
             Row(self.thumbnails, told(NO_THUMBNAILS, preset_actions.take_thumbnails, actions.say),
                 wishes.thumbnails_wish, forgets=False),
             Row(self.strip, told(NO_STRIP, taking.take_strip, actions.say), wishes.strip_wish, SECOND,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from app.enhancement.clip_statistics import ClipStatistics, StatisticsRequest
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.files.legible import located
@@ -51,6 +52,17 @@ def take_frame(state: AppState, request: FrameRequest, frame_image: FrameImage) 
 
 def take_difference(state: AppState, request: DifferenceRequest, difference: Difference) -> None:
     state.comparing.difference = difference
+
+
+def take_statistics(
+    state: AppState, request: StatisticsRequest, answer: ClipStatistics | Failure | None
+) -> None:
+    """A clip that cannot be measured, as a frame is damaged, has each frame enhanced by itself."""
+    if isinstance(answer, Failure):
+        actions.say(state, f"the statistics of the clip cannot be measured: {answer.message}")
+        state.picture.of_clip = ClipStatistics(request, None)
+    elif answer is not None:
+        state.picture.of_clip = answer
 
 
 def take_measured(state: AppState, request: Pictures, measured: Measured) -> None:

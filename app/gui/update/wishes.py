@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.enhancement.clip_statistics import StatisticsRequest
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import OtherRequest
 from app.gui.actions import queue_actions
@@ -37,7 +38,15 @@ def to_measure(state: AppState) -> Pictures | None:
     pictures = state.picture.pictures
     if pictures is None or pictures.enhanced is None or not at_rest(state) or state.pictures_are_stale:
         return None
-    return pictures
+    return pictures if pictures.request.of_clip != "later" else None
+
+
+def statistics_wish(state: AppState) -> StatisticsRequest | None:
+    """Those of the clip, while they are not known: at rest, as each frame of a video is looked for."""
+    request = state.picture_request
+    if request is None or request.params is None or request.of_clip != "later" or not at_rest(state):
+        return None
+    return None if state.pictures_are_stale else request.statistics_request(request.params)
 
 
 def thumbnails_wish(state: AppState) -> ThumbnailsRequest | None:

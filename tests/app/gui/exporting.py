@@ -49,6 +49,15 @@ class Exporter:
             for channel in served(self.channels):
                 channel.run_waiting()
 
+    def rest(self) -> None:
+        """Until the statistics of the clip are known, and what is enhanced with them is shown."""
+        for _ in range(200):
+            self.turn(2)
+            wanted = self.state.picture_request
+            if wanted is not None and wanted.of_clip != "later" and not self.state.pictures_wait:
+                return
+        raise AssertionError("expected the statistics of the clip to be known")
+
     def begin(self, what: What) -> None:
         request = export_actions.export_request(self.state, what)
         assert request is not None

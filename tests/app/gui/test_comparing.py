@@ -56,7 +56,7 @@ def test_every_source_shows_what_its_name_says(
     assert state.source.clip is not None
     state.scene.model = shown_model(state, model)
     state.enhancement.stored = {"A": EnhanceParams(z=0.2), "B": VesselParams(strength=3.0)}
-    state.enhancement.params = EnhanceParams(z=0.7)
+    state.enhancement.params, state.enhancement.scope = EnhanceParams(z=0.7), "image"
     actions.seek(state, 2)
     rendered = render(model.at(2 / 6), state.source.clip.cameras[2], (0.0, 0.0, 0.0), near=0.05).image
     expected = {

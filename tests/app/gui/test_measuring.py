@@ -72,6 +72,7 @@ def test_the_v_curve_is_what_happens_to_a_grey_picture_without_detail(clip: Clip
 
 def test_measuring_waits_for_the_hand_and_never_twice(state: AppState) -> None:
     channels = Channels()
+    state.enhancement.scope = "image"
 
     def settle(now: float) -> None:
         for _ in range(4):

@@ -52,7 +52,7 @@ def test_a_pane_is_what_it_shows_at_the_size_asked_for(run: Exporter, clip_path:
     state.enhancement.scope, state.enhancement.pixels, state.exports.sizing = "clip", "tissue", Sizing(3)
     for source in ("original", "enhanced", "A", "clahe", "render"):
         comparing.choose_source(state, "left", source)
-        run.turn(6)
+        run.rest()
         assert state.picture.pictures is not None
         shown = pane(state, state.picture.pictures, "left").image
         path = run.made("left pane")
@@ -130,7 +130,7 @@ def test_panes_come_again_as_they_were_compared(run: Exporter, clip_path: Path) 
     state = run.state
     state.source.part = ClipPart(mask=PictureMask(text=(0, 0, 30, 20)), trim=(2, 7))
     state.enhancement.scope, state.comparing.wiped = "clip", 0.25
-    run.turn(6)
+    run.rest()
     assert state.picture.pictures is not None
     left, right = (pane(state, state.picture.pictures, side).image for side in SIDES)
     assert not np.array_equal(left, right)

@@ -1,0 +1,113 @@
+"""The statistics of a clip: of which clips, measured step by step, and what stands for them until then."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.enhancement.clip_statistics import ClipMeasurer, ClipStatistics, StatisticsRequest, measured
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
+from app.enhancement.recording import is_recording
+from enhance import EnhanceParams, Pool, enhance, measure
+from renderer.clip import ByteImage, Clip
+from tests.app.gui.conftest import make_clip
+from tests.enhance.pictures import vessels
+
+WINDOWS = EnhanceParams()
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Clip:
+    return make_clip(tmp_path / "clip")
+
+
+def moved(index: int) -> ByteImage:
+    """The same vessels, three pixels further on each time, in light that grows."""
+    image = np.roll(vessels(120, 160), 3 * index, axis=1)
+    return np.clip(image.astype(np.float32) * (0.6 + 0.05 * index), 0, 255).astype(np.uint8)
+
+
+def unlike(index: int) -> ByteImage:
+    """Another subject each time."""
+    rng = np.random.default_rng(index)
+    return rng.integers(20, 200, (15, 20, 3), dtype=np.uint8).repeat(8, axis=0).repeat(8, axis=1)
+
+
+def images(clip: Clip, read: object) -> Clip:
+    return replace(clip, format="images", read_image=read)
+
+
+def test_neighbours_that_look_alike_are_a_recording() -> None:
+    assert is_recording(8, moved)
+    assert is_recording(8, lambda index: moved(index)[..., 0])
+    assert is_recording(8, lambda index: moved(index).astype(np.uint16) * 257)
+    assert not is_recording(8, unlike)
+    assert not is_recording(1, moved)
+    assert not is_recording(4, lambda index: moved(index)[: 60 + index])
+
+
+def test_flat_images_are_alike_where_they_are_equal() -> None:
+    assert is_recording(4, lambda index: np.zeros((40, 50, 3), np.uint8))
+    assert not is_recording(4, lambda index: np.zeros((40, 50), np.uint8) if index % 2 else moved(0))
+
+
+@pytest.mark.parametrize(("read", "pools"), [(moved, True), (unlike, False)])
+def test_automatic_pools_a_folder_of_frames_and_no_other(clip: Clip, read: object, pools: bool) -> None:
+    request = StatisticsRequest(images(clip, read), "automatic", WINDOWS, "automatic")
+    assert (measured(request) is not None) == pools
+    assert measured(replace(request, scope="clip")) is not None
+    assert measured(replace(request, scope="image")) is None
+
+
+def test_a_clip_of_a_known_layout_is_pooled_without_a_look(clip: Clip) -> None:
+    known = replace(clip, format="endonerf", read_image=unlike)
+    request = StatisticsRequest(known, "automatic", WINDOWS, "all")
+    count = len(clip)
+    assert measured(request) == measure(map(unlike, range(count)), pixels="all")
+    alone = replace(known, cameras=clip.cameras[:1])
+    assert measured(replace(request, clip=alone)) is None
+
+
+def test_measuring_that_was_given_up_goes_on_where_it_was(clip: Clip) -> None:
+    read: list[int] = []
+
+    def counted(index: int) -> ByteImage:
+        read.append(index)
+        return moved(index)
+
+    request = StatisticsRequest(replace(clip, read_image=counted), "clip", WINDOWS, "automatic")
+    measurer = ClipMeasurer()
+    steps = measurer.measure(request)
+    assert [next(steps) for _ in range(3)] == [None] * 3
+    steps.close()  # type: ignore[attr-defined]
+    *others, last = measurer.measure(request)
+    assert isinstance(last, ClipStatistics)
+    assert others == [None] * (len(clip) - 3)
+    assert read == list(range(len(clip)))
+    assert last.statistics == measure(map(moved, range(len(clip))))
+
+
+def test_a_pool_is_what_is_measured_at_once() -> None:
+    pool = Pool()
+    for index in range(5):
+        pool.add(moved(index))
+        assert pool.statistics() == measure(map(moved, range(index + 1)))
+
+
+def test_until_they_are_known_the_first_frame_s_stand_for_them(clip: Clip) -> None:
+    maker = PictureMaker()
+    request = PictureRequest(
+        replace(clip, read_image=moved), 2, EnhanceParams(), "automatic", of_clip="later"
+    )
+    first = measure([moved(2)])
+    for index, params in ((2, EnhanceParams()), (5, EnhanceParams()), (3, EnhanceParams(d_factor=0.3))):
+        *_, made = maker.make(replace(request, frame_index=index, params=params))
+        np.testing.assert_array_equal(made.enhanced, enhance(moved(index), params, statistics=first).image)
+    *_, known = maker.make(replace(request, of_clip=measure(map(moved, range(6)))))
+    assert known.statistics is not None
+    assert known.statistics.saturation_mean != first.saturation_mean
+    *_, own = maker.make(replace(request, frame_index=4, of_clip="own"))
+    np.testing.assert_array_equal(own.enhanced, enhance(moved(4)).image)
