@@ -74,15 +74,18 @@ def _measured(
     sigmas = tuple(float(np.std(255 * q[keep])) for q in filtered)
     p = tuple(_exponent(sigma, params) for sigma in sigmas)
     mean = float(np.mean(chroma[keep]))
+    amount = params.amount
+    whole = p if params.p is None else params.p if isinstance(params.p, tuple) else (params.p,) * len(p)
+    color = color_share(mean, snr) if params.d_factor is None else 1.0
     return Statistics(
         level=float(level),
-        z=float(z) if params.z is None else params.z,
+        z=max(0.0, 1 - amount * (1 - (float(z) if params.z is None else params.z))),
         saturation_mean=mean,
         sigmas=sigmas,
-        p=p if params.p is None else params.p if isinstance(params.p, tuple) else (params.p,) * len(p),
+        p=tuple(amount * one for one in whole),
         scope="image",
         chroma_snr=snr,
-        color=color_share(mean, snr) if params.d_factor is None else 1.0,
+        color=min(1.0, amount * color),
     )
 
 

@@ -47,12 +47,14 @@ class Statistics:
     chroma_snr: float | None = None
     """Colour over its noise; None: not measured, as of grey images, or of an image for which d was set."""
     color: float = 1.0
-    """Share of the change of saturation of Eqs 11 and 12 in use, in [0, 1]: 1 where d was set."""
+    """Share of the change of saturation of Eqs 11 and 12 in use, in [0, 1]: 1 where d was set; times the
+    amount."""
     field: FieldOfView | None = None
     """Where it was measured, and is to be used; None: all pixels."""
 
     def resolved(self, params: EnhanceParams) -> Statistics:
-        """The same measurements with z and P as `params` ask: set by the user, or Eqs 2 and 9.
+        """The same measurements with z and P as `params` ask: set by the user, or Eqs 2 and 9; times its
+        amount.
 
         Raises:
             ImageError: measured with another number of scales.
@@ -70,7 +72,14 @@ class Statistics:
         else:
             p = tuple(detail.exponent(sigma, params.p_form) for sigma in self.sigmas)
         color = color_share(self.saturation_mean, self.chroma_snr) if params.d_factor is None else 1.0
-        return replace(self, z=z, p=p, color=color)
+        if params.amount == 1:
+            return replace(self, z=z, p=p, color=color)
+        return replace(
+            self,
+            z=max(0.0, 1 - params.amount * (1 - z)),
+            p=tuple(params.amount * one for one in p),
+            color=min(1.0, params.amount * color),
+        )
 
 
 @dataclass(frozen=True, eq=False)

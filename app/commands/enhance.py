@@ -25,7 +25,7 @@ from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.pictures import VIDEOS, common_size, is_picture
 
-FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below")
+FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "amount")
 VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "d_factor"}}
 PICTURES = frozenset({".avif", ".dcm", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})

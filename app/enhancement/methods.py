@@ -53,7 +53,8 @@ def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
     p = _value(look.p, used.p if used is not None else ())
     # The share of the change of colours, where it is not all.
     share = f" {used.color:.0%}" if used is not None and used.color < 1 else ""
-    return f"z {z} · P {p} · d {_value(look.d_factor, ())}{share}"
+    amount = f"amount {look.amount:.2f} · " if look.amount != 1 else ""
+    return f"{amount}z {z} · P {p} · d {_value(look.d_factor, ())}{share}"
 
 
 def _value(chosen: float | tuple[float, ...] | None, used: tuple[float, ...]) -> str:

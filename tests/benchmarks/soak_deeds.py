@@ -157,9 +157,9 @@ def slide(person: Person) -> None:
         name = person.rng.choice(["d_factor"] * 2 + ["z", "p"])
         person.choose("//Enhancement", "##preset", "Paper, d 1")
         if name != "d_factor":
-            person.click(f"//Enhancement/Auto##{name}")
+            person.click(f"//Enhancement/**/Auto##{name}")
         for _ in range(5):
-            person.ctx.item_input_value(f"//Enhancement/##{name}", round(person.rng.uniform(0.1, 0.9), 2))
+            person.ctx.item_input_value(f"//Enhancement/**/##{name}", round(person.rng.uniform(0.1, 0.9), 2))
             person.pace()
     person.wait(person.settled, "the new setting")
     person.press(chord("Ctrl+Z"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -27,13 +27,12 @@ __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: dict[type[EnhancementSettings], str] = {EnhanceParams: named(PAPER), VesselParams: named(VESSEL)}
 VESSEL_SLIDERS = {
-    "strength": "Strength", "radius": "Radius", "shading": "Shading", "coring": "Coring",
-    "lift": "Lift", "gamma": "Gamma", "d_factor": "Colour d", "most_color": "Most colour",
+    "radius": "Radius", "lift": "Lift", "d_factor": "Colour d", "shading": "Shading",
+    "coring": "Coring", "gamma": "Gamma", "most_color": "Most colour",
 }  # fmt: skip
 Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
 HEIGHT, WIDEST = 3.4, 6.0
 """Em of a small picture."""
-MAIN_VESSEL = ("strength", "radius", "lift", "d_factor")
 SCOPES: dict[Scope, str] = {"automatic": "Automatic", "image": "Of each frame", "clip": "Of the whole clip"}
 PIXELS: dict[Pixels, str] = {"automatic": "Automatic", "all": "All", "tissue": "Tissue only"}
 SUBSAMPLES = {1: "Off", 2: "2×", 4: "4×", 8: "8×"}
@@ -53,20 +52,19 @@ PIXELS_TEXT = (
 
 
 def draw_enhancement(state: AppState, texture: Texture) -> None:
-    """Method, preset and the main sliders always; windows, curves and measures by tab."""
+    """Method, preset and how much of it always; all other settings, curves and measures by tab."""
     now = type(state.enhancement.params)
     chosen = choose_row("Method", now, METHODS, METHOD_TEXT)
     if chosen is not now:
         actions.choose_method(state, chosen)
     draw_presets(state, texture)
     used = state.picture.pictures.statistics if state.picture.pictures else None
-    _change(state, _draw_main(state.enhancement.params, used))
+    _change(state, _draw_amount(state.enhancement.params))
     _draw_edits(state)
     imgui.spacing()
     with imgui_ctx.begin_tab_bar("details") as bar:
         if bar:
-            first = "Windows" if isinstance(state.enhancement.params, EnhanceParams) else "More"
-            _draw_tab(f"{first}###windows", partial(_draw_settings, state, used))
+            _draw_tab("Details###windows", partial(_draw_settings, state, used))
             _draw_tab("Curves", partial(draw_curves, state))
             _draw_tab("Measures", partial(draw_measures, state))
 
@@ -151,12 +149,12 @@ def _draw_tab(label: str, draw: Callable[[], None]) -> None:
 
 
 def _draw_settings(state: AppState, used: Statistics | None) -> None:
-    """What the main sliders leave, and what the automatic values are taken from."""
+    """All but the amount, and what the automatic values are taken from."""
     params, chosen = state.enhancement.params, state.enhancement
     if isinstance(params, VesselParams):
-        _change(state, _draw_vessel(params, [name for name in VESSEL_SLIDERS if name not in MAIN_VESSEL]))
+        _change(state, _draw_vessel(params))
     elif isinstance(params, EnhanceParams):
-        _change(state, _draw_windows(params, used))
+        _change(state, _draw_windows(_draw_paper(params, used), used))
     picture_actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
     picture_actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))
 
@@ -166,9 +164,12 @@ def _change(state: AppState, params: EnhancementSettings) -> None:
         actions.set_params(state, params)
 
 
-def _draw_main(params: EnhancementSettings, used: Statistics | None) -> EnhancementSettings:
-    if isinstance(params, VesselParams):
-        return _draw_vessel(params, MAIN_VESSEL)
+def _draw_amount(params: EnhancementSettings) -> EnhancementSettings:
+    """The one slider that makes more or less of any method."""
+    return slide(params, "strength" if isinstance(params, VesselParams) else "amount", "Strength", "%.2f")
+
+
+def _draw_paper(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
     params = slide_auto(params, "z", "Brightness z", used.z if used else None, 0.5)
     params = _draw_detail(params, used)
     return slide_auto(params, "d_factor", "Colour d", params.k, 1.0)
@@ -178,7 +179,7 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
     if not isinstance(params.p, tuple):
         p = sum(used.p) / len(used.p) if used and used.p else None
         return slide_auto(params, "p", "Detail P", p, 0.5)
-    text = "Each window has its own P, see Windows below."
+    text = "Each window has its own P, see the windows below."
     row("Detail P", text)
     imgui.align_text_to_frame_padding()
     muted("   ".join(f"{p:.2f}" for p in params.p))
@@ -188,9 +189,9 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
     return scales.together(params) if pressed else params
 
 
-def _draw_vessel(params: VesselParams, names: Sequence[str]) -> VesselParams:
-    for name in names:
-        params = slide(params, name, VESSEL_SLIDERS[name], "%d px" if name == "radius" else "%.2f")
+def _draw_vessel(params: VesselParams) -> VesselParams:
+    for name, label in VESSEL_SLIDERS.items():
+        params = slide(params, name, label, "%d px" if name == "radius" else "%.2f")
     return params
 
 

@@ -24,7 +24,15 @@ NAMES: Final = {
     "input": "reconstruction settings",
     "d_factor": "reconstruction settings",
 }
-PARAMS: Final = {"z": "z", "p": "P", "radii": "windows", "eps": "eps", "d_factor": "d-factor"}
+PARAMS: Final = {
+    "amount": "strength",
+    "strength": "strength",
+    "z": "z",
+    "p": "P",
+    "radii": "windows",
+    "eps": "eps",
+    "d_factor": "d-factor",
+}
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def main(root: Path) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.item_input_value("//Enhancement/##d_factor", 2.5)
+        ctx.item_input_value("//Enhancement/**/##d_factor", 2.5)
         actions.seek(state, 7)
         state.session.notes, state.enhancement.scope = "left ureter?", "clip"
         kept = autosave_path(state.places.config)

@@ -46,16 +46,16 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
     def draw() -> None:
         draw_enhancement(opened, no_thumbnail)
         window = imgui.get_window_pos()
-        spots["d"] = (window.x + 300, window.y + 10 + 4.5 * imgui.get_frame_height_with_spacing())
+        spots["strength"] = (window.x + 300, window.y + 10 + 2.5 * imgui.get_frame_height_with_spacing())
         if not imgui.is_any_item_active():
             actions.settle_params(opened)
 
     ui.frame(draw)
-    start = spots["d"]
+    start = spots["strength"]
     ui.drag(draw, start, (start[0] + 200, start[1]))
     moved = opened.enhancement.params
-    assert moved.d_factor != EnhanceParams().d_factor
-    assert replace(moved, d_factor=None) == EnhanceParams()
+    assert moved.amount != EnhanceParams().amount
+    assert replace(moved, amount=1.0) == EnhanceParams()
     assert len(opened.enhancement.past) == 2
     history_actions.undo(opened)
     assert opened.enhancement.params == EnhanceParams()

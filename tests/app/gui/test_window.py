@@ -90,7 +90,7 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
         ctx.item_click("//Pictures/**/###phantom")
         wait(ctx, lambda: is_settled(state), "the enhanced phantom")
         before = enhanced(state)
-        ctx.item_input_value("//Enhancement/##d_factor", 3.0)
+        ctx.item_input_value("//Enhancement/**/##d_factor", 3.0)
         wait(
             ctx, lambda: state.enhancement.params.d_factor == 3.0 and is_settled(state), "the new enhancement"
         )
@@ -270,7 +270,7 @@ def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
         wait(ctx, lambda: is_settled(driver.state), "the phantom")
         ctx.item_click("//Enhancement/##Method")
         ctx.key_press(imgui.Key.escape)  # Closes the list, and that alone.
-        ctx.item_click("//Enhancement/Auto##z")
+        ctx.item_click("//Enhancement/**/Auto##z")
         assert driver.state.enhancement.active
         ctx.key_press(imgui.Key.f)
         ctx.key_press(imgui.Key.e)
