@@ -75,8 +75,10 @@ def enhanced(state: AppState) -> np.ndarray:
 
 
 def is_settled(state: AppState) -> bool:
+    """Both pictures are there, by the statistics of the clip."""
     done = state.picture.pictures is not None and state.picture.pictures.enhanced is not None
-    return done and not state.pictures_are_stale
+    wanted = state.picture_request
+    return done and not state.pictures_are_stale and wanted is not None and wanted.of_clip != "later"
 
 
 @pytest.mark.display
