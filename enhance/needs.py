@@ -46,8 +46,8 @@ def decide(
     omitted = [Omission("brightness", "z is 1", 0.0)] if used.z == 1 else []
     if grey:
         omitted.append(Omission("saturation", "the image is grey", 0.0))
-    elif params.amount == 0:
-        omitted.append(Omission("saturation", "amount is 0", 0.0))
+    elif params.strength == 0:
+        omitted.append(Omission("saturation", "strength is 0", 0.0))
     elif params.d_factor == 0:
         omitted.append(Omission("saturation", "d_factor is 0", 0.0))
     elif used.color == 0:

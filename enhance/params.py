@@ -56,9 +56,9 @@ class EnhanceParams:
     omit_below: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
     """Leave out steps known to change the result by less than this, in grey levels. 0: only steps that
     change nothing."""
-    amount: Annotated[float, Interval(ge=0.0, le=2.0)] = 1.0
-    """Of the whole enhancement: 1 is the paper's, 0 leaves the image as it is. Multiplies 1 - z, P and, up to
-    1, the change of saturation, set or automatic."""
+    strength: Annotated[float, Interval(ge=0.0, le=2.0)] = 1.0
+    """How much of the whole enhancement: 1 is the paper's, 0 leaves the image as it is. Multiplies 1 - z, P
+    and, up to 1, the change of saturation, set or automatic."""
 
     @property
     def k(self) -> float:

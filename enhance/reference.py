@@ -74,18 +74,18 @@ def _measured(
     sigmas = tuple(float(np.std(255 * q[keep])) for q in filtered)
     p = tuple(_exponent(sigma, params) for sigma in sigmas)
     mean = float(np.mean(chroma[keep]))
-    amount = params.amount
+    strength = params.strength
     whole = p if params.p is None else params.p if isinstance(params.p, tuple) else (params.p,) * len(p)
     color = color_share(mean, snr) if params.d_factor is None else 1.0
     return Statistics(
         level=float(level),
-        z=max(0.0, 1 - amount * (1 - (float(z) if params.z is None else params.z))),
+        z=max(0.0, 1 - strength * (1 - (float(z) if params.z is None else params.z))),
         saturation_mean=mean,
         sigmas=sigmas,
-        p=tuple(amount * one for one in whole),
+        p=tuple(strength * one for one in whole),
         scope="image",
         chroma_snr=snr,
-        color=min(1.0, amount * color),
+        color=min(1.0, strength * color),
     )
 
 

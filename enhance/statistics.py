@@ -48,13 +48,13 @@ class Statistics:
     """Colour over its noise; None: not measured, as of grey images, or of an image for which d was set."""
     color: float = 1.0
     """Share of the change of saturation of Eqs 11 and 12 in use, in [0, 1]: 1 where d was set; times the
-    amount."""
+    strength."""
     field: FieldOfView | None = None
     """Where it was measured, and is to be used; None: all pixels."""
 
     def resolved(self, params: EnhanceParams) -> Statistics:
         """The same measurements with z and P as `params` ask: set by the user, or Eqs 2 and 9; times its
-        amount.
+        strength.
 
         Raises:
             ImageError: measured with another number of scales.
@@ -72,13 +72,13 @@ class Statistics:
         else:
             p = tuple(detail.exponent(sigma, params.p_form) for sigma in self.sigmas)
         color = color_share(self.saturation_mean, self.chroma_snr) if params.d_factor is None else 1.0
-        if params.amount == 1:
+        if params.strength == 1:
             return replace(self, z=z, p=p, color=color)
         return replace(
             self,
-            z=max(0.0, 1 - params.amount * (1 - z)),
-            p=tuple(params.amount * one for one in p),
-            color=min(1.0, params.amount * color),
+            z=max(0.0, 1 - params.strength * (1 - z)),
+            p=tuple(params.strength * one for one in p),
+            color=min(1.0, params.strength * color),
         )
 
 

@@ -25,9 +25,9 @@ from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.pictures import VIDEOS, common_size, is_picture
 
-FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "amount")
-VESSEL_FIELDS = ("strength", "radius", "shading", "coring", "lift", "gamma", "most_color")
-OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "d_factor"}}
+FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "strength")
+VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
+OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "strength", "d_factor"}}
 PICTURES = frozenset({".avif", ".dcm", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
 NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO}
 """Formats that are not written; any other name, such as 2024.05.01, is that of a folder."""
@@ -55,7 +55,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the paper's method (default), VesselSplat's preset `vessel`, or another method to compare with",
     )
     add_fields(parser, EnhanceParams, FIELDS)
-    group = parser.add_argument_group("with --method vessel", "and --d-factor, whose default is 1 there")
+    shared = "and --strength, there 0 to 4, default 2.4, and --d-factor, default 1"
+    group = parser.add_argument_group("with --method vessel", shared)
     add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
     parser.add_argument(
         "--statistics",

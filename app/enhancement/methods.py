@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import fields
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
@@ -34,9 +35,12 @@ def preset_of(look: EnhancementSettings) -> Preset:
 
 
 def _preset(given: Any) -> Preset:
-    """Which method's parameters these are; as JSON, by a name that the other does not have."""
+    """Which method's parameters these are; as JSON, by names that the other does not have. Strength alone is
+    that of `vessel`."""
     if isinstance(given, dict):
-        return VESSEL if "strength" in given else PAPER
+        paper, vessel = ({one.name for one in fields(kind)} for kind in (EnhanceParams, VesselParams))
+        strong = "strength" in given and not given.keys() & (paper - vessel)
+        return VESSEL if strong or given.keys() & (vessel - paper) else PAPER
     return preset_of(given)
 
 
@@ -53,8 +57,8 @@ def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
     p = _value(look.p, used.p if used is not None else ())
     # The share of the change of colours, where it is not all.
     share = f" {used.color:.0%}" if used is not None and used.color < 1 else ""
-    amount = f"amount {look.amount:.2f} · " if look.amount != 1 else ""
-    return f"{amount}z {z} · P {p} · d {_value(look.d_factor, ())}{share}"
+    strength = f"strength {look.strength:.2f} · " if look.strength != 1 else ""
+    return f"{strength}z {z} · P {p} · d {_value(look.d_factor, ())}{share}"
 
 
 def _value(chosen: float | tuple[float, ...] | None, used: tuple[float, ...]) -> str:

@@ -306,7 +306,7 @@ def test_flags_of_the_preset_reach_it(folder: Path, tmp_path: Path, vesselsplat:
     ("flags", "says"),
     [
         (("--method", "vessel", "--z", "0.3"), "--z has no effect with --method vessel"),
-        (("--strength", "1"), "--strength has no effect with --method paper"),
+        (("--lift", "0.3"), "--lift has no effect with --method paper"),
         (("--method", "clahe", "--d-factor", "1"), "--d-factor has no effect with --method clahe"),
         (("--method", "clahe", "--statistics", "clip"), "--statistics clip has no effect"),
         (("--method", "clahe", "--pixels", "tissue"), "--pixels tissue has no effect"),

@@ -69,7 +69,7 @@ def test_records_of_the_paper_s_method_alone_are_still_read(runs: dict[str, Path
     whole["enhancement"]["params"] = json.loads(OLD_PARAMS)
     run.record_path.write_text(json.dumps(whole))
     assert run.record() == RunFolder(runs["enhanced"]).record()
-    for params in ({"strength": 9}, {"z": 9}, {"strength": 1, "z": 0.5}, 5):
+    for params in ({"strength": 9}, {"z": 9}, {"lift": 1, "z": 0.5}, 5):
         whole["enhancement"]["params"] = params
         run.record_path.write_text(json.dumps(whole))
         with pytest.raises(UserError, match=r"run\.json: enhancement\.params") as refused:

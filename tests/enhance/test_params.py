@@ -23,7 +23,8 @@ from enhance import EnhanceParams
         ("eps", float("inf")),
         ("subsample", 9),
         ("d_factor", -1.0),
-        ("strength", 1.0),
+        ("strength", 2.1),
+        ("lift", 1.0),
     ],
 )
 def test_a_value_out_of_range_is_refused_by_name(name: str, value: object) -> None:

@@ -16,7 +16,7 @@ from tests.enhance.pictures import DTYPES, as_type, images, picture, vessels
 
 PARAMS = st.builds(
     EnhanceParams,
-    amount=st.floats(0, 2),
+    strength=st.floats(0, 2),
     z=st.none() | st.floats(0, 1),
     p=st.none() | st.floats(0, 4),
     p_form=st.sampled_from(["literal", "continuous"]),
@@ -226,27 +226,27 @@ def test_result_can_be_repeated_from_its_statistics() -> None:
 
 
 @pytest.mark.parametrize("given_values", [{}, {"z": 0.2, "p": 1.5, "d_factor": 0.3}, {"p": (0.5, 1.0, 2.0)}])
-def test_more_of_the_amount_changes_more_and_none_of_it_nothing(given_values: dict[str, Any]) -> None:
+def test_more_of_the_strength_changes_more_and_none_of_it_nothing(given_values: dict[str, Any]) -> None:
     image = vessels(120, 160)
     apart = []
-    for amount in (0.0, 0.25, 0.5, 1.0, 1.5):
-        made = enhance(image, no_fade(amount=amount, **given_values)).image.astype(int)
+    for strength in (0.0, 0.25, 0.5, 1.0, 1.5):
+        made = enhance(image, no_fade(strength=strength, **given_values)).image.astype(int)
         apart.append(float(np.abs(made - image).mean()))
     assert apart[0] == 0
     assert apart == sorted(set(apart))
 
 
-def test_the_amount_of_the_paper_is_one() -> None:
+def test_the_strength_of_the_paper_is_one() -> None:
     image = vessels(120, 160)
-    assert np.array_equal(enhance(image, EnhanceParams(amount=1.0)).image, enhance(image).image)
-    half = enhance(image, EnhanceParams(z=0.4, p=1.0, amount=0.5)).statistics
+    assert np.array_equal(enhance(image, EnhanceParams(strength=1.0)).image, enhance(image).image)
+    half = enhance(image, EnhanceParams(z=0.4, p=1.0, strength=0.5)).statistics
     assert (half.z, half.p) == (pytest.approx(0.7), (0.5,) * 3)
 
 
-def test_the_amount_counts_with_the_statistics_of_a_clip() -> None:
+def test_the_strength_counts_with_the_statistics_of_a_clip() -> None:
     image = vessels(120, 160)
     used = measure([image, image[::-1]])
-    params = EnhanceParams(amount=0.5)
+    params = EnhanceParams(strength=0.5)
     result = enhance(image, params, statistics=used)
     assert result.statistics == used.resolved(params)
     assert 1 - result.statistics.z == pytest.approx((1 - used.z) / 2)

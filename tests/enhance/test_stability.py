@@ -15,7 +15,8 @@ def test_every_row_passes(row: Row) -> None:
 
 
 def test_every_parameter_with_a_range_is_among_the_rows() -> None:
-    assert {name for name, _, _ in ranges()} == {"z", "p", "radii", "eps", "subsample", "d_factor", "amount"}
+    names = {name for name, _, _ in ranges()}
+    assert names == {"z", "p", "radii", "eps", "subsample", "d_factor", "strength"}
     cases = [row.case for row in ROWS]
     for name, low, high in ranges():
         assert EnhanceParams.__dataclass_fields__[name]

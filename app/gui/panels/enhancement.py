@@ -59,7 +59,7 @@ def draw_enhancement(state: AppState, texture: Texture) -> None:
         actions.choose_method(state, chosen)
     draw_presets(state, texture)
     used = state.picture.pictures.statistics if state.picture.pictures else None
-    _change(state, _draw_amount(state.enhancement.params))
+    _change(state, _draw_strength(state.enhancement.params))
     _draw_edits(state)
     imgui.spacing()
     with imgui_ctx.begin_tab_bar("details") as bar:
@@ -149,7 +149,7 @@ def _draw_tab(label: str, draw: Callable[[], None]) -> None:
 
 
 def _draw_settings(state: AppState, used: Statistics | None) -> None:
-    """All but the amount, and what the automatic values are taken from."""
+    """All but the strength, and what the automatic values are taken from."""
     params, chosen = state.enhancement.params, state.enhancement
     if isinstance(params, VesselParams):
         _change(state, _draw_vessel(params))
@@ -164,9 +164,9 @@ def _change(state: AppState, params: EnhancementSettings) -> None:
         actions.set_params(state, params)
 
 
-def _draw_amount(params: EnhancementSettings) -> EnhancementSettings:
+def _draw_strength(params: EnhancementSettings) -> EnhancementSettings:
     """The one slider that makes more or less of any method."""
-    return slide(params, "strength" if isinstance(params, VesselParams) else "amount", "Strength", "%.2f")
+    return slide(params, "strength", "Strength", "%.2f")
 
 
 def _draw_paper(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:

@@ -25,7 +25,6 @@ NAMES: Final = {
     "d_factor": "reconstruction settings",
 }
 PARAMS: Final = {
-    "amount": "strength",
     "strength": "strength",
     "z": "z",
     "p": "P",

@@ -138,7 +138,7 @@ def test_sorted_cells_keep_their_pictures(folder: Path, tmp_path: Path, vesselsp
         (("--vary", "speed=1:2:3"), "expected one of z, p"),
         (("--vary", "z=0:2:3"), "z: expected"),
         (("--vary", "z=0:1:3", "--frame", "7"), "--frame"),
-        (("--vary", "z=0:1:3", "--strength", "1"), "--strength"),
+        (("--vary", "z=0:1:3", "--lift", "0.3"), "--lift"),
         ((), "--vary"),
     ],
 )

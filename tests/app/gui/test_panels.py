@@ -54,8 +54,8 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
     start = spots["strength"]
     ui.drag(draw, start, (start[0] + 200, start[1]))
     moved = opened.enhancement.params
-    assert moved.amount != EnhanceParams().amount
-    assert replace(moved, amount=1.0) == EnhanceParams()
+    assert moved.strength != EnhanceParams().strength
+    assert replace(moved, strength=1.0) == EnhanceParams()
     assert len(opened.enhancement.past) == 2
     history_actions.undo(opened)
     assert opened.enhancement.params == EnhanceParams()
