@@ -24,16 +24,21 @@ AXIS_FLAGS = (
 MIDDLES = (np.arange(BINS) + 0.5) / BINS
 FILL_ALPHA = 0.45
 Array = NDArray[np.float64]
-ROWS: tuple[tuple[str, str, Callable[[Measures], str]], ...] = (
-    ("DV", "dv_bv", lambda one: _number(one.dv, ".0f")),
-    ("BV", "dv_bv", lambda one: _number(one.bv, ".0f")),
-    ("DV/BV", "dv_bv", lambda one: _number(one.dv_bv, ".2f")),
+Rows = tuple[tuple[str, str, Callable[[Measures], str]], ...]
+ROWS: Rows = (
     ("Vessel contrast", "vessel_contrast", lambda one: _number(one.vessel_contrast, ".3f")),
     ("Colour difference", "color_difference", lambda one: _number(one.color_difference, ".1f")),
     ("Noise gain", "noise_gain", lambda one: _number(one.noise_gain, ".2f")),
     ("Chroma noise", "chroma_noise_gain", lambda one: _number(one.chroma_noise_gain, ".2f")),
     ("Saturated", "saturated_share", lambda one: _number(100 * one.saturated_share, ".1f") + " %"),
 )
+PAPER_ROWS: Rows = (
+    ("DV", "dv_bv", lambda one: _number(one.dv, ".0f")),
+    ("BV", "dv_bv", lambda one: _number(one.bv, ".0f")),
+    ("DV/BV", "dv_bv", lambda one: _number(one.dv_bv, ".2f")),
+)
+PAPER_HEADING = "Paper's measures (inferred definition)"
+MISLEADS = "DV/BV rises although vessel contrast falls: it counts other changes, too."
 DV_TEXT = (
     "Variance of detail and background, in squared grey levels. Inferred definition: the paper gives none."
 )
@@ -122,14 +127,28 @@ def draw_measures(state: AppState) -> None:
 
 
 def _draw_table(seen: Measured) -> None:
-    rows = [("inferred definition:", "original", "enhanced", DV_TEXT)]
-    for name, key, text in ROWS:
-        why = f"{DV_TEXT} {DEFINITIONS[key]}" if key == "dv_bv" else DEFINITIONS[key]
-        rows.append((name, text(seen.before), text(seen.after), why))
-    for name, before, after, why in in_table("measures", (8.0, 4.4, 4.4), rows, imgui.TableFlags_.row_bg):
-        cell(name, tooltip=why)
-        cell(before, tooltip=why)
-        cell(after, None if after == "enhanced" else theme.now().text, why)
+    """Contrast and noise lead; what the paper gives stands below, with a warning where it misleads."""
+    _draw_rows("measures", ROWS, seen, "", heads=("original", "enhanced"))
+    muted(PAPER_HEADING)
+    explain(DV_TEXT)
+    _draw_rows("paper's measures", PAPER_ROWS, seen, f"{DV_TEXT} ")
+    if misleads(seen.before, seen.after):
+        with imgui_ctx.push_text_wrap_pos(0):
+            imgui.text_colored(theme.now().warning, MISLEADS)
+
+
+def misleads(before: Measures, after: Measures) -> bool:
+    """DV/BV says that vessels became clearer, their contrast that they became fainter."""
+    return after.dv_bv > before.dv_bv and after.vessel_contrast < before.vessel_contrast
+
+
+def _draw_rows(name: str, rows: Rows, seen: Measured, why: str, heads: tuple[str, str] | None = None) -> None:
+    told = [(label, text(seen.before), text(seen.after), why + DEFINITIONS[key]) for label, key, text in rows]
+    head = [("", *heads, "")] if heads is not None else []
+    for label, before, after, text in in_table(name, (8.0, 4.4, 4.4), head + told, imgui.TableFlags_.row_bg):
+        cell(label, tooltip=text)
+        cell(before, tooltip=text)
+        cell(after, theme.now().text if text else None, text)
 
 
 def _draw_omitted(pictures: Pictures) -> None:

@@ -8,9 +8,8 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.enhancement.contact_sheet import in_words
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.parameter_grid import DEFINITIONS, METRICS, SMALLER_IS_BETTER, Setting
+from app.enhancement.parameter_grid import DEFINITIONS, SMALLER_IS_BETTER, Measures, Setting
 from app.enhancement.settable import MOST_VALUES
 from app.gui.actions import tuning_actions
 from app.gui.drawing.textures import ShowsPictures
@@ -34,12 +33,13 @@ LABELS = VESSEL_SLIDERS | {
 }  # fmt: skip
 """As the panel Enhancement names them."""
 METRIC_LABELS = {
-    "dv": "DV", "bv": "BV", "dv_bv": "DV/BV", "vessel_contrast": "Vessel contrast",
+    "vessel_contrast": "Vessel contrast", "color_difference": "Colour difference",
     "noise_gain": "Noise gain", "chroma_noise_gain": "Chroma noise gain",
     "saturated_share": "Saturated share", "milliseconds": "Milliseconds",
-    "color_difference": "Colour difference",
+    "dv_bv": "DV/BV", "dv": "DV", "bv": "BV",
 }  # fmt: skip
-SORT_LABELS = {"": "As varied"} | {name: METRIC_LABELS.get(name, name) for name in METRICS}
+"""Those that say what is seen come first, the paper's last."""
+SORT_LABELS = {"": "As varied"} | METRIC_LABELS
 
 
 def draw_tuning(state: AppState, textures: ShowsPictures) -> None:
@@ -156,13 +156,19 @@ def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size:
         draw.add_rect(area.corner, area.end, ink, 0.0, 2.0)
     with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):
         imgui.text_unformatted(said(setting))
-        muted(in_words(cell.measures) if cell is not None else "…")
+        muted(_in_words(cell.measures) if cell is not None else "…")
 
 
 def said(setting: Setting) -> str:
     """Its values, under the names that the panels give them."""
     values = (one.partition(" ") for one in setting.label.split(" · "))
     return " · ".join(f"{LABELS.get(name, name)} {value}" for name, _, value in values)
+
+
+def _in_words(measures: Measures) -> str:
+    """The three that tell most, what is seen first."""
+    contrast, noise = measures.vessel_contrast, measures.noise_gain
+    return f"Contrast {contrast:.3g} · noise gain {noise:.2g} · DV/BV {measures.dv_bv:.3g}"
 
 
 def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> None:
@@ -173,7 +179,7 @@ def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> Non
     use = partial(tuning_actions.use_setting, state, setting)
     button("Use these settings###use", use, text, color=theme.now().lit, width=10)
     look = state.tuning.look if state.tuning.is_looked_at else None
-    words = f"{said(setting)}   {in_words(look.measures) if look is not None else '…'}"
+    words = f"{said(setting)}   {_in_words(look.measures) if look is not None else '…'}"
     beside_of(imgui.calc_text_size(words).x)
     imgui.align_text_to_frame_padding()
     with imgui_ctx.push_text_wrap_pos(0):

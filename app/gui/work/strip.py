@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from app.enhancement.image_mask import PictureMask
-from renderer.clip import BoolImage, ByteImage, Clip
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 
 HEIGHT = 72
 """Rows of the strip's picture, which the window scales."""
@@ -49,14 +50,15 @@ def count_for(clip: Clip, width: float, height: float) -> int:
 
 
 def make_strip(request: StripRequest) -> Iterator[Strip]:
-    """Better with every frame that is read. Raises ClipError."""
+    """Better with every frame that is read; one that cannot be read stays grey."""
     clip, count = request.clip, request.count
     width = max(1, round(HEIGHT * clip.size[0] / clip.size[1]))
     image = np.full((HEIGHT, width * count, 3), GROUND, np.uint8)
     for place in range(count):
         frame = int((place + 0.5) * len(clip) / count)
-        small = cv2.resize(clip.read_image(frame), (width, HEIGHT), interpolation=cv2.INTER_AREA)
-        image[:, place * width : (place + 1) * width] = small
+        with suppress(ClipError):
+            small = cv2.resize(clip.read_image(frame), (width, HEIGHT), interpolation=cv2.INTER_AREA)
+            image[:, place * width : (place + 1) * width] = small
         yield Strip(request, image.copy())
 
 

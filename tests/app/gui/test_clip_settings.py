@@ -23,7 +23,7 @@ from app.gui.work.opening import Opened
 from app.gui.work.settings import FILE, MOST_CLIPS, Places, clips_content, load_clips
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
 from app.runs.clip_selection import ClipPart
-from renderer.clip import Clip
+from renderer.clip import ByteImage, Clip, ClipError
 from tests.app.gui.conftest import image_of, make_clip
 from tests.app.gui.settling import keep_all, served
 
@@ -165,6 +165,17 @@ def test_the_strip_shows_frames_in_order_and_has_a_bound(clip: Clip) -> None:
     vessels = [int(strip.image[30, place * width : (place + 1) * width, 1].argmin()) for place in range(3)]
     assert vessels == sorted(vessels)
     assert vessels[0] < vessels[2]
+
+
+def test_a_frame_that_cannot_be_read_is_grey_in_the_strip_and_the_rest_follows(clip: Clip) -> None:
+    def read(index: int) -> ByteImage:
+        if index == 3:
+            raise ClipError("frame 3 is damaged")
+        return image_of(index)
+
+    *_, strip = make_strip(StripRequest(replace(clip, read_image=read), len(clip)))
+    tiles = np.split(strip.image, len(clip), axis=1)
+    assert [np.ptp(tile) == 0 for tile in tiles] == [index == 3 for index in range(len(clip))]
 
 
 def test_a_strip_of_few_frames_keeps_their_shape_and_place(clip: Clip) -> None:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
+from app.enhancement.parameter_grid import METRICS
 from app.gui.actions import actions
+from app.gui.panels.enhancement_measured import misleads
+from app.gui.panels.tuning import SORT_LABELS
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -122,3 +126,17 @@ def test_one_exponent_moved_leaves_the_automatic_others_where_they_were() -> Non
     assert params.p == (0.5, 2.0, 0.6)
     assert scales.exponents(EnhanceParams(p=0.7), ()) == (0.7, 0.7, 0.7)
     assert scales.exponents(EnhanceParams(), (0.5,)) == (0.5, 0.5, 0.5)
+
+
+def test_a_rise_of_dv_bv_while_contrast_falls_is_called_misleading(clip: Clip) -> None:
+    (answer,) = Measurer().measure(made(clip, EnhanceParams()))
+    before = replace(answer.before, dv_bv=2.0, vessel_contrast=0.3)
+    risen, fainter = replace(before, dv_bv=9 * before.dv_bv), {"vessel_contrast": before.vessel_contrast / 2}
+    assert misleads(before, replace(risen, **fainter))
+    assert not misleads(before, risen)
+    assert not misleads(before, replace(before, **fainter))
+
+
+def test_every_measure_can_be_sorted_by_and_the_paper_s_come_last() -> None:
+    assert {"", *METRICS} == SORT_LABELS.keys()
+    assert [*SORT_LABELS][-3:] == ["dv_bv", "dv", "bv"]
