@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import ValidationError
 
 from app.console.flags import add_fields, parameters, problem
+from app.console.frame_numbers import frame_numbers
 from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.methods import PAPER, EnhancementSettings
@@ -48,7 +49,10 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     add_fields(parser, TrainConfig, ("iterations", "seed", "sh_degree", "keep", "leave_out"))
     add_fields(parser, ClipOptions, EVERY_OPTION)
     parser.add_argument(
-        "--frames", metavar="A:B", help="train on these frames only: first and last, from 0, both included"
+        "--frames",
+        nargs="+",
+        metavar="I|A:B",
+        help="train on these frames only, from 0: 10:59, or numbers that follow one another",
     )
     parser.add_argument(
         "--text-box",
@@ -131,10 +135,11 @@ def _look(flags: argparse.Namespace) -> EnhancementSettings:
 
 def _part(flags: argparse.Namespace) -> ClipPart:
     """What of the clip counts. Raises UserError for numbers that say nothing."""
-    found = re.fullmatch(r"(\d+):(\d+)", flags.frames or "0:0")
-    if found is None:
-        raise UserError(f"--frames: expected the first and the last frame, such as 10:59, got {flags.frames}")
-    trim = (int(found[1]), int(found[2])) if flags.frames else None
+    numbers = frame_numbers(flags.frames or ())
+    if any(after != before + 1 for before, after in pairwise(numbers)):
+        said = " ".join(flags.frames)
+        raise UserError(f"--frames: expected frames that follow one another to train on, got {said}")
+    trim = (numbers[0], numbers[-1]) if numbers else None
     text, view = flags.text_box, flags.view_circle
     try:
         mask = PictureMask(text=text and tuple(text), view=view and tuple(view))

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from app.console.frame_numbers import frame_numbers
 from app.errors import UserError
 from app.scenes.scene import Scene, open_scene
 from app.scenes.supersampling import FACTORS
@@ -37,7 +38,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
     )
     parser.add_argument("--as-trained", action="store_true", help="ignore edits made in the app")
-    parser.add_argument("--frames", nargs="+", metavar="all|test|I", help="frames to render (default all)")
+    parser.add_argument(
+        "--frames", nargs="+", metavar="all|test|I|A:B", help="frames to render, from 0 (default all)"
+    )
     parser.add_argument("--time", type=float, metavar="T", help="one time in [0, 1] instead of frames")
     parser.add_argument(
         "--camera",
@@ -125,10 +128,7 @@ def _frame_indices(frames: list[str], scene: Scene) -> Sequence[int]:
                 f"--frames test: expected held-out frames, got none in {scene.name}; use --frames all"
             )
         return scene.test_indices
-    for text in frames:
-        if not text.isdecimal() or int(text) >= count:
-            raise UserError(f"--frames: expected all, test or numbers from 0 to {count - 1}, got {text!r}")
-    return [int(text) for text in frames]
+    return frame_numbers(frames, count)
 
 
 def _views(given: Sequence[NamedCamera], flags: argparse.Namespace) -> Iterator[Moment]:
