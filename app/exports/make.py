@@ -229,13 +229,15 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
         supersampling=record.supersampling,
         scale=record.scale,
         near_plane=record.near if moment.near is None else moment.near,
+        caption=record.caption,
     )
 
 
 def drawn_panel(wanted: ViewRequest, drawer: Drawer) -> Panel:
-    """By the name of its run or file, with its scale where it has one. Raises UserError or ClipError."""
+    """With what it is of, and its scale where it has one. Raises UserError or ClipError."""
     shows = "" if wanted.kind == "color" else f"   {wanted.kind}"
-    return Panel(f"Reconstruction   {wanted.scene.name}{shows}", with_bar(drawer.picture(wanted)))
+    said = wanted.caption or f"Reconstruction   {wanted.scene.name}{shows}"
+    return Panel(said, with_bar(drawer.picture(wanted)))
 
 
 def view_pages(moments: Iterable[Views], drawer: Drawer) -> Iterator[ByteImage]:

@@ -9,6 +9,7 @@ from annotated_types import Interval
 from pydantic import PlainSerializer, PlainValidator
 from pydantic.dataclasses import dataclass
 
+from app.enhancement.methods import worded
 from app.files.provenance import plain, repeatable
 from app.files.records import LENIENT, Record, Source, Told
 from app.runs.clip_selection import ClipPart
@@ -68,6 +69,13 @@ class SceneRecord(Record):
         return repeatable(**plain(self))
 
     @property
+    def trained_on(self) -> str:
+        """The frames that it is a reconstruction of, in words; empty where that is not known."""
+        if self.enhancement is not None:
+            return f"frames enhanced by {worded(self.enhancement.params)}"
+        return f"{self.input} frames" if self.input else ""
+
+    @property
     def scene(self) -> SceneRecord:
         """The model alone, without when it is seen and how."""
         return SceneRecord(**{field.name: getattr(self, field.name) for field in fields(SceneRecord)})
@@ -97,6 +105,8 @@ class DrawnRecord(SceneRecord):
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
     view: ViewKind = "color"
     scale: Scale | None = None
+    caption: str | None = None
+    """Above it on a page of several; None: as before 0.2.0, the model's name."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

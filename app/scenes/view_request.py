@@ -69,6 +69,8 @@ class ViewRequest:
     """Of its values; None: that which holds those of this picture."""
     near_plane: float | None = None
     """In scene units; None: that of the scene."""
+    caption: str | None = None
+    """Above it on a page; None: its name."""
     reduced: bool = False
     """Drawn with fewer pixels than the screen has, to keep up with the hand."""
 
@@ -163,7 +165,16 @@ def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
         supersampling=view.supersampling,
         view=view.kind,
         scale=view.scale,
+        caption=_caption(view),
     )
+
+
+def _caption(view: ViewRequest) -> str:
+    """Of what, from which frames, and in which view where that is not how it looks."""
+    record, shows = view.scene.record, "" if view.kind == "color" else view.kind
+    frames = f"from {record.trained_on}" if record.trained_on else ""
+    what = "Reconstruction" if view.scene.is_of_run else "Splats"
+    return "   ".join(filter(None, (f"{what} {view.scene.name}", frames, shows)))
 
 
 def moment_record(view: ViewRequest) -> MomentRecord:

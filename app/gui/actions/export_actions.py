@@ -228,7 +228,9 @@ def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
     # As on screen, the original also where there is nothing else to show.
     if request is None:
         return pane_record("Original", original)
-    return pane_record(label_of(source), request.original, request.by)
+    frames = request.by.record.trained_on if isinstance(request.by, Scene) else ""
+    title = f"{label_of(source)}   from {frames}" if frames else label_of(source)
+    return pane_record(title, request.original, request.by)
 
 
 def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:

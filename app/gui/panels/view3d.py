@@ -249,6 +249,10 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
         tags.append((f"SPLATS · {legible(model.name)}", theme.TAG_ORIGINAL))
     else:
         tags.append((f"RECONSTRUCTION · {moment}", theme.TAG_ORIGINAL))
+        if model.record.trained_on:
+            of_enhanced = model.record.input == "enhanced"
+            color = theme.TAG_ENHANCED if of_enhanced else theme.TAG_ORIGINAL
+            tags.append((f"from {legible(model.record.trained_on)}", color))
     if model is not second:
         tags += _hand_tags(state, shown)
     if shown.request.kind not in ("color", "difference"):

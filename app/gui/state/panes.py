@@ -155,8 +155,8 @@ def _is_earlier(made: OtherRequest, wanted: OtherRequest) -> bool:
 def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
     source, model = state.comparing.chosen.source(side), state.scene.model
     if source == RENDER and model is not None:
-        frames = model.record.input
-        what = f"RENDER · {legible(model.name)}" + (f" · of {frames} frames" if frames else "")
+        frames = model.record.trained_on
+        what = f"RENDER · {legible(model.name)}" + (f" · from {legible(frames)}" if frames else "")
         name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
         live = (Tag(f"{name} · iteration {model.iteration}", "caution"),) if model.live else ()
         return Tag(what, "enhanced"), *live

@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, camera_actions, path_actions
+from app.enhancement.methods import worded
+from app.exports.records import PanesPicture
+from app.gui.actions import actions, camera_actions, comparing, export_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import Sight
 from app.gui.panels.view3d import frame_over, view_tags
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import pane
 from app.gui.style.widgets import Area
 from app.gui.work.selecting import pick
+from app.gui.work.settings import Places
+from app.runs.run_folder import RunFolder
 from app.scenes.drawer import draw_view
 from app.scenes.view_request import read_frame
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
+from tests.app.gui.exporting import Exporter
 from tests.app.gui.settling import show_finished
 from tests.app.gui.ui import (
     Draw,
@@ -242,3 +249,23 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
     assert "LIVE" not in text
     assert "REDUCED" not in text
+
+
+@pytest.mark.parametrize("name", ["original", "enhanced"])
+def test_a_reconstruction_says_from_which_frames(places: Places, runs: dict[str, Path], name: str) -> None:
+    """On screen, in a pane and above it on a page."""
+    record = RunFolder(runs[name]).record()
+    settings = record.enhancement.params if record.enhancement else None
+    frames = "original frames" if settings is None else f"frames enhanced by {worded(settings)}"
+    run = Exporter(places, runs[name])
+    assert f"from {frames}" in texts(view_tags(run.state, StillViewport().show(run.state)))
+    comparing.choose_source(run.state, "left", "render")
+    run.turn(6)
+    assert run.state.picture.pictures is not None
+    (first, *_) = pane(run.state, run.state.picture.pictures, "left").tags
+    assert first.text.endswith(f"from {frames}")
+    request = export_actions.export_request(run.state, "panes and 3D view")
+    assert request is not None
+    assert isinstance(request.record, PanesPicture)
+    assert (request.record.views[0].caption or "").endswith(f"from {frames}")
+    assert request.record.panes[0].title.endswith(f"from {frames}")
