@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from renderer.camera import Camera, FloatArray
+from renderer.paint import painted
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.splats import RenderMode, Splats
@@ -13,10 +16,22 @@ SOLID = 0.5
 """Alpha above which expected depth is taken for a surface, as in training."""
 
 
+@dataclass(frozen=True, eq=False)
+class SurfacePoint:
+    """Where a pixel sees the surface."""
+
+    point: FloatArray
+    """(3,) in the world."""
+    ray: FloatArray
+    """(3,) how the point moves as its depth grows by one scene unit."""
+    spread: float
+    """Standard deviation of the depths that are blended there, in scene units along z."""
+
+
 def surface_point(
     splats: Splats, camera: Camera, pixel: tuple[int, int], near: float, mode: RenderMode = "default"
-) -> FloatArray | None:
-    """(3,) in the world: expected depth on the ray through the middle of pixel (column, row).
+) -> SurfacePoint | None:
+    """On the ray through the middle of pixel (column, row), at expected depth.
 
     None where there is no surface: outside the picture, or alpha <= 0.5. Only the pixel's tile is blended,
     to the very numbers of the whole picture.
@@ -24,14 +39,23 @@ def surface_point(
     column, row = pixel
     if not (0 <= column < camera.width and 0 <= row < camera.height):
         return None
+    from_camera = camera.camera_from_world
+    depths = splats.means @ from_camera[2, :3] + from_camera[2, 3]
+    farthest = max(float(np.abs(depths).max(initial=0.0)), 1e-30)
+    # Blended as colours, so that mean and variance have the same weights: depths and their squares.
+    shares = depths / farthest
+    shown = painted(splats, np.stack((shares, shares**2, np.zeros_like(shares)), axis=1))
     rasterizer = Rasterizer(camera.width, camera.height)
     wanted = np.zeros((rasterizer.rows, rasterizer.columns), bool)
     wanted[row // TILE, column // TILE] = True
-    rasterizer.forward(splats, camera, near, wanted, mode)
+    rasterizer.forward(shown, camera, near, wanted, mode)
     rendered = rasterizer.rendered(camera.width, camera.height, BLACK)
-    if rendered.alpha[row, column] <= SOLID:
+    alpha = float(rendered.alpha[row, column])
+    if alpha <= SOLID:
         return None
     depth = float(rendered.depth[row, column])
-    ray = [(column + 0.5 - camera.cx) / camera.fx, (row + 0.5 - camera.cy) / camera.fy, 1.0]
+    mean, square = (float(rendered.image[row, column, channel]) / alpha for channel in (0, 1))
     pose = camera.world_from_camera
-    return np.asarray(pose[:3, :3] @ ray * depth + pose[:3, 3])
+    ray = pose[:3, :3] @ [(column + 0.5 - camera.cx) / camera.fx, (row + 0.5 - camera.cy) / camera.fy, 1.0]
+    spread = farthest * float(np.sqrt(max(square - mean**2, 0.0)))
+    return SurfacePoint(np.asarray(ray * depth + pose[:3, 3]), np.asarray(ray), spread)

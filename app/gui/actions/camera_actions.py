@@ -10,7 +10,7 @@ from app.gui.actions import camera_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.scene import MAX_SPEED, MIN_SPEED
 from app.gui.state.window import Toast
-from app.gui.views.measurement import Measurement
+from app.gui.views.measurement import Located, Measurement
 from app.gui.work.selecting import PickRequest, Purpose
 from app.scenes.free_camera import FreeView, Vector, vector
 from app.scenes.scene import Scene
@@ -100,7 +100,7 @@ def ask_point(state: AppState, request: ViewRequest, pixel: tuple[int, int], pur
     state.scene.viewer.pick = PickRequest(request, pixel, purpose)
 
 
-def take_point(state: AppState, request: PickRequest, point: Vector | None) -> None:
+def take_point(state: AppState, request: PickRequest, point: Located | None) -> None:
     """The answer to a wish; of a view that is no longer shown, it is dropped."""
     models = [model for model in (state.scene.model, state.scene.second.shown) if model is not None]
     if all(request.view.scene.cameras != model.cameras for model in models):
@@ -112,7 +112,7 @@ def take_point(state: AppState, request: PickRequest, point: Vector | None) -> N
         view = request.view
         viewer.measurement = viewer.measurement.with_point(point, view.time, view.scene.name)
     else:
-        state.scene.viewer.pivot, state.scene.viewer.flying = point, False
+        state.scene.viewer.pivot, state.scene.viewer.flying = point.point, False
 
 
 def centre(state: AppState, model: Scene) -> Vector:

@@ -81,7 +81,7 @@ def splits(side: float = LEAST, *, low: bool = False) -> list[hello_imgui.Dockin
     that share of the width."""
     split, down = hello_imgui.DockingSplit, imgui.Dir.down
     column = split("MainDockSpace", "Side", imgui.Dir.right, side)
-    below = [split("Side", "SideBelow", down, 0.4), split("MainDockSpace", "Below", down, 0.44)]
+    below = [split("Side", "SideBelow", down, 0.4), split("MainDockSpace", "Below", down, 0.52)]
     return [column] if low else [column, *below]
 
 

@@ -40,7 +40,10 @@ MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
 FRAME = f"{icons.ICON_FA_CLONE}  Frame###snap"
 FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back."
-MEASURE_TEXT = "M: click two points on the surface. Measured on the model, at its expected depth."
+MEASURE_TEXT = (
+    "M: click two points on the surface. Measured on the model, at its expected depth; ± is one standard "
+    "deviation, from the spread of the surface there and the error of the run's depths."
+)
 SECOND_TEXT = (
     "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
 )

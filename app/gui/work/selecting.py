@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from app.gui.views.measurement import Located
+from app.runs.progress_log import told
+from app.runs.run_folder import RunFolder
 from app.scenes.free_camera import Vector, vector
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
@@ -15,6 +19,9 @@ from renderer.editing.edits import Combination
 from renderer.editing.mask import Mask
 from renderer.editing.regions import Box, Region, Sphere, found
 from renderer.editing.sight import Sight, Trail, Trait
+
+if TYPE_CHECKING:
+    from renderer.picking import SurfacePoint
 
 Purpose = Literal["orbit", "measure"]
 TRAITS: tuple[Trait, ...] = ("opacity", "size", "depth", "motion")
@@ -33,19 +40,33 @@ class PickRequest:
     purpose: Purpose
 
 
-def pick(request: PickRequest) -> Iterator[Vector | None]:
-    """Answers a PickRequest; with None where nothing solid is there."""
-    yield surface(request.view, request.pixel)
+def pick(request: PickRequest) -> Iterator[Located | None]:
+    """Answers a PickRequest; with None where nothing solid is there.
+
+    A depth errs by the spread of what is blended there, and as the run's depths do on frames that training
+    did not see.
+    """
+    found = surface(request.view, request.pixel)
+    if found is None:
+        yield None
+        return
+    error = math.hypot(found.spread, _depth_error(request.view.scene))
+    yield Located(vector(found.point), vector(found.ray), error)
 
 
-def surface(view: ViewRequest, pixel: tuple[int, int]) -> Vector | None:
+def _depth_error(scene: Scene) -> float:
+    """Of the run, in scene units, as last evaluated; 0 where that was not measured."""
+    evaluated = told(RunFolder(scene.path)).evaluated if scene.is_of_run and scene.path is not None else ()
+    return next((one.depth_rmse for one in reversed(evaluated) if one.depth_rmse is not None), 0.0)
+
+
+def surface(view: ViewRequest, pixel: tuple[int, int]) -> SurfacePoint | None:
     """Where the expected depth of the view says that the surface is; None where nothing solid is."""
     # Its kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.picking import surface_point
 
     splats = view.scene.model.at(view.time)
-    point = surface_point(splats, view.camera, pixel, view.near, mode=view.scene.mode)
-    return None if point is None else vector(point)
+    return surface_point(splats, view.camera, pixel, view.near, mode=view.scene.mode)
 
 
 @dataclass(frozen=True)
@@ -99,7 +120,8 @@ class Selector:
         sight = self._at(request)
         wish, center = request.wish, None
         if isinstance(wish, Around):
-            center = surface(request.view, wish.pixel)
+            seen = surface(request.view, wish.pixel)
+            center = vector(seen.point) if seen is not None else None
             wish = wish.region(center) if center is not None else None
         mask = found(wish, sight) if wish is not None else None
         yield Selected(mask, center, {trait: _limits(sight.trait(trait)) for trait in TRAITS})

@@ -9,6 +9,7 @@ import pytest
 from app.gui.actions import actions, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
+from app.gui.views.measurement import Located
 from app.gui.work.selecting import PickRequest, pick
 from app.scenes.view_request import ViewRequest
 from renderer.gaussians import DynamicGaussians
@@ -58,11 +59,11 @@ def test_a_picked_point_becomes_the_centre_and_stays_on_its_pixel(seen: AppState
     (answer,) = pick(wish)
     assert answer is not None
     camera_actions.take_point(seen, wish, answer)
-    assert seen.scene.viewer.pivot == answer
-    assert answer[2] == pytest.approx(50.0, abs=1e-3)  # The sheet of the model.
+    assert seen.scene.viewer.pivot == answer.point
+    assert answer.point[2] == pytest.approx(50.0, abs=1e-3)  # The sheet of the model.
     for move in (MOVES["turn"], MOVES["zoom"]):
         move(seen)
-        (at,), _ = request(seen).camera.project(np.array([answer]))
+        (at,), _ = request(seen).camera.project(np.array([answer.point]))
         assert at == pytest.approx((24.5, 20.5), abs=1e-6)
 
 
@@ -77,11 +78,11 @@ def test_nothing_is_picked_beside_the_tissue_or_of_a_view_that_is_gone(seen: App
     assert seen.window.toast is not None
     assert seen.scene.model is not None
     seen.scene.model = replace(seen.scene.model, model=make_model())
-    camera_actions.take_point(seen, wish, (1.0, 2.0, 3.0))
+    camera_actions.take_point(seen, wish, Located((1.0, 2.0, 3.0)))
     assert seen.scene.viewer.pivot == (1.0, 2.0, 3.0)  # A newer preview of the same tissue.
     camera_actions.reset_view(seen)
     seen.scene.model = replace(seen.scene.model, cameras=seen.scene.model.cameras[:1])
-    camera_actions.take_point(seen, wish, (1.0, 2.0, 3.0))
+    camera_actions.take_point(seen, wish, Located((1.0, 2.0, 3.0)))
     assert seen.scene.viewer.pivot is None
 
 
