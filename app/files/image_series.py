@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -86,10 +87,12 @@ def _left_out(path: Path) -> Iterator[str]:
 
 
 def _of_files(paths: tuple[Path, ...]) -> Series:
-    names = tuple(path.stem for path in paths)
+    stems = Counter(path.stem for path in paths)
+    # As of videos: where names differ by their suffix alone, outputs keep it.
+    names = tuple(path.stem if stems[path.stem] == 1 else path.name for path in paths)
     first: dict[str, Path] = {}
-    for path in paths:
-        other = first.setdefault(path.stem, path)
+    for name, path in zip(names, paths, strict=True):
+        other = first.setdefault(name, path)
         if other != path:
             raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
     return Series(names, paths, lambda index: read_image(paths[index]), tuple(left_pages(paths)))

@@ -274,10 +274,11 @@ def test_a_folder_of_videos_says_what_to_do(tmp_path: Path, vesselsplat: Cli) ->
 
 
 def test_two_pictures_of_one_output_name_are_refused(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
-    cv2.imwrite(str(folder / "0.jpg"), tissue(9))
+    for name in ("0.jpg", "0.png.jpg"):
+        cv2.imwrite(str(folder / name), tissue(9))
     call = vesselsplat("enhance", folder, tmp_path / "out")
     assert call.code == 2
-    assert "0.jpg and 0.png" in call.error or "0.png and 0.jpg" in call.error
+    assert "0.png.jpg and 0.png" in call.error or "0.png and 0.png.jpg" in call.error
     assert not (tmp_path / "out").exists()
 
 
@@ -388,3 +389,12 @@ def test_a_damaged_picture_of_a_folder_stops_all(folder: Path, tmp_path: Path, v
     assert call.code == 2
     assert "2.png" in call.error
     assert not (tmp_path / "out").exists()
+
+
+def test_names_that_differ_by_suffix_alone_keep_it(tmp_path: Path, vesselsplat: Cli) -> None:
+    folder, out = tmp_path / "in", tmp_path / "out"
+    folder.mkdir()
+    for name in ("1.png", "1.bmp", "2.png"):
+        cv2.imwrite(str(folder / name), np.full((40, 50, 3), 60 + 20 * int(name[0]), np.uint8))
+    assert vesselsplat("enhance", folder, out).code == 0
+    assert {path.name for path in out.iterdir()} == {"1.png.png", "1.bmp.png", "2.png"}
