@@ -177,8 +177,8 @@ def _gained(part: str, diagram: GainDiagram) -> Chart:
     return Chart(
         part=part,
         title=diagram.title,
-        against="noise, relative to the original",
-        measure="vessel contrast, relative to the original",
+        against="noise gain",
+        measure="vessel contrast gain",
         logarithmic=True,
         series=tuple(series),
         fits=(*series, line("Pareto front", gain_front(diagram))),
