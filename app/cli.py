@@ -24,7 +24,7 @@ COMMANDS = {
     "export": "export a finished run as splat files, a video or camera poses",
     "evaluate": "measure a finished run on its held-out frames",
     "metrics": "measure DV/BV and contrast of images",
-    "report": "report of error against run time, stability and omissions, on one page",
+    "report": "report of error against run time, contrast against noise, stability and omissions",
     "replay": "reproduce an exported file from its provenance and compare",
     "phantom": "write a synthetic clip with exact ground truth",
     "info": "what a path is read as and what can be done with it; versions, devices and licences",

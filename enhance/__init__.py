@@ -10,8 +10,8 @@ True where tissue is kept. Visibility only: nothing here detects or diagnoses.
 - Others to compare with: `clahe`, `unsharp`, `msrcr`, `aindane`, `aindane_green`, `wang2020`, `jiang2019`,
   and all of them by name in `BASELINES`.
 - Measures: `dvbv_otsu`, `dvbv_local`, `DvBv`, `vessel_contrast`, `vessel_cnr`, `vessel_color_difference`,
-  `noise_gain`, `chroma_noise_gain`, `blackened_share`, `saturated_share`, `flicker`; where vessels are:
-  `vesselness`, `vessel_mask`, `field_of_view`.
+  `noise_gain`, `chroma_noise_gain`, `highlight_halo`, `edge_halo`, `blackened_share`, `saturated_share`,
+  `flicker`; where vessels are: `vesselness`, `vessel_mask`, `field_of_view`.
 
 Every mistake in an image is an `ImageError`, every one in a parameter a `pydantic.ValidationError`; both are
 ValueErrors. Importing the package loads nothing; each name loads what it needs when it is first used. Nothing
@@ -36,6 +36,7 @@ if _typing.TYPE_CHECKING:
     from enhance.color_difference import vessel_color_difference
     from enhance.enhancer import Enhancer
     from enhance.field import FieldOfView, find_field
+    from enhance.halos import edge_halo, highlight_halo
     from enhance.image import ImageError
     from enhance.metrics import (
         DvBv,
@@ -77,11 +78,13 @@ __all__ = [
     "clahe",
     "dvbv_local",
     "dvbv_otsu",
+    "edge_halo",
     "enhance",
     "enhance_vessels",
     "field_of_view",
     "find_field",
     "flicker",
+    "highlight_halo",
     "jiang2019",
     "measure",
     "msrcr",
@@ -101,6 +104,7 @@ _MODULES = {
     "color_difference": "vessel_color_difference",
     "enhancer": "Enhancer",
     "field": "FieldOfView find_field",
+    "halos": "edge_halo highlight_halo",
     "image": "ImageError",
     "metrics": "DvBv blackened_share chroma_noise_gain dvbv_local dvbv_otsu flicker noise_gain "
     "saturated_share vessel_cnr vessel_contrast",

@@ -60,7 +60,7 @@ def dvbv_otsu(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> DvBv:
         >>> dvbv_otsu(np.uint8([[10, 20, 200, 240]]))  # variances of 200, 240 and of 10, 20
         DvBv(dv=400.0, bv=25.0, ratio=16.0)
     """
-    grey = np.rint(_grey(image)).astype(np.uint8).ravel()
+    grey = np.rint(grey_levels(image)).astype(np.uint8).ravel()
     if tissue_mask is not None:
         _check_mask(tissue_mask, _colors(image))
         grey = grey[tissue_mask.ravel() != 0]
@@ -98,7 +98,7 @@ def dvbv_local(
         >>> bool(dvbv_local(unsharp(image), image).dv > dvbv_local(image, image).dv)
         True
     """
-    before, after = _local_variance(_grey(original)), _local_variance(_grey(image))
+    before, after = _local_variance(grey_levels(original)), _local_variance(grey_levels(image))
     if before.shape != after.shape:
         raise ImageError(f"expected image and original of one size, got {after.shape} and {before.shape}")
     counted = np.ones(before.shape, bool) if tissue_mask is None else _whole_windows(tissue_mask)
@@ -259,7 +259,7 @@ def flicker(images: Iterable[AnyImage], originals: Iterable[AnyImage]) -> float:
         >>> round(flicker(images, originals), 3)  # steps of 4 in place of 1
         3.0
     """
-    after, before = ([float(_grey(image).mean()) for image in clip] for clip in (images, originals))
+    after, before = ([float(grey_levels(image).mean()) for image in clip] for clip in (images, originals))
     if len(after) != len(before):
         raise ImageError(f"expected as many images as originals, got {len(after)} and {len(before)}")
     return _mean_step(after) - _mean_step(before)
@@ -345,7 +345,8 @@ def _mean_step(means: list[float]) -> float:
     return float(np.mean(steps)) if steps else math.nan
 
 
-def _grey(image: AnyImage) -> NDArray[np.float64]:
+def grey_levels(image: AnyImage) -> NDArray[np.float64]:
+    """Grey by BT.601, (H, W), 0 to 255, not rounded."""
     colors = read_picture(image).colors.astype(np.float64) * 255
     return colors if colors.ndim == 2 else np.asarray(colors @ np.array([0.299, 0.587, 0.114]))
 

@@ -1,4 +1,4 @@
-"""`vesselsplat report`: error against run time, stability, omissions: one page and its JSON."""
+"""`vesselsplat report`: error against run time, contrast against noise, stability, omissions, on one page."""
 
 from __future__ import annotations
 

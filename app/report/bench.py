@@ -119,6 +119,7 @@ PARTS: Final = (
     Part("drawing", 2),
     Part("stability", 2),
     Part("left_out", 18),
+    Part("visibility", 4),
     Part("paper", 25),
     Part("reading", 1),
     Part("growth", 3),

@@ -1,14 +1,17 @@
-"""Diagrams as values: error against run time with its Pareto front, cost against work with its power law."""
+"""Diagrams as values: error against run time and contrast against noise, each with its Pareto front; cost
+against work with its power law."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Final, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+Kind = TypeVar("Kind")
 
 TICKS: Final = {6: (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 300: (1.0, 2.0, 5.0)}
 
@@ -48,9 +51,14 @@ def pareto_front(diagram: Diagram) -> tuple[Point, ...]:
     """The points that no other beats in one of time and error without losing in the other; fastest first."""
     sign = -1.0 if diagram.more_is_better else 1.0
     finite = [point for point in diagram.points if math.isfinite(point.error)]
-    front: list[Point] = []
-    for point in sorted(finite, key=lambda point: (point.seconds, sign * point.error)):
-        if not front or sign * point.error < sign * front[-1].error:
+    return _undominated(finite, lambda point: (point.seconds, sign * point.error))
+
+
+def _undominated(points: Iterable[Kind], price: Callable[[Kind], tuple[float, float]]) -> tuple[Kind, ...]:
+    """Of two prices, less is better; by the first, cheapest first. Of equal points, the first one."""
+    front: list[Kind] = []
+    for point in sorted(points, key=price):
+        if not front or price(point)[1] < price(front[-1])[1]:
             front.append(point)
     return tuple(front)
 
@@ -65,6 +73,33 @@ def within_error(diagram: Diagram, error: float) -> Point | None:
     """The fastest setting whose error is no larger, or whose measure is no less where more is better."""
     sign = -1.0 if diagram.more_is_better else 1.0
     return next((point for point in pareto_front(diagram) if sign * point.error <= sign * error), None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gain:
+    """What a method at one setting does to an image; 1 = as in the original."""
+
+    series: str
+    """What it is drawn with."""
+    setting: str
+    noise: float
+    """Times the noise of the original."""
+    contrast: float
+    """Times the contrast of its vessels."""
+    is_default: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class GainDiagram:
+    """Gains of one set of images, all above 0: the axes are logarithmic. A line joins those of a series."""
+
+    title: str
+    gains: tuple[Gain, ...]
+
+
+def gain_front(diagram: GainDiagram) -> tuple[Gain, ...]:
+    """The gains than which no other has more contrast with no more noise; the least noise first."""
+    return _undominated(diagram.gains, lambda gain: (gain.noise, -gain.contrast))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from app.files.provenance import NOTICE
 from app.report.diagrams import pareto_front
+from app.report.gain_plot import gain_figure
 from app.report.plots import diagrams_figure, growth_figure, svg
 from app.report.section import Cell, Column, Section, Table, is_number, said
 
@@ -61,6 +62,8 @@ def _parts(section: Section) -> Iterator[str]:
             yield _figure(diagrams_figure(plate.diagrams), plate.title)
     if section.growths:
         yield _figure(growth_figure(section.growths), section.title)
+    for diagram in section.gain_diagrams:
+        yield _figure(gain_figure(diagram), diagram.title)
     for table in section.tables:
         yield _table(table)
     if section.not_measured:

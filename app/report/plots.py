@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import Final, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -13,7 +13,9 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from app.report.diagrams import Diagram, Growth, Point, of_a_decade, pareto_front
+from app.report.diagrams import Diagram, Gain, Growth, Point, of_a_decade, pareto_front
+
+Drawn = TypeVar("Drawn", Point, Gain)
 
 PANEL: Final = (4.6, 3.9)
 """Inches."""
@@ -71,7 +73,7 @@ def _draw_growth(axes: Axes, growth: Growth) -> None:
         axes.plot(curve.work, curve.cost, mark, color=color, label=curve.label, markersize=5)
         axes.plot(*curve.law(), color=color, linewidth=1)
     for axis in (axes.xaxis, axes.yaxis):
-        _label(axis)
+        labelled(axis)
     axes.grid(alpha=0.3, linewidth=0.5)
     axes.legend(frameon=False, fontsize=8)
 
@@ -104,11 +106,11 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
     axes.scatter(*place(default), s=130, facecolors="none", edgecolors="black", label="default", zorder=3)
     axes.set_autoscale_on(True)
     axes.margins(x=0.14)
-    for point, at in _clear(axes, front, list(zip(*place(front), strict=True))):
+    for point, at in without_overlap(axes, front, list(zip(*place(front), strict=True))):
         axes.annotate(point.setting, at, (4, 4), textcoords="offset points", fontsize=6)
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
-            _label(axis)
+            labelled(axis)
     if any(point.error < floor for point in finite):
         axes.axhline(floor, color="#999999", linewidth=0.6, linestyle=":")
         axes.annotate("no error", (1, floor), (-2, 3), ("axes fraction", "data"), "offset points",
@@ -116,9 +118,9 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
     axes.grid(alpha=0.3, which="both", linewidth=0.5)
 
 
-def _clear(
-    axes: Axes, points: Sequence[Point], places: Sequence[tuple[float, float]]
-) -> Iterator[tuple[Point, tuple[float, float]]]:
+def without_overlap(
+    axes: Axes, points: Sequence[Drawn], places: Sequence[tuple[float, float]]
+) -> Iterator[tuple[Drawn, tuple[float, float]]]:
     """Points whose labels do not lie on each other, the default before all others."""
     axes.autoscale_view()
     scale = axes.transData + axes.transAxes.inverted()
@@ -138,7 +140,8 @@ def _floor(diagram: Diagram, points: Sequence[Point]) -> float:
     return 10.0 ** (math.floor(math.log10(least)) - 1) if any(point.error <= 0 for point in points) else 0.0
 
 
-def _label(axis: Axis) -> None:
+def labelled(axis: Axis) -> None:
+    """Plain numbers on a logarithmic axis, more of them the fewer decades it has."""
     axis.set_major_locator(LogLocator(subs=of_a_decade(*axis.get_view_interval())))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -11,7 +11,7 @@ from typing import Any, Self, TypeGuard
 from pydantic import TypeAdapter, ValidationError
 
 from app.errors import UserError
-from app.report.diagrams import Diagram, Growth, Point
+from app.report.diagrams import Diagram, GainDiagram, Growth, Point
 from renderer.json_files import read_json
 
 Cell = str | float | int | bool | None
@@ -62,6 +62,7 @@ class Section:
     """Each a paragraph."""
     plates: tuple[Plate, ...] = ()
     growths: tuple[Growth, ...] = ()
+    gain_diagrams: tuple[GainDiagram, ...] = ()
     tables: tuple[Table, ...] = ()
     not_measured: tuple[str, ...] = ()
     """What the time did not suffice for, or what is missing here, each with the reason."""

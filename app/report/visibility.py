@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -24,10 +25,12 @@ from enhance.metrics import (
     vessel_cnr,
     vessel_contrast,
 )
-from enhance.ridges import vessel_mask
+from enhance.ridges import field_of_view, vessel_mask
 from enhance.vessel import enhance_vessels
 from renderer.clip import BoolImage, ByteImage
 from renderer.measuring.interleaved_timing import interleaved_times
+from renderer.phantom import Phantom, PhantomParams
+from renderer.sources import open_clip
 
 Method = Callable[[ByteImage, BoolImage], ByteImage]
 PRINTED: Final = EnhanceParams(d_factor=1.0)
@@ -54,6 +57,26 @@ def sample(image: ByteImage, tissue: BoolImage | None = None) -> Sample:
     """With the strongest dark ridges for vessels; without a mask all is tissue."""
     keep = np.ones(image.shape[:2], dtype=bool) if tissue is None else tissue
     return Sample(image, keep, vessel_mask(image, tissue_mask=keep))
+
+
+def of_clip(path: Path, count: int) -> Iterator[Sample]:
+    """Of up to so many frames, evenly spread.
+
+    Raises:
+        ClipError: when it cannot be read.
+    """
+    clip = open_clip(path)
+    for index in np.unique(np.linspace(0, len(clip) - 1, count).round().astype(int)).tolist():
+        frame = clip.read_frame(index)
+        tissue = frame.evaluation_mask
+        yield sample(frame.image, field_of_view(frame.image) if tissue.all() else tissue)
+
+
+def of_phantom(count: int) -> Iterator[Sample]:
+    """So many frames, as large as those of an endoscope, whose vessels are known."""
+    phantom = Phantom(PhantomParams(n_frames=count, width=640, height=512))
+    for view in map(phantom.view, range(count)):
+        yield Sample(view.frame.image, view.frame.evaluation_mask, view.vessel_mask)
 
 
 def methods() -> Mapping[str, Method]:

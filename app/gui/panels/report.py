@@ -23,6 +23,8 @@ FIRST_CLICK = {
 MOST_ROWS = 12
 """That are in sight at once."""
 CHART_TEXT = "Which diagram to show. Each point is a setting; the line joins the Pareto-optimal settings."
+MOST_BELOW = 4
+"""Lines whose legend is below the diagram; that of more is beside it, to leave the diagram its height."""
 NEAR = 0.75
 """Text heights from the pointer to a point that it names."""
 
@@ -55,11 +57,13 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
     _setup(implot.ImAxis_.x1, chart.across, logarithmic=True)
     _setup(implot.ImAxis_.y1, chart.up, logarithmic=chart.logarithmic)
     if (front := chart.front) is None:
-        implot.setup_legend(implot.Location_.south, implot.LegendFlags_.outside)
+        few = len(chart.series) <= MOST_BELOW
+        where = implot.Location_.south if few else implot.Location_.east
+        implot.setup_legend(where, implot.LegendFlags_.outside)
     else:
         # Nothing lies beyond the front: no setting is both faster and better.
-        where = implot.Location_.south_west if chart.logarithmic else implot.Location_.north_west
-        implot.setup_legend(where)
+        corner = implot.Location_.south_west if chart.logarithmic else implot.Location_.north_west
+        implot.setup_legend(corner)
         implot.plot_stairs(front.name, front.across, front.up, implot.Spec(line_weight=em(0.1)))
     for fit in chart.fits:
         implot.plot_line(fit.name, fit.across, fit.up, implot.Spec(line_weight=em(0.08)))

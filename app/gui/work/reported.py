@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.gui.work.reported_tables import ReportPart, part_of
-from app.report.diagrams import Diagram, Growth, Point, of_a_decade, pareto_front
+from app.report.diagrams import (
+    Diagram,
+    Gain,
+    GainDiagram,
+    Growth,
+    Point,
+    gain_front,
+    of_a_decade,
+    pareto_front,
+)
 from app.report.section import SavedReport, read_report
 from enhance import EnhanceParams
 from enhance.accuracy import named
@@ -51,7 +60,7 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """One work-precision diagram, or how a cost grows."""
+    """One work-precision diagram, how a cost grows, or contrast against noise."""
 
     part: str
     title: str
@@ -66,7 +75,7 @@ class Chart:
     points: tuple[Point, ...] = ()
     front: Line | None = None
     fits: tuple[Line, ...] = ()
-    """Power laws, each called as its series."""
+    """Drawn as lines: power laws or settings of a method, each called as its series; a front."""
 
     @property
     def name(self) -> str:
@@ -112,6 +121,7 @@ def _charts(report: SavedReport) -> Iterator[Chart]:
                 if diagram.points:
                     yield _chart(part, plate.title, diagram)
         yield from (_grown(part, growth) for growth in section.growths if growth.curves)
+        yield from (_gained(part, diagram) for diagram in section.gain_diagrams)
 
 
 def _chart(part: str, title: str, diagram: Diagram) -> Chart:
@@ -153,6 +163,27 @@ def _grown(part: str, growth: Growth) -> Chart:
         fits=tuple(Line(curve.label, *curve.law()) for curve in growth.curves),
         across=_scale(np.concatenate([line.across for line in series]), logarithmic=True),
         up=_scale(np.concatenate([line.up for line in series]), logarithmic=True),
+    )
+
+
+def _gained(part: str, diagram: GainDiagram) -> Chart:
+    def line(name: str, gains: Sequence[Gain]) -> Line:
+        noise, contrast = (np.array([getattr(one, kind) for one in gains]) for kind in ("noise", "contrast"))
+        return Line(name, noise, contrast)
+
+    names = dict.fromkeys(gain.series for gain in diagram.gains)
+    series = [line(name, [one for one in diagram.gains if one.series == name]) for name in names]
+    whole = line("", diagram.gains)
+    return Chart(
+        part=part,
+        title=diagram.title,
+        against="noise gain",
+        measure="vessel contrast gain",
+        logarithmic=True,
+        series=tuple(series),
+        fits=(*series, line("Pareto front", gain_front(diagram))),
+        across=_scale(whole.across, logarithmic=True),
+        up=_scale(whole.up, logarithmic=True),
     )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -18,13 +17,10 @@ from app.report.measures.training import INPUTS
 from app.report.paper_rows import PAPER, SCARED, TABLE_3
 from app.report.runs import schedule
 from app.report.section import Cell, Column, Section, Table
-from app.report.visibility import COLUMNS, Sample, measured, methods, pattern, sample
+from app.report.visibility import COLUMNS, Sample, measured, methods, of_clip, of_phantom, pattern
 from enhance.baselines import TAO_STAND_INS
 from enhance.metrics import noise_gain
-from enhance.ridges import field_of_view
 from renderer.clip import ClipError
-from renderer.phantom import Phantom, PhantomParams
-from renderer.sources import open_clip
 from renderer.train.config import Method
 from renderer.train.trainer import TrainingError
 
@@ -207,24 +203,12 @@ def _table_3(name: str, count: int, rows: Mapping[str, np.ndarray]) -> Table:
 def _sets(bench: Bench, missing: list[str]) -> dict[str, list[Sample]]:
     sets: dict[str, list[Sample]] = {}
     if bench.given is None:
-        phantom = Phantom(PhantomParams(n_frames=PICTURES, width=640, height=512))
-        views = [phantom.view(index) for index in range(PICTURES)]
-        sets["the phantom, whose vessels are known"] = [
-            Sample(view.frame.image, view.frame.evaluation_mask, view.vessel_mask) for view in views
-        ]
+        sets["the phantom, whose vessels are known"] = list(of_phantom(PICTURES))
     else:
-        sets[bench.clip.name] = list(_frames_of(bench.given))
+        sets[bench.clip.name] = list(of_clip(bench.given, PICTURES))
     for path in bench.scenes:
         try:
-            sets[scene_name(path)] = list(_frames_of(path))
+            sets[scene_name(path)] = list(of_clip(path, PICTURES))
         except ClipError as error:
             missing.append(f"Table 3, {path.name}: {str(error).split(':')[0]}")
     return sets
-
-
-def _frames_of(path: Path) -> Iterator[Sample]:
-    clip = open_clip(path)
-    for index in np.unique(np.linspace(0, len(clip) - 1, PICTURES).round().astype(int)).tolist():
-        frame = clip.read_frame(index)
-        tissue = frame.evaluation_mask
-        yield sample(frame.image, field_of_view(frame.image) if tissue.all() else tissue)

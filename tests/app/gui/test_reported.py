@@ -15,7 +15,7 @@ from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.reported import LEAST, Scale, current, read
-from app.report.diagrams import Curve, Diagram, Growth, Point
+from app.report.diagrams import Curve, Diagram, Gain, GainDiagram, Growth, Point
 from app.report.section import Plate, Section
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -34,6 +34,15 @@ GROWTH = Growth(
     ),
 )  # fmt: skip
 
+GAINS = GainDiagram(
+    title="contrast against noise",
+    gains=(
+        Gain(series="a", setting="1", noise=1.1, contrast=1.5),
+        Gain(series="a", setting="2", noise=1.2, contrast=2.0, is_default=True),
+        Gain(series="b", setting="100%", noise=2.0, contrast=1.2),
+    ),
+)
+
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
@@ -45,6 +54,7 @@ def path(tmp_path: Path) -> Path:
         ),
         "training": Section(title="T", plates=(Plate(title="Q", diagrams=psnr),)),
         "growth": Section(title="G", growths=(GROWTH,)),
+        "visibility": Section(title="V", gain_diagrams=(GAINS,)),
     }
     facts = provenance(machine={"cores": 2, "processor": "p"}, clip={"name": "c"}, parts=sections)
     file = tmp_path / "report.json"
@@ -53,7 +63,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_charts_are_ready_to_draw(path: Path) -> None:
-    first, second, _ = read(path).charts
+    first, second, *_ = read(path).charts
     assert first.logarithmic
     assert not second.logarithmic
     assert first.front is not None
@@ -76,6 +86,15 @@ def test_growth_is_drawn_through_its_power_law(path: Path) -> None:
     assert chart.across.least < 1e3 < 1e5 < chart.across.most
 
 
+def test_contrast_against_noise_has_a_line_for_each_method_and_the_front(path: Path) -> None:
+    chart = read(path).charts[3]
+    assert chart.name == "contrast against noise"
+    assert [line.name for line in chart.fits] == ["a", "b", "Pareto front"]
+    assert (chart.fits[0].across.tolist(), chart.fits[0].up.tolist()) == ([1.1, 1.2], [1.5, 2.0])
+    assert chart.fits[2].up.tolist() == [1.5, 2.0]
+    assert chart.up.least < 1.2 < 2.0 < chart.up.most
+
+
 @pytest.mark.parametrize("decade", range(-6, 6))
 def test_ticks_are_numbers_without_a_power_of_ten_that_say_where_they_are(decade: int) -> None:
     ticks = tuple(digit * 10.0**decade for digit in (1.0, 2.0, 5.0))
@@ -85,7 +104,7 @@ def test_ticks_are_numbers_without_a_power_of_ten_that_say_where_they_are(decade
 
 
 def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
-    first, second, grown = read(path).charts
+    first, second, grown, gained = read(path).charts
     default = EnhanceParams()
     assert current(first, default) == POINTS[0]
     assert current(first, replace(default, subsample=1)) == POINTS[1]
@@ -94,6 +113,7 @@ def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
     assert current(first, VesselParams()) is None
     assert current(second, default) is None
     assert current(grown, default) is None
+    assert current(gained, default) is None
 
 
 def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -> None:
@@ -103,7 +123,7 @@ def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -
     assert state.source.clip is clip
     assert state.reports.asked
     ui = Ui()
-    for place in (0, 1, 2):
+    for place in (0, 1, 2, 3):
         actions.choose_chart(state, place)
         for _ in range(2):
             ui.frame(lambda: draw_report(state))

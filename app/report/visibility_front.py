@@ -1,0 +1,196 @@
+"""Contrast of vessels against noise, both over the original's: `vessel` at every strength, all others mixed.
+
+Every other method is mixed with the original in five shares, so that each can be compared at the same noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass, fields
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.evaluation.mean import mean_of_finite
+from app.report.visibility import Sample, methods
+from enhance.color_difference import vessel_color_difference
+from enhance.halos import edge_halo, highlight_halo
+from enhance.metrics import noise_gain, vessel_cnr, vessel_contrast
+from enhance.vessel import VesselEnhancer, VesselParams
+from renderer.clip import BoolImage, ByteImage
+
+ORIGINAL: Final = "original"
+VESSEL: Final = "vessel"
+DEFAULT: Final = VesselParams().strength
+STRENGTHS: Final = (0.5, 1.0, 1.7, DEFAULT, 3.2, 4.0)
+SHARES: Final = (0.2, 0.4, 0.6, 0.8, 1.0)
+THIN: Final = 3
+"""Pixels across."""
+FEW: Final = 100
+"""Pixels: where fewer are thin, all vessels count instead."""
+SURROUNDINGS: Final = 32
+"""Pixels: the blur that a vessel's darkness is measured against."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A method, and how much of it."""
+
+    method: str
+    amount: str
+    is_default: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Visibility:
+    """How a result shows vessels, and what it costs; gains are over the original's."""
+
+    noise: float
+    """Gain, as of `noise_gain`."""
+    contrast: float
+    """Gain of Weber contrast."""
+    thin: float
+    """The same of thin vessels."""
+    cnr: float
+    """Gain of the contrast to noise ratio."""
+    color: float
+    """Gain of the colour difference, CIEDE2000."""
+    auc: float
+    """See area_under_curve."""
+    highlight_halo: float
+    """Grey levels; NaN: no highlight."""
+    edge_halo: float
+    """Grey levels; NaN: no strong edge."""
+
+
+NAMES: Final = tuple(field.name for field in fields(Visibility))
+GAINS: Final = ("noise", "contrast", "thin", "cnr", "color")
+Seen = Mapping[Setting, Visibility]
+
+
+def seen(one: Sample) -> dict[Setting, Visibility]:
+    """Every method at every amount, on one image."""
+    before = _amounts(one.image, one)
+    return {setting: _visibility(image, one, before) for setting, image in results(one)}
+
+
+def results(one: Sample) -> Iterator[tuple[Setting, ByteImage]]:
+    """Every setting and its image; the original is one."""
+    enhancer = VesselEnhancer()
+    enhancer.show(one.image, one.tissue)
+    for strength in STRENGTHS:
+        result = enhancer.enhance(VesselParams(strength=strength)).image
+        yield Setting(VESSEL, f"strength {strength:g}", strength == DEFAULT), np.asarray(result)
+    for name, method in methods().items():
+        if name == ORIGINAL:
+            yield Setting(name, "unchanged"), one.image
+        elif name != VESSEL:
+            whole = method(one.image, one.tissue)
+            for share in SHARES:
+                yield Setting(name, f"{share:.0%}", share == 1), mixed(whole, one.image, share)
+
+
+def mixed(result: ByteImage, original: ByteImage, share: float) -> ByteImage:
+    """So much of the result, the rest of the original."""
+    both = np.float32(share) * result + np.float32(1 - share) * original
+    return np.rint(both).astype(np.uint8)
+
+
+def averaged(images: Sequence[Seen]) -> dict[Setting, Visibility]:
+    """Over images: geometric means of gains, else means of what was measured.
+
+    A gain is NaN where an image has none: a method that turns vessels bright.
+    """
+    return {
+        setting: _averaged([each[setting] for each in images]) for setting in (images[0] if images else ())
+    }
+
+
+def best_other(setting: Setting, found: Seen) -> Setting | None:
+    """The most contrast with no more noise by any other method; None where all have more noise."""
+    others = [
+        other
+        for other, one in found.items()
+        if other.method != setting.method
+        and one.noise <= found[setting].noise
+        and math.isfinite(one.contrast)
+    ]
+    return max(others, key=lambda other: found[other].contrast, default=None)
+
+
+def is_ahead(setting: Setting, found: Seen) -> bool:
+    """Whether no other method has more contrast with no more noise."""
+    other = best_other(setting, found)
+    return other is None or found[other].contrast <= found[setting].contrast
+
+
+def thin_part(vessels: BoolImage) -> BoolImage:
+    """What an opening by a disc wider than THIN takes away, (H, W)."""
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (THIN + 2, THIN + 2))
+    wide = cv2.morphologyEx(vessels.astype(np.uint8), cv2.MORPH_OPEN, disc)
+    near = np.asarray(cv2.dilate(wide, disc)) > 0
+    thin: BoolImage = vessels & ~near
+    return thin if thin.sum() > FEW else vessels
+
+
+def area_under_curve(image: ByteImage, one: Sample) -> float:
+    """Of the ROC curve of the darkness of green against its blur, as a classifier of vessels; 0.5 is chance.
+
+    Nobody tuned that classifier for a method. By ranks (Mann and Whitney), of quarters of grey levels. NaN:
+    no vessel in the tissue, or nothing else.
+    """
+    green = image[..., 1].astype(np.float32)
+    dark: NDArray[np.float32] = np.asarray(cv2.GaussianBlur(green, (0, 0), SURROUNDINGS)) - green
+    inside, outside = dark[one.vessels & one.tissue], dark[~one.vessels & one.tissue]
+    if not (inside.size and outside.size):
+        return math.nan
+    values, counts = np.unique(np.rint(np.concatenate((inside, outside)) * 4), return_counts=True)
+    ranks = (np.cumsum(counts) - (counts - 1) / 2)[np.searchsorted(values, np.rint(inside * 4))]
+    above = float(ranks.sum()) - len(inside) * (len(inside) + 1) / 2
+    return above / (len(inside) * len(outside))
+
+
+def _amounts(image: ByteImage, one: Sample) -> NDArray[np.float64]:
+    """What gains are of: contrast, of thin vessels, CNR and colour difference."""
+    mask = one.tissue
+    return np.array(
+        [
+            vessel_contrast(image, one.vessels, tissue_mask=mask),
+            vessel_contrast(image, thin_part(one.vessels), tissue_mask=mask),
+            vessel_cnr(image, one.vessels, tissue_mask=mask),
+            vessel_color_difference(image, one.vessels, tissue_mask=mask),
+        ]
+    )
+
+
+def _visibility(image: ByteImage, one: Sample, before: NDArray[np.float64]) -> Visibility:
+    # Vessels are meant to change, so halos are measured beside them.
+    other = one.tissue & ~one.vessels
+    gains = np.divide(_amounts(image, one), before, out=np.full(before.shape, np.nan), where=before > 0)
+    contrast, thin, cnr, color = gains.tolist()
+    return Visibility(
+        noise=noise_gain(image, one.image, tissue_mask=one.tissue),
+        contrast=contrast,
+        thin=thin,
+        cnr=cnr,
+        color=color,
+        auc=area_under_curve(image, one),
+        highlight_halo=highlight_halo(image, one.image, tissue_mask=other),
+        edge_halo=edge_halo(image, one.image, tissue_mask=other),
+    )
+
+
+def _averaged(images: Sequence[Visibility]) -> Visibility:
+    by_measure = dict(zip(NAMES, zip(*map(astuple, images), strict=True), strict=True))
+    means = {name: mean_of_finite(values) for name, values in by_measure.items() if name not in GAINS}
+    return Visibility(
+        **{name: _geometric(by_measure[name]) for name in GAINS},
+        **{name: math.nan if mean is None else mean for name, mean in means.items()},
+    )
+
+
+def _geometric(gains: Sequence[float]) -> float:
+    return math.exp(float(np.mean(np.log(gains)))) if min(gains) > 0 else math.nan
