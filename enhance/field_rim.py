@@ -49,20 +49,21 @@ class Rim:
     """(N,) by the border of the picture."""
 
 
-def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, pixel: int) -> Rim:
+def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int) -> Rim:
     """Where rays from the middle of an outline leave the field.
 
     Args:
         pixels: (H, W) or (H, W, 3), not float16.
         outline: (N, 2) corners, x and y, a few small pixels off at most.
         threshold: V in grey levels above which a pixel is field, but for noise.
+        most: the same whatever the noise.
         pixel: width of a pixel of the small copy that the outline was found in.
     """
     middle = (outline.max(axis=0) + outline.min(axis=0)) / 2
     far = _distances(middle, outline)
     colors = pixels if pixels.ndim == 3 else pixels[..., None]
     values = _unrolled(colors, 255 / full_scale(pixels.dtype), middle, far, REACH * pixel)
-    threshold = max(threshold, _noise_ends(values, int(REACH * pixel)))
+    threshold = max(threshold, min(_noise_ends(values, int(REACH * pixel)), most))
     height, width = pixels.shape[:2]
     return Rim(*_left(values, middle, far, threshold, pixel, np.array([width, height], np.float64)))
 
@@ -113,7 +114,7 @@ def _unrolled(pixels: NDArray[Any], scale: float, middle: Points, far: Points, r
 @njit(cache=True, error_model="numpy")
 def _noise_ends(values: Samples, outer: int) -> float:
     """V that noise of the surround stays below, from the outer samples of the rays that lie in the picture
-    all along; 0 where there are none."""
+    all along; 0 where there are none. Too high where many of these are tissue beyond a rough outline."""
     counts, count = np.zeros(256 * FINE, np.int32), 0
     rays, samples = values.shape
     for ray in range(rays):
@@ -153,22 +154,27 @@ def _left(
     points, cropped = np.empty((RAYS + 4, 2)), np.zeros(RAYS + 4, np.bool_)
     for ray in range(RAYS):
         last = _last_lit(values[ray], threshold)
-        found = far[ray]
         if last >= 0:
-            found = _begin(far[ray], REACH * pixel) + last + 0.5
+            margin, found = NEAR, _begin(far[ray], REACH * pixel) + last + 0.5
             cropped[ray] = values[ray, min(last + 2, values.shape[1] - 1)] < 0
+        else:
+            # All dark near an outline at the border: the field goes on there, however dim.
+            margin, found = float(pixel), far[ray]
+            for axis in range(2):
+                at = middle[axis] + found * ALONG[ray, axis]
+                cropped[ray] |= at < margin or at > ends[axis] - margin
         for axis in range(2):
             within = found if cropped[ray] else found - RIM
             points[ray, axis] = middle[axis] + within * ALONG[ray, axis]
         if cropped[ray]:
-            _move_beyond(points[ray], ends)
+            _move_beyond(points[ray], ends, margin)
     count = RAYS
     # A corner of the picture that lies between two rays belongs to the field where both reach the border.
     for corner in range(4):
         points[count, 0], points[count, 1] = ends[0] * (corner // 2), ends[1] * (corner % 2)
         turn = np.arctan2(points[count, 1] - middle[1], points[count, 0] - middle[0]) * (RAYS / (2 * np.pi))
         if cropped[int(np.floor(turn)) % RAYS] and cropped[int(np.ceil(turn)) % RAYS]:
-            _move_beyond(points[count], ends)
+            _move_beyond(points[count], ends, NEAR)
             cropped[count] = True
             count += 1
     return points[:count], cropped[:count]
@@ -188,12 +194,12 @@ def _last_lit(values: Samples, threshold: float) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def _move_beyond(point: Points, ends: Points) -> None:
-    """Out of the picture, where it lies at its border."""
+def _move_beyond(point: Points, ends: Points, margin: float) -> None:
+    """Out of the picture, where it lies so near its border."""
     for axis in range(2):
-        if point[axis] < NEAR:
+        if point[axis] < margin:
             point[axis] = -BEYOND
-        elif point[axis] > ends[axis] - NEAR:
+        elif point[axis] > ends[axis] - margin:
             point[axis] = ends[axis] + BEYOND
 
 

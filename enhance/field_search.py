@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import cv2
@@ -22,6 +23,8 @@ NOISIEST: Final = 12.0
 STEP, DEVIATIONS, STRAY = 10.0, 5.0, 0.2
 """Above the surround's V by so many grey levels, so many deviations of its noise, and by this share of what
 lies between it and the middle of the lit picture, it is field: stray light beside the rim is less."""
+MOST_STRAY: Final = 0.5
+"""Of the same: what is brighter is field, whatever the noise."""
 LEAST_SIDE: Final = 16
 """Pixels: smaller pictures are too small for a surround with a rim."""
 LEAST_SURROUND: Final = 0.01
@@ -39,6 +42,16 @@ LEAST_SHARP: Final = 0.5
 LEVELS: Final = 256
 SQUARE: Final = np.ones((3, 3), np.uint8)
 Levels = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Tones:
+    """V of the surround, in grey levels."""
+
+    threshold: float
+    """Darker pixels are surround."""
+    most: float
+    """No surround is brighter, however noisy."""
 
 
 def find_field(image: AnyImage | Picture) -> FieldOfView | None:
@@ -69,14 +82,14 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
         pixels = pixels.astype(np.float32)
     factor = -(-max(height, width) // LOW_SIDE)
     low = _small(pixels, factor)
-    threshold = _threshold(low)
-    if threshold is None:
+    tones = _tones(low)
+    if tones is None:
         return whole
-    outline = _outline(low, threshold)
+    outline = _outline(low, tones.threshold)
     if outline is None or len(outline) == 0:
         return whole if outline is not None else None
     scale = np.array([width / low.shape[1], height / low.shape[0]])
-    rim = left_along_rays(pixels, (outline + 0.5) * scale, threshold, factor)
+    rim = left_along_rays(pixels, (outline + 0.5) * scale, tones.threshold, tones.most, factor)
     return fitted(rim, whole)
 
 
@@ -97,13 +110,14 @@ def _in_levels(values: AnyImage) -> Levels:
     return np.rint(values * (255.0 / full_scale(values.dtype))).astype(np.uint8)
 
 
-def _threshold(low: Levels) -> float | None:
-    """V above which a pixel is no surround, from the darkest corner; None: no corner can be one."""
+def _tones(low: Levels) -> Tones | None:
+    """Of the surround, from the darkest corner; None: no corner can be one."""
     level, noise = _darkest_corner(low)
     if level > BRIGHTEST or noise > NOISIEST:
         return None
     beyond = _middle_above(low, level + STEP) - level
-    return level + max(STEP, DEVIATIONS * noise, STRAY * beyond)
+    threshold = level + max(STEP, DEVIATIONS * noise, STRAY * beyond)
+    return Tones(threshold, max(threshold, level + MOST_STRAY * beyond))
 
 
 @njit(cache=True, error_model="numpy")
