@@ -203,7 +203,7 @@ def _everywhere(field: Callable[[int, int], FieldOfView]) -> Callable[[Any], Any
 
 def _fields() -> list[Fault]:
     field, rim, parts = "enhance.field", "enhance.field_rim", parts_of("fields")
-    find, outside = "enhance.field_search:find_field", "out[y, end:] = image[y, end:]"
+    find, outside = "enhance.field_search:find_field", "copy_pixels(image[y, end:], out[y, end:])"
 
     def edit(kind: Kind, what: str, old: str, new: str, module: str = field) -> Fault:
         return Fault("edges", kind, what, parts, edited(module, old, new))
