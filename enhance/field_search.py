@@ -146,11 +146,11 @@ def _darkest_corner(low: Levels) -> tuple[float, float]:
 @njit(cache=True, error_model="numpy")
 def _middle_above(low: Levels, threshold: float) -> float:
     """The median of what is brighter; the threshold where nothing is."""
-    values = low.ravel()
     # Four histograms in turn, as equal neighbours would wait for each other.
     parts = np.zeros((4, LEVELS), np.int32)
-    for i in range(len(values)):
-        parts[i & 3, values[i]] += 1
+    for y in range(low.shape[0]):
+        for x in range(low.shape[1]):
+            parts[x & 3, low[y, x]] += 1
     counts, count = np.zeros(LEVELS, np.int32), 0
     for level in range(int(np.floor(threshold)) + 1, LEVELS):
         counts[level] = parts[0, level] + parts[1, level] + parts[2, level] + parts[3, level]
@@ -160,7 +160,7 @@ def _middle_above(low: Levels, threshold: float) -> float:
     return 0.5 * (_ranked(counts, (count - 1) // 2) + _ranked(counts, count // 2))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _ranked(counts: NDArray[np.int32], place: int) -> int:
     """What stands at this place, from 0, of values of which there are so many each."""
     value, before = 0, counts[0]
@@ -196,8 +196,9 @@ def _largest(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int
                 areas[label] += x - since
                 label, since = labels[y, x], x
         areas[label] += width - since
-    areas[0] = 0
-    largest = int(areas.argmax())
+    areas[0], largest = 0, 0
+    for label in range(count):
+        largest = label if areas[label] > areas[largest] else largest
     ends, found = np.empty((2 * height, 2), np.int32), 0
     for y in range(height if largest > 0 else 0):
         first, last = 0, width - 1
@@ -262,7 +263,7 @@ def _around(low: Levels, lit: Levels, field: Levels, threshold: float) -> tuple[
     return outside, dark, rim, sharp
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _eroded(spans: NDArray[np.int64], width: int) -> NDArray[np.int64]:
     """First and after last column of each row, less a pixel all around; what lies beyond the picture counts
     as field."""
