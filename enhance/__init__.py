@@ -35,7 +35,8 @@ if _typing.TYPE_CHECKING:
     )
     from enhance.color_difference import vessel_color_difference
     from enhance.enhancer import Enhancer
-    from enhance.field import FieldOfView, find_field
+    from enhance.field import FieldOfView
+    from enhance.field_search import find_field
     from enhance.halos import edge_halo, highlight_halo
     from enhance.image import ImageError
     from enhance.metrics import (
@@ -103,7 +104,8 @@ _MODULES = {
     "baselines": "BASELINES aindane aindane_green clahe jiang2019 msrcr unsharp wang2020",
     "color_difference": "vessel_color_difference",
     "enhancer": "Enhancer",
-    "field": "FieldOfView find_field",
+    "field": "FieldOfView",
+    "field_search": "find_field",
     "halos": "edge_halo highlight_halo",
     "image": "ImageError",
     "metrics": "DvBv blackened_share chroma_noise_gain dvbv_local dvbv_otsu flicker noise_gain "

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from enhance.field import FieldOfView, find_field, overlap
+from enhance.field import FieldOfView, overlap
+from enhance.field_search import find_field
 from enhance.image import Picture
 
 EVERY: Final = 8

@@ -64,3 +64,11 @@ def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> No
     """Only columns from `first` on and before `end` count."""
     for i in range(CHUNK):
         chunk[KEEP, i] = chunk[KEEP, i] if first <= x0 + i < end else ZERO
+
+
+@njit(error_model="numpy")
+def copy_pixels(pixels: NDArray[Any], out: NDArray[Any]) -> None:
+    """(n, 3) pixels, both C-contiguous: a loop becomes vector code where an assignment of slices does not."""
+    source, target = pixels.reshape(-1), out.reshape(-1)
+    for i in range(len(source)):
+        target[i] = source[i]

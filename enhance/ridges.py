@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_picture
-from enhance.shown import found_in
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -71,6 +70,9 @@ def field_of_view(image: AnyImage) -> BoolImage:
         >>> bool(field_of_view(image)[32, 32]), bool(field_of_view(image)[2, 2])
         (True, False)
     """
+    # Only here: its kernels load the compiler, which no other ridge needs.
+    from enhance.shown import found_in
+
     return found_in(read_picture(image)).mask()
 
 

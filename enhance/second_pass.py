@@ -34,6 +34,7 @@ from enhance.pixel_block import (
     TOTAL,
     VALUE,
     ZERO,
+    copy_pixels,
     keep_within,
     load,
     load_keep,
@@ -134,8 +135,8 @@ def render(
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)
                 store(chunk, full, apart, out[y, x0 : x0 + count])
-            out[y, :first] = image[y, :first]
-            out[y, end:] = image[y, end:]
+            copy_pixels(image[y, :first], out[y, :first])
+            copy_pixels(image[y, end:], out[y, end:])
             totals += moments
         for scale in range(scales):
             sums[block, scale, 0] = totals[scale, 0].sum()

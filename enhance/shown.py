@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.field import EVERYWHERE, FieldOfView, Spans, find_field
+from enhance.field import EVERYWHERE, FieldOfView, Spans
+from enhance.field_search import find_field
 from enhance.image import AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
 from enhance.statistics import Statistics
 

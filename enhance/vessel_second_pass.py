@@ -29,6 +29,7 @@ from enhance.pixel_block import (
     TOTAL,
     VALUE,
     ZERO,
+    copy_pixels,
     keep_within,
     load_keep,
 )
@@ -124,8 +125,8 @@ def second_pass(
                 _find(chunk, ground[0, 0, x0:], ground[1, 0, x0:], weight, strength, noise)
                 _attenuate(chunk, shares, full)
                 store(chunk, full, apart, out[y, x0 : x0 + count])
-            out[y, :first] = image[y, :first]
-            out[y, end:] = image[y, end:]
+            copy_pixels(image[y, :first], out[y, :first])
+            copy_pixels(image[y, end:], out[y, end:])
             totals += sums
         for scale in range(scales):
             moments[task, scale, 0] = totals[scale, 0].sum()

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from enhance.field import FieldOfView, find_field, overlap, typical
+from enhance.field import FieldOfView, overlap, typical
+from enhance.field_search import find_field
 from enhance.image import BoolImage
 from tests.enhance.endoscopes import OUTLINES, agreement, labelled, outline, seen_in
 from tests.enhance.pictures import as_type

@@ -19,7 +19,8 @@ from enhance import (
     measure,
     shown,
 )
-from enhance.field import FieldOfView, find_field
+from enhance.field import FieldOfView
+from enhance.field_search import find_field
 from enhance.image import full_scale
 from enhance.reference import enhance_reference
 from tests.enhance.endoscopes import outline, seen_in

@@ -10,7 +10,7 @@ from app.gui.state.app_state import AppState
 from app.gui.work.settings import FILE, clips_content
 from app.gui.work.writing import WriteRequest
 from app.runs.clip_selection import ClipPart
-from enhance.field import find_field
+from enhance.field_search import find_field
 
 
 def trim_here(state: AppState, *, start: bool) -> None:

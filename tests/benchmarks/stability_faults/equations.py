@@ -202,15 +202,15 @@ def _everywhere(field: Callable[[int, int], FieldOfView]) -> Callable[[Any], Any
 
 
 def _fields() -> list[Fault]:
-    field, parts = "enhance.field", parts_of("fields")
-    find, outside = f"{field}:find_field", "out[y, end:] = image[y, end:]"
+    field, rim, parts = "enhance.field", "enhance.field_rim", parts_of("fields")
+    find, outside = "enhance.field_search:find_field", "copy_pixels(image[y, end:], out[y, end:])"
 
     def edit(kind: Kind, what: str, old: str, new: str, module: str = field) -> Fault:
         return Fault("edges", kind, what, parts, edited(module, old, new))
 
     return [
-        edit("sign", "the rim of the field is taken in", "found, found - RIM", "found, found + 2 * RIM"),
-        edit("swapped", "middle of the field", "x, y, radius = self.circle", "y, x, radius = self.circle"),
+        edit("sign", "the rim of the field is taken in", "found - RIM", "found + 2 * RIM", rim),
+        edit("swapped", "middle of the field", "x, y, radius = circle[0]", "y, x, radius = circle[0]"),
         edit(
             "dropped",
             "two looks before the field moves",

@@ -1,0 +1,109 @@
+"""The rim of a field of view and the circle through it, in plain numpy: what kernels are compared with."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance.field_rim import (
+    BEYOND,
+    CIRCLE_TOLERANCE,
+    DEVIATIONS,
+    NEAR,
+    RAYS,
+    REACH,
+    RIM,
+    Points,
+)
+from enhance.image import AnyImage, BoolImage, full_scale
+
+
+def rim_of(
+    pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int
+) -> tuple[Points, BoolImage]:
+    """As `enhance.field_rim.left_along_rays`: points, and which of them the border of the picture crops."""
+    height, width = pixels.shape[:2]
+    ends = np.array([width, height])
+    middle = (outline.max(axis=0) + outline.min(axis=0)) / 2
+    angles = np.arange(RAYS) * (2 * np.pi / RAYS)
+    along = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    far, reach = distances(middle, along, outline), REACH * pixel
+    radii = (np.floor(far - reach) + 0.5)[:, None] + np.arange(int(2 * reach) + 1)
+    x, y = (np.floor(middle[axis] + radii * along[:, axis, None]).astype(np.intp) for axis in (0, 1))
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    value = pixels[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)] * (255 / full_scale(pixels.dtype))
+    value = value.max(axis=2) if value.ndim == 3 else value
+    outer = value[inside.all(axis=1), -int(reach) :]
+    if outer.size:
+        level, high = np.quantile(outer, (0.5, 0.84))
+        threshold = max(threshold, min(float(level + DEVIATIONS * (high - level)), most))
+    lit = inside & (value > threshold)
+    # Four of five inwards: single ones are noise.
+    counts = np.cumsum(lit, axis=1)
+    lit[:, 5:] &= counts[:, 5:] - counts[:, :-5] >= 4
+    last = lit.shape[1] - 1 - lit[:, ::-1].argmax(axis=1)
+    some, index = lit.any(axis=1), np.arange(RAYS)
+    found = np.where(some, radii[index, last] + 0.5, far)
+    margin = np.where(some, NEAR, pixel)[:, None]
+    at = middle + found[:, None] * along
+    beside = ((at < margin) | (at > ends - margin)).any(axis=1)
+    cropped = np.where(some, ~inside[index, np.minimum(last + 2, lit.shape[1] - 1)], beside)
+    points = middle + np.where(cropped, found, found - RIM)[:, None] * along
+    # A corner of the picture that lies between two rays belongs to the field where both reach the border.
+    corners = np.array([(x, y) for x in (0, width) for y in (0, height)], dtype=np.float64)
+    turns = np.arctan2(*(corners - middle).T[::-1]) * (RAYS / (2 * np.pi))
+    reached = corners[cropped[np.floor(turns).astype(int)] & cropped[np.ceil(turns).astype(int) % RAYS]]
+    points = np.concatenate((points, reached))
+    margin = np.concatenate((margin, np.full((len(reached), 1), NEAR)))
+    cropped = np.concatenate((cropped, np.ones(len(reached), bool)))
+    beyond = np.where(points < margin, -BEYOND, np.where(points > ends - margin, ends + BEYOND, points))
+    return np.where(cropped[:, None], beyond, points), cropped
+
+
+def distances(middle: Points, along: Points, outline: Points) -> Points:
+    """From a point within a convex outline to it, along each direction."""
+    starts, ends = outline - middle, np.roll(outline, -1, axis=0) - middle
+    sides = ends - starts
+    below = along[:, :1] * sides[:, 1] - along[:, 1:] * sides[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (starts[:, 0] * sides[:, 1] - starts[:, 1] * sides[:, 0]) / below
+        u = (starts[:, 0] * along[:, 1:] - starts[:, 1] * along[:, :1]) / below
+    t[~((t > 0) & (u >= -1e-9) & (u <= 1 + 1e-9))] = 0
+    return np.asarray(t.max(axis=1))
+
+
+def circle_of(points: Points) -> tuple[Points, float]:
+    """Middle and radius through most of the points, and the share of points on it."""
+    circle, apart = kasa(points, points)
+    for _ in range(5):
+        tolerance = max(tolerance_of(circle), 2 * float(np.median(apart)))
+        circle, apart = kasa(points[apart <= tolerance], points)
+    return circle, float(np.mean(apart <= tolerance_of(circle)))
+
+
+def kasa(kept: Points, points: Points) -> tuple[Points, Points]:
+    """The circle through the kept ones by all three normal equations, and how far each point lies off it."""
+    center = kept.mean(axis=0)
+    about = kept - center
+    matrix = np.column_stack((2 * about, np.ones(len(about))))
+    x, y, rest = np.linalg.solve(matrix.T @ matrix, matrix.T @ (about**2).sum(axis=1))
+    radius = np.sqrt(rest + x**2 + y**2)
+    x, y = x + center[0], y + center[1]
+    return np.array([x, y, radius]), np.abs(np.hypot(points[:, 0] - x, points[:, 1] - y) - radius)
+
+
+def tolerance_of(circle: Points) -> float:
+    return float(max(CIRCLE_TOLERANCE, CIRCLE_TOLERANCE * circle[2] / 1000))
+
+
+def ring_of(field: NDArray[np.uint8]) -> BoolImage:
+    """Pixels of a field one away from its outline; what lies beyond the picture counts as field."""
+    padded = np.pad(field > 0, 2, constant_values=True)
+    height, width = field.shape
+
+    def eroded(reach: int) -> BoolImage:
+        steps = range(2 - reach, 3 + reach)
+        shifted = [padded[y : y + height, x : x + width] for y in steps for x in steps]
+        return np.asarray(np.all(shifted, axis=0))
+
+    return eroded(1) & ~eroded(2)
