@@ -85,6 +85,11 @@ def draw_on(state: AppState, pixel: tuple[float, float]) -> None:
         editing.stroke = (*editing.stroke, pixel)
 
 
+def drop_stroke(state: AppState) -> None:
+    """The drag selects nothing."""
+    state.editing.stroke = ()
+
+
 def end_stroke(state: AppState, how: Combination) -> None:
     """Select what was drawn around, or pointed at."""
     editing, stroke = state.editing, state.editing.stroke

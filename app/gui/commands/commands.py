@@ -100,7 +100,8 @@ def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
                 applies=has_clip, ticked=lambda s: s.enhancement.active),
-        Command("Plain white light", actions.white_light, ("Esc",), applies=has_clip),
+        Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
+                text="white light: the frames as recorded, in all panes and the 3D view"),
         Command("Freeze", actions.toggle_freeze, ("F",), text="hold this frame in both panes",
                 applies=has_clip, ticked=lambda s: s.timeline.frozen_index is not None),
     )  # fmt: skip

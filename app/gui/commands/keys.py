@@ -7,7 +7,7 @@ from functools import cache
 
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, camera_actions, window_actions
+from app.gui.actions import actions, camera_actions, leaving
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 
@@ -37,6 +37,8 @@ NAMED = {
     "keypad plus": imgui.Key.keypad_add, "keypad minus": imgui.Key.keypad_subtract,
     "[": imgui.Key.left_bracket, "]": imgui.Key.right_bracket, "0": imgui.Key._0, "1": imgui.Key._1,
 }  # fmt: skip
+LEAVE = int(imgui.Key.escape)
+LEAVE_TEXT = "leave the innermost: menu, dialog, tool"
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
 
 
@@ -65,9 +67,8 @@ class Keyboard:
         # While controls are walked by keyboard, Space presses the one in focus.
         actions.peek(state, acts and not io.nav_visible and imgui.is_key_down(PEEK))
         flies = state.scene.viewer.flying
-        # As everywhere, Escape closes what lies over the panes before it does anything to them.
-        if acts and _is_pressed(chord("Esc"), False) and window_actions.close_over(state):
-            return
+        if acts and _is_pressed(LEAVE, False):
+            leaving.leave_innermost(state)
         for command in _pressed(state, sections) if acts else ():
             command.act(state)
         held = FLIGHT if acts and flies and not io.key_mods else {}

@@ -16,6 +16,7 @@ from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.menus import draw_commands
 from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import frame_share, hides_enhancement
 from app.gui.style import theme
 from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, stack_tags
 from app.scenes.scene import Scene
@@ -205,7 +206,7 @@ def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameT
         low, high = Sight(shown.request.camera, area).bounds
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
         if (frame_image := frame_over(state)) is not None:
-            tint = imgui.get_color_u32(theme.grey(1.0, state.scene.viewer.blend))
+            tint = imgui.get_color_u32(theme.grey(1.0, frame_share(state, shown.request.scene)))
             draw.add_image(frame_texture(frame_image.image), low, high, (0, 0), (1, 1), tint)
         draw_marks(state, shown.request, area)
         if shown.scale is not None:
@@ -249,6 +250,8 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
         tags.append((f"SPLATS · {legible(model.name)}", theme.TAG_ORIGINAL))
     else:
         tags.append((f"RECONSTRUCTION · {moment}", theme.TAG_ORIGINAL))
+    if hides_enhancement(state, model) and not _is_under_frame(state):
+        tags.append((f"OF {str(model.record.input).upper()} FRAMES · not white light", theme.TAG_CAUTION))
     if model is not second:
         tags += _hand_tags(state, shown)
     if shown.request.kind not in ("color", "difference"):
@@ -256,6 +259,11 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     if shown.request.reduced:
         tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
     return tags
+
+
+def _is_under_frame(state: AppState) -> bool:
+    """The frame lies over the view, and can hide it."""
+    return state.scene.viewer.snapped and frame_over(state) is not None
 
 
 def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
@@ -271,7 +279,8 @@ def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     elif viewer.snapped and shown.request.kind == "difference":
         tags.append(("DIFFERENCE to the frame", theme.TAG_ENHANCED))
     elif viewer.snapped:
-        tags.append((f"FRAME {100 * viewer.blend:.0f} % over the reconstruction", theme.TAG_ENHANCED))
+        share = frame_share(state, shown.request.scene)
+        tags.append((f"FRAME {100 * share:.0f} % over the reconstruction", theme.TAG_ENHANCED))
     elif state.scene.kind == "difference":
         tags.append(("DIFFERENCE only from the clip's camera: C", theme.TAG_CAUTION))
     if viewer.free is not None:

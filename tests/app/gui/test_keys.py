@@ -29,7 +29,7 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     ui.press(draw, key.e)
     assert not opened.enhancement.active
     ui.press(draw, key.e)
-    ui.press(draw, key.escape)
+    ui.press(draw, key.mod_shift, key.w)
     assert not opened.enhancement.active
     ui.press(draw, key.period)
     assert opened.timeline.frame_index == 1
@@ -45,21 +45,6 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     ui.press(draw, key.mod_shift, key.slash)
     assert opened.window.help_open
     ui.press(draw, key.mod_ctrl, key.e)  # Another chord than E.
-    assert not opened.enhancement.active
-
-
-def test_escape_closes_what_lies_over_the_panes_before_it_changes_them(ui: Ui, opened: AppState) -> None:
-    draw = keyboard(opened)
-    opened.exports.shown = True
-    ui.press(draw, imgui.Key.escape)
-    assert not opened.exports.shown
-    assert opened.enhancement.active
-    opened.batches.shown = opened.window.help_open = True
-    ui.press(draw, imgui.Key.escape)
-    assert not opened.batches.shown
-    assert not opened.window.help_open
-    assert opened.enhancement.active
-    ui.press(draw, imgui.Key.escape)
     assert not opened.enhancement.active
 
 

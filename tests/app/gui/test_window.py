@@ -171,6 +171,9 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
         ctx.yield_(2)
         assert state.comparing.chosen.zebra
         ctx.key_press(key.escape)
+        ctx.yield_(2)
+        assert state.enhancement.active
+        ctx.key_press(chord("Shift+W"))
         wait(ctx, lambda: not state.enhancement.active, "white light")
 
     driver.run(drive)
