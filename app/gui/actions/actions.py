@@ -207,9 +207,14 @@ def seek(state: AppState, index: int) -> None:
 
 
 def step(state: AppState, frames: int) -> None:
-    """One frame on or back, standing still; thaws a frozen picture, which would not show it."""
+    """So many frames on or back, standing still; thaws a frozen picture, which would not show it."""
     state.timeline.playing, state.timeline.frozen_index = False, None
     seek(state, state.timeline.frame_index + frames)
+
+
+def go_to_end(state: AppState, *, last: bool) -> None:
+    """The first or the last frame that counts, in the same way."""
+    step(state, state.source.span[last] - state.timeline.frame_index)
 
 
 def toggle_play(state: AppState) -> None:

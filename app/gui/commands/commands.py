@@ -157,13 +157,21 @@ def _slot(slot: Slot) -> tuple[Command, Command]:
 
 def _clip() -> tuple[Section, ...]:
     time = (
-        Command("Play", actions.toggle_play, ("P", "K"), text="play or pause",
+        Command("Play", actions.toggle_play, ("Space", "P", "K"), text="play or pause",
                 applies=lambda s: s.source.clip is not None and len(s.source.clip) > 1,
                 ticked=lambda s: s.timeline.playing),
-        Command("Previous frame", partial(actions.step, frames=-1), ("comma",), applies=has_clip,
+        Command("Previous frame", partial(actions.step, frames=-1), ("Left", "comma"), applies=has_clip,
                 repeats=True),
-        Command("Next frame", partial(actions.step, frames=1), ("period",), applies=has_clip,
+        Command("Next frame", partial(actions.step, frames=1), ("Right", "period"), applies=has_clip,
                 repeats=True),
+        Command("Ten frames back", partial(actions.step, frames=-10), ("Shift+Left",), applies=has_clip,
+                repeats=True),
+        Command("Ten frames forward", partial(actions.step, frames=10), ("Shift+Right",), applies=has_clip,
+                repeats=True),
+        Command("First frame", partial(actions.go_to_end, last=False), ("Home",), applies=has_clip,
+                text="first frame of the clip, or of its trimmed part"),
+        Command("Last frame", partial(actions.go_to_end, last=True), ("End",), applies=has_clip,
+                text="last frame of the clip, or of its trimmed part"),
     )  # fmt: skip
     parts = (
         Command("Start here", partial(clip_actions.trim_here, start=True), ("Shift+I",),

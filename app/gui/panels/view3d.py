@@ -40,7 +40,7 @@ FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
 MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
 FRAME = f"{icons.ICON_FA_CLONE}  Frame###snap"
-FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back."
+FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Shift+C: back."
 MEASURE_TEXT = "M: click two points on the surface. Measured on the model, at its expected depth."
 SECOND_TEXT = (
     "A second reconstruction beside this one, with the same camera and time. Also in the Camera menu."
@@ -94,7 +94,7 @@ def _draw_pane(
 def _draw_toolbar(state: AppState) -> None:
     viewer = state.scene.viewer
     reset = partial(camera_actions.reset_view, state)
-    button(f"{icons.ICON_FA_HOME}  Clip camera", reset, "Home: the clip camera's view.")
+    button(f"{icons.ICON_FA_HOME}  Clip camera", reset, "Shift+C: the clip camera's view.")
     beside(FLY)
     button(FLY, lambda: camera_actions.toggle_flight(state), FLY_TEXT, color=theme.switch(viewer.flying))
     beside(MEASURE)
@@ -186,12 +186,12 @@ def _move(state: AppState, area: Area) -> None:
 
 
 def _pick(state: AppState, request: ViewRequest, area: Area) -> None:
-    """A double click, or O, turns the view around what is under the pointer; a click may measure."""
+    """A double click, or U, turns the view around what is under the pointer; a click may measure."""
     if not imgui.is_item_hovered() or state.editing.takes_drags:
         return
     pixel = Sight(request.camera, area).pixel()
     left, measuring = imgui.MouseButton_.left, state.scene.viewer.measuring
-    wants_centre = imgui.is_key_pressed(imgui.Key.o, False) and not imgui.get_io().want_text_input
+    wants_centre = imgui.is_key_pressed(imgui.Key.u, False) and not imgui.get_io().want_text_input
     if wants_centre or (imgui.is_mouse_double_clicked(left) and not measuring):
         camera_actions.ask_point(state, request, pixel, "orbit")
     moved = imgui.get_mouse_drag_delta(left, 0.0)
