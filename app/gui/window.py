@@ -14,7 +14,7 @@ from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.console.ending import noted
 from app.errors import UserError
-from app.gui.actions import actions, preset_actions, queue_actions, session_actions
+from app.gui.actions import actions, preset_actions, queue_actions, remembered, session_actions
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
@@ -70,7 +70,7 @@ def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> N
     """
     places = Places.of_user()
     window = Window(AppState(places, load_settings(places.settings_file), Source(clip_options)))
-    preset_actions.begin(window.state)
+    remembered.begin(window.state)
     session_actions.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)
@@ -305,6 +305,7 @@ class Window:
             dockings.quit_app()
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
+            remembered.remember(self.state)
 
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""

@@ -116,7 +116,8 @@ def _picture(state: AppState) -> tuple[Section, ...]:
         Command(history_actions.redo_name(state), history_actions.redo, ("Ctrl+Y",),
                 text="redo the last undone change", repeats=True,
                 applies=lambda s: bool(s.enhancement.future) and not s.editing.active),
-        Command("Reset all parameters", actions.reset_params, ("R",)),
+        Command("Reset all", actions.reset_params, ("R",), applies=actions.can_reset,
+                text="all parameters, statistics and pixels to their defaults; the method stays"),
         Command("Tuning grid", tuning_actions.toggle_tuning, ("Ctrl+T",),
                 text="tuning grid: compare a range of settings", ticked=lambda s: s.tuning.shown),
     )  # fmt: skip
