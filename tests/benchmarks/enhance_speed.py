@@ -2,9 +2,9 @@
 
 Every round times the yardstick and each case once, in one process, so that a busy machine slows them alike;
 medians and minima are over the rounds. A ratio is the yardstick's median over the case's. The bars: the next
-frame of a live stream 12 times faster (at 640x512, 8), one image 10 times (6); a moved slider half the time of the
-next frame, or of what is 12 times faster; `vessel` at most twice the time of the paper's method; and either
-method's next frame of 3840x2160 in 33 ms.
+frame of a live stream 12 times faster (at 640x512, 8), one image 10 times (6); a moved slider half the time
+of the next frame, or of what is 12 times faster; `vessel` at most twice the time of the paper's method; and
+either method's next frame of 3840x2160 in 33 ms.
 """
 
 from __future__ import annotations

@@ -58,26 +58,27 @@ def announce(state: AppState, sentence: str) -> None:
 def acknowledge(state: AppState) -> None:
     """The first-start notice has been read."""
     state.settings = replace(state.settings, acknowledged=True)
-    _save(state)
+    save_settings(state)
 
 
 def choose_theme(state: AppState, theme: Theme) -> None:
     state.settings = replace(state.settings, theme=theme)
-    _save(state)
+    save_settings(state)
 
 
 def resize_text(state: AppState, steps: int) -> None:
     """Larger or smaller by so many steps; 0 for the size as it is at first."""
     state.settings = state.settings.resized(steps) if steps else replace(state.settings, text_percent=100)
-    _save(state)
+    save_settings(state)
 
 
 def remember_recent(state: AppState, remember: bool) -> None:
     state.settings = state.settings.remembering(remember)
-    _save(state)
+    save_settings(state)
 
 
-def _save(state: AppState) -> None:
+def save_settings(state: AppState) -> None:
+    """For the next start."""
     file, content = state.places.settings_file, settings_content(state.settings)
     state.window.wishes += (WriteRequest(file, content, "settings cannot be saved"),)
 
@@ -157,7 +158,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if opened.warning:
         fail(state, opened.warning)
     state.settings = state.settings.opened(path)
-    _save(state)
+    save_settings(state)
 
 
 def _show_run(state: AppState, opened: Opened) -> None:
@@ -207,9 +208,14 @@ def seek(state: AppState, index: int) -> None:
 
 
 def step(state: AppState, frames: int) -> None:
-    """One frame on or back, standing still; thaws a frozen picture, which would not show it."""
+    """So many frames on or back, standing still; thaws a frozen picture, which would not show it."""
     state.timeline.playing, state.timeline.frozen_index = False, None
     seek(state, state.timeline.frame_index + frames)
+
+
+def go_to_end(state: AppState, *, last: bool) -> None:
+    """The first or the last frame that counts, in the same way."""
+    step(state, state.source.span[last] - state.timeline.frame_index)
 
 
 def toggle_play(state: AppState) -> None:
@@ -277,7 +283,16 @@ def rebase(state: AppState, looks: Iterable[EnhancementSettings]) -> None:
 
 
 def reset_params(state: AppState) -> None:
-    state.enhancement.params = type(state.enhancement.params)()
+    """All that is set of the enhancement, but for the method."""
+    chosen = state.enhancement
+    chosen.params, chosen.scope, chosen.pixels = type(chosen.params)(), "automatic", "automatic"
+
+
+def can_reset(state: AppState) -> bool:
+    """Something is not at its default."""
+    chosen = state.enhancement
+    default = (type(chosen.params)(), "automatic", "automatic")
+    return (chosen.params, chosen.scope, chosen.pixels) != default
 
 
 def toggle_enhancement(state: AppState) -> None:

@@ -45,6 +45,13 @@ def finish_mask(state: AppState) -> None:
     keep_settings(state)
 
 
+def stop_mask(state: AppState) -> None:
+    """Nothing is drawn: a drag that has begun leaves the mask as it was before it."""
+    if state.picture.mask_start is not None:
+        set_mask(state, state.enhancement.past[-1].part.mask)
+    state.picture.mask_tool, state.picture.mask_start = "", None
+
+
 def round_view(state: AppState) -> None:
     """The circle of the field of view of the present picture."""
     if state.picture.pictures is None:

@@ -62,7 +62,7 @@ def toggle(state: AppState) -> None:
     editing.active, editing.stroke = not editing.active, ()
     _show(state)
     if editing.active:
-        state.scene.viewer.flying = False
+        state.scene.viewer.flying = state.window.bare = False
         _ask(state, None, "replace")
 
 
@@ -83,6 +83,11 @@ def draw_on(state: AppState, pixel: tuple[float, float]) -> None:
         editing.stroke = (editing.stroke[0], pixel)
     elif editing.tool == "lasso" and _apart(editing.stroke[-1], pixel) >= SHORTEST:
         editing.stroke = (*editing.stroke, pixel)
+
+
+def drop_stroke(state: AppState) -> None:
+    """The drag selects nothing."""
+    state.editing.stroke = ()
 
 
 def end_stroke(state: AppState, how: Combination) -> None:

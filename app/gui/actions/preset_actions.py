@@ -8,8 +8,6 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.presets import (
-    BUILT_IN,
-    FIRST,
     MOST_PRESETS,
     KeepPresets,
     is_preset_name,
@@ -25,13 +23,6 @@ def load(state: AppState) -> None:
     state.enhancement.presets, trouble = load_presets(presets_file(state.places))
     if trouble:
         actions.fail(state, trouble)
-
-
-def begin(state: AppState) -> None:
-    """The setting that a window opens with: vessels become clearer on every kind of picture that it was tried
-    on, where the paper's method makes them fainter on some."""
-    state.enhancement.params = BUILT_IN[FIRST]
-    state.enhancement.past = [state.chosen]
 
 
 def type_name(state: AppState, name: str) -> None:

@@ -1,4 +1,4 @@
-"""The window as a whole, as functions on the state: saving it as an image, closing what lies over it."""
+"""The window as a whole, as functions on the state: its image, its panels, full screen."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ SETTLING = 3
 """Frames after which the menu or the panel that was clicked has gone."""
 
 
-def close_over(state: AppState) -> bool:
-    """The export, the batches and the help. False when none of them lies over the window."""
-    some = state.exports.shown or state.batches.shown or state.window.help_open
-    state.exports.shown = state.batches.shown = state.window.help_open = False
-    return some
+def toggle_panels(state: AppState) -> None:
+    """The pictures alone, or all panels around them again."""
+    state.window.bare = not state.window.bare
+
+
+def toggle_full_screen(state: AppState) -> None:
+    state.window.full_screen = not state.window.full_screen
 
 
 def save_window(state: AppState) -> None:

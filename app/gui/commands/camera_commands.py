@@ -15,7 +15,7 @@ import_views = partial(actions.choose_path, kind="file", take=actions.open_path)
 
 def camera_sections(state: AppState) -> tuple[Section, ...]:
     views = (
-        Command("Clip camera", camera_actions.reset_view, ("Home",),
+        Command("Clip camera", camera_actions.reset_view, ("Shift+C",),
                 text="return the 3D view to the clip's camera", applies=_has_model),
         Command("Frame overlay", camera_actions.toggle_snap, ("C",),
                 text="3D view from the clip's camera, with its frame over it",

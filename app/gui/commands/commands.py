@@ -100,7 +100,8 @@ def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
                 applies=has_clip, ticked=lambda s: s.enhancement.active),
-        Command("Plain white light", actions.white_light, ("Esc",), applies=has_clip),
+        Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
+                text="white light: the frames as recorded, in all panes and the 3D view"),
         Command("Freeze", actions.toggle_freeze, ("F",), text="hold this frame in both panes",
                 applies=has_clip, ticked=lambda s: s.timeline.frozen_index is not None),
     )  # fmt: skip
@@ -115,7 +116,8 @@ def _picture(state: AppState) -> tuple[Section, ...]:
         Command(history_actions.redo_name(state), history_actions.redo, ("Ctrl+Y",),
                 text="redo the last undone change", repeats=True,
                 applies=lambda s: bool(s.enhancement.future) and not s.editing.active),
-        Command("Reset all parameters", actions.reset_params, ("R",)),
+        Command("Reset all", actions.reset_params, ("R",), applies=actions.can_reset,
+                text="all parameters, statistics and pixels to their defaults; the method stays"),
         Command("Tuning grid", tuning_actions.toggle_tuning, ("Ctrl+T",),
                 text="tuning grid: compare a range of settings", ticked=lambda s: s.tuning.shown),
     )  # fmt: skip
@@ -156,13 +158,21 @@ def _slot(slot: Slot) -> tuple[Command, Command]:
 
 def _clip() -> tuple[Section, ...]:
     time = (
-        Command("Play", actions.toggle_play, ("P", "K"), text="play or pause",
+        Command("Play", actions.toggle_play, ("Space", "P", "K"), text="play or pause",
                 applies=lambda s: s.source.clip is not None and len(s.source.clip) > 1,
                 ticked=lambda s: s.timeline.playing),
-        Command("Previous frame", partial(actions.step, frames=-1), ("comma",), applies=has_clip,
+        Command("Previous frame", partial(actions.step, frames=-1), ("Left", "comma"), applies=has_clip,
                 repeats=True),
-        Command("Next frame", partial(actions.step, frames=1), ("period",), applies=has_clip,
+        Command("Next frame", partial(actions.step, frames=1), ("Right", "period"), applies=has_clip,
                 repeats=True),
+        Command("Ten frames back", partial(actions.step, frames=-10), ("Shift+Left",), applies=has_clip,
+                repeats=True),
+        Command("Ten frames forward", partial(actions.step, frames=10), ("Shift+Right",), applies=has_clip,
+                repeats=True),
+        Command("First frame", partial(actions.go_to_end, last=False), ("Home",), applies=has_clip,
+                text="first frame of the clip, or of its trimmed part"),
+        Command("Last frame", partial(actions.go_to_end, last=True), ("End",), applies=has_clip,
+                text="last frame of the clip, or of its trimmed part"),
     )  # fmt: skip
     parts = (
         Command("Start here", partial(clip_actions.trim_here, start=True), ("Shift+I",),

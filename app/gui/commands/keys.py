@@ -7,12 +7,12 @@ from functools import cache
 
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, camera_actions, window_actions
+from app.gui.actions import actions, camera_actions, leaving
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 
 MODIFIERS = int(imgui.Key.mod_mask_)
-PEEK = imgui.Key.space
+PEEK = imgui.Key.o
 PEEK_TEXT = "hold: the original in every pane"
 FLIGHT = {
     imgui.Key.a: (-1, 0, 0), imgui.Key.d: (1, 0, 0),
@@ -25,18 +25,31 @@ MOUSE = (
     ("Wheel", "zoom at the pointer, in both panes or the 3D view"),
     ("Drag", "pan the panes; orbit the 3D view, or look around when flying"),
     ("Right drag", "pan the 3D view"),
-    ("Double click", "fit the panes; orbit the 3D view around this point; reset a slider"),
+    ("Double click", "fit the panes; orbit the 3D view around this point (also U); reset a slider"),
     ("Ctrl+click on a slider", "type a value"),
 )
 # A sum of two keys is a number: as an enum it is a member that Python 3.11.2, Debian 12's, cannot make.
-SHIFT_SLASH = int(imgui.Key.mod_shift) + int(imgui.Key.slash)
+SHIFT = int(imgui.Key.mod_shift)
+SHIFT_SLASH = SHIFT + int(imgui.Key.slash)
 NAMED = {
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
-    "comma": imgui.Key.comma, "period": imgui.Key.period, "?": SHIFT_SLASH,
+    "Tab": imgui.Key.tab, "End": imgui.Key.end, "Left": imgui.Key.left_arrow, "Right": imgui.Key.right_arrow,
+    "Space": imgui.Key.space, "comma": imgui.Key.comma, "period": imgui.Key.period, "?": SHIFT_SLASH,
     "plus": imgui.Key.equal, "minus": imgui.Key.minus,
     "keypad plus": imgui.Key.keypad_add, "keypad minus": imgui.Key.keypad_subtract,
     "[": imgui.Key.left_bracket, "]": imgui.Key.right_bracket, "0": imgui.Key._0, "1": imgui.Key._1,
 }  # fmt: skip
+CLAIMED = (
+    imgui.Key.space, imgui.Key.home, imgui.Key.end, imgui.Key.left_arrow, imgui.Key.right_arrow,
+    imgui.Key.up_arrow, imgui.Key.down_arrow, imgui.Key.tab,
+)  # fmt: skip
+"""Unless claimed, they walk from control to control, and press the one in focus."""
+OWNER = 0x6B657973
+"""Any number that no control has."""
+WALK = SHIFT | int(imgui.Key.tab)
+WALK_TEXT = "go through the controls by keyboard, on with Tab and arrows, Space to press; Esc ends it"
+LEAVE = int(imgui.Key.escape)
+LEAVE_TEXT = "leave the innermost: menu, dialog, tool, pictures alone, full screen"
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
 
 
@@ -56,26 +69,41 @@ class Keyboard:
 
     def __init__(self) -> None:
         self._was_free = True
+        self._walked = False
 
     def handle(self, state: AppState, sections: Iterable[Section]) -> None:
         io = imgui.get_io()
         free = not io.want_text_input and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
         # The key that has just closed a menu or ended typing has done its work.
         acts, self._was_free = free and self._was_free, free
-        # While controls are walked by keyboard, Space presses the one in focus.
-        actions.peek(state, acts and not io.nav_visible and imgui.is_key_down(PEEK))
+        actions.peek(state, not io.want_text_input and not io.key_mods and imgui.is_key_down(PEEK))
+        # While controls are walked by keyboard, these keys are of the walk, and Escape ends it.
+        walks, self._walked = io.nav_visible or self._walked, io.nav_visible
+        if free and not walks:
+            _claim(io.key_mods)
+            if _is_pressed(WALK, False):
+                # Shift and Tab of one frame: Tab was claimed before Shift was seen.
+                imgui.set_nav_cursor_visible(True)
         flies = state.scene.viewer.flying
-        # As everywhere, Escape closes what lies over the panes before it does anything to them.
-        if acts and _is_pressed(chord("Esc"), False) and window_actions.close_over(state):
-            return
-        for command in _pressed(state, sections) if acts else ():
+        if acts and not walks and _is_pressed(LEAVE, False):
+            leaving.leave_innermost(state)
+        for command in _pressed(state, sections, walks) if acts else ():
             command.act(state)
         held = FLIGHT if acts and flies and not io.key_mods else {}
         _fly(state, [way for key, way in held.items() if imgui.is_key_down(key)], io.delta_time)
 
 
-def _pressed(state: AppState, sections: Iterable[Section]) -> list[Command]:
-    """Commands that apply and whose keys went down; in flight its own keys do nothing else."""
+def _claim(held: int) -> None:
+    """Until the next frame these keys are ours alone; with Shift, Tab begins a walk."""
+    if held & ~SHIFT:
+        return
+    for key in CLAIMED:
+        if not (held and key == imgui.Key.tab):
+            imgui.internal.set_key_owner(key, OWNER)
+
+
+def _pressed(state: AppState, sections: Iterable[Section], walks: bool) -> list[Command]:
+    """Commands that apply and whose keys went down; those of a flight or a walk do nothing else."""
     flies = state.scene.viewer.flying
     return [
         command
@@ -84,6 +112,7 @@ def _pressed(state: AppState, sections: Iterable[Section]) -> list[Command]:
         for keys in command.keys
         if _is_pressed(code := chord(keys), command.repeats)
         and not (flies and code in FLIGHT)
+        and not (walks and code & ~MODIFIERS in CLAIMED)
         and command.applies(state)
     ]
 

@@ -31,7 +31,7 @@ MODE_TEXT = (
     "V: side by side. W: wipe, with a line to drag. T: one pane that flips between left and "
     "right. D: where and by how much they differ."
 )
-ENHANCING_TEXT = "E: on or off. Esc: plain white light. Hold Space: the original in every pane."
+ENHANCING_TEXT = "E: on or off. Shift+W: plain white light. Hold O: the original in every pane."
 FREEZE_TEXT = "F: hold this frame in both panes while the clip plays on."
 FAINTER_TEXT = (
     "Colour difference (CIEDE2000) between the strongest dark lines of the original frame and what lies "

@@ -191,7 +191,8 @@ def _follow_mouse(state: AppState, sight: Sight) -> None:
     if imgui.is_item_active() and imgui.is_mouse_down(imgui.MouseButton_.left):
         if state.editing.takes_drags and not imgui.get_io().key_alt:
             edit_actions.draw_on(state, sight.mouse())
-    elif state.editing.stroke:
+    elif state.editing.stroke and not imgui.is_mouse_down(imgui.MouseButton_.left):
+        # Escape takes the mouse from the view while the button is still held: it drops the stroke.
         edit_actions.end_stroke(state, combination(state.editing.how))
 
 

@@ -133,7 +133,8 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
     if imgui.is_item_active() and state.picture.mask_start is not None and at != state.picture.mask_start:
         mask = state.source.part.mask.drawn(state.picture.mask_tool, state.picture.mask_start, at)
         clip_actions.set_mask(state, mask)
-    if imgui.is_item_deactivated():
+    # Escape takes the mouse from the pane while the button is still held: it keeps no mask.
+    if imgui.is_item_deactivated() and not imgui.is_mouse_down(imgui.MouseButton_.left):
         clip_actions.finish_mask(state)
 
 

@@ -14,8 +14,9 @@ from app.gui.commands.commands import has_something
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import Area, button, em, explain
+from app.gui.views.clip_time import clock, seconds_at
 from app.gui.work.strip import Strip, count_for
-from renderer.clip import ByteImage
+from renderer.clip import ByteImage, Clip
 
 STRIP_HEIGHT = 2.5
 EMPTY = "The frames of the open clip appear here."
@@ -33,7 +34,7 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     _draw_transport(state)
     imgui.same_line()
     imgui.set_next_item_width(-em(24.5))
-    label = "no clip" if state.source.clip is None else f"frame %d / {count}"
+    label = _place(state.source.clip, state.timeline.frame_index)
     now, most, flags = state.timeline.frame_index + 1, max(count, 2), imgui.SliderFlags_.always_clamp
     grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
     with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
@@ -50,14 +51,32 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, enabled=enabled, width=-1.0)
 
 
+def _place(clip: Clip | None, index: int) -> str:
+    """The number of the frame, for the slider to fill in, and of a video its time."""
+    if clip is None:
+        return "no clip"
+    seconds = seconds_at(clip, index)
+    return f"frame %d / {len(clip)}" + ("" if seconds is None else f" · {clock(seconds)}")
+
+
 def _draw_transport(state: AppState) -> None:
     play = icons.ICON_FA_PAUSE if state.timeline.playing else icons.ICON_FA_PLAY
     step = partial(actions.step, state)
-    button(f"{icons.ICON_FA_STEP_BACKWARD}##back", partial(step, -1), "Comma: previous frame", width=2.2)
+    button(
+        f"{icons.ICON_FA_STEP_BACKWARD}##back",
+        partial(step, -1),
+        "Left or Comma: previous frame. With Shift: ten back. Home: first.",
+        width=2.2,
+    )
     imgui.same_line(0, em(0.2))
-    button(f"{play}###play", partial(actions.toggle_play, state), "P or K: play or pause", width=3)
+    button(f"{play}###play", partial(actions.toggle_play, state), "Space: play or pause", width=3)
     imgui.same_line(0, em(0.2))
-    button(f"{icons.ICON_FA_STEP_FORWARD}##on", partial(step, 1), "Period: next frame", width=2.2)
+    button(
+        f"{icons.ICON_FA_STEP_FORWARD}##on",
+        partial(step, 1),
+        "Right or Period: next frame. With Shift: ten forward. End: last.",
+        width=2.2,
+    )
 
 
 def _draw_trim(state: AppState) -> None:

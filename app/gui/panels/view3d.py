@@ -16,6 +16,7 @@ from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.menus import draw_commands
 from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import frame_share, hides_enhancement
 from app.gui.style import theme
 from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, stack_tags
 from app.scenes.scene import Scene
@@ -39,7 +40,7 @@ FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
 MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
 FRAME = f"{icons.ICON_FA_CLONE}  Frame###snap"
-FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Home: back."
+FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Shift+C: back."
 MEASURE_TEXT = (
     "M: click two points on the surface. Measured on the model, at its expected depth; ± is one standard "
     "deviation, from the spread of the surface there and the error of the run's depths."
@@ -96,7 +97,7 @@ def _draw_pane(
 def _draw_toolbar(state: AppState) -> None:
     viewer = state.scene.viewer
     reset = partial(camera_actions.reset_view, state)
-    button(f"{icons.ICON_FA_HOME}  Clip camera", reset, "Home: the clip camera's view.")
+    button(f"{icons.ICON_FA_HOME}  Clip camera", reset, "Shift+C: the clip camera's view.")
     beside(FLY)
     button(FLY, lambda: camera_actions.toggle_flight(state), FLY_TEXT, color=theme.switch(viewer.flying))
     beside(MEASURE)
@@ -188,12 +189,12 @@ def _move(state: AppState, area: Area) -> None:
 
 
 def _pick(state: AppState, request: ViewRequest, area: Area) -> None:
-    """A double click, or O, turns the view around what is under the pointer; a click may measure."""
+    """A double click, or U, turns the view around what is under the pointer; a click may measure."""
     if not imgui.is_item_hovered() or state.editing.takes_drags:
         return
     pixel = Sight(request.camera, area).pixel()
     left, measuring = imgui.MouseButton_.left, state.scene.viewer.measuring
-    wants_centre = imgui.is_key_pressed(imgui.Key.o, False) and not imgui.get_io().want_text_input
+    wants_centre = imgui.is_key_pressed(imgui.Key.u, False) and not imgui.get_io().want_text_input
     if wants_centre or (imgui.is_mouse_double_clicked(left) and not measuring):
         camera_actions.ask_point(state, request, pixel, "orbit")
     moved = imgui.get_mouse_drag_delta(left, 0.0)
@@ -208,7 +209,7 @@ def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameT
         low, high = Sight(shown.request.camera, area).bounds
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
         if (frame_image := frame_over(state)) is not None:
-            tint = imgui.get_color_u32(theme.grey(1.0, state.scene.viewer.blend))
+            tint = imgui.get_color_u32(theme.grey(1.0, frame_share(state, shown.request.scene)))
             draw.add_image(frame_texture(frame_image.image), low, high, (0, 0), (1, 1), tint)
         draw_marks(state, shown.request, area)
         if shown.scale is not None:
@@ -256,6 +257,8 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
             of_enhanced = model.record.input == "enhanced"
             color = theme.TAG_ENHANCED if of_enhanced else theme.TAG_ORIGINAL
             tags.append((f"from {legible(model.record.trained_on)}", color))
+    if hides_enhancement(state, model) and not _is_under_frame(state):
+        tags.append((f"OF {str(model.record.input).upper()} FRAMES · not white light", theme.TAG_CAUTION))
     if model is not second:
         tags += _hand_tags(state, shown)
     if shown.request.kind not in ("color", "difference"):
@@ -263,6 +266,11 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     if shown.request.reduced:
         tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
     return tags
+
+
+def _is_under_frame(state: AppState) -> bool:
+    """The frame lies over the view, and can hide it."""
+    return state.scene.viewer.snapped and frame_over(state) is not None
 
 
 def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
@@ -278,7 +286,8 @@ def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     elif viewer.snapped and shown.request.kind == "difference":
         tags.append(("DIFFERENCE to the frame", theme.TAG_ENHANCED))
     elif viewer.snapped:
-        tags.append((f"FRAME {100 * viewer.blend:.0f} % over the reconstruction", theme.TAG_ENHANCED))
+        share = frame_share(state, shown.request.scene)
+        tags.append((f"FRAME {100 * share:.0f} % over the reconstruction", theme.TAG_ENHANCED))
     elif state.scene.kind == "difference":
         tags.append(("DIFFERENCE only from the clip's camera: C", theme.TAG_CAUTION))
     if viewer.free is not None:

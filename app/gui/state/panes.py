@@ -187,6 +187,17 @@ def _first_use(state: AppState) -> tuple[Tag, ...]:
     return () if same else (Tag(FIRST_USE),)
 
 
+def hides_enhancement(state: AppState, scene: Scene) -> bool:
+    """Only frames as recorded are to be seen, and this model was trained on others."""
+    plain = state.enhancement.peeking or not state.enhancement.active
+    return plain and scene.record.input not in (None, ORIGINAL)
+
+
+def frame_share(state: AppState, scene: Scene) -> float:
+    """Of the frame over a snapped view: all of it where the model would show its enhancement."""
+    return 1.0 if hides_enhancement(state, scene) else state.scene.viewer.blend
+
+
 def tinted(state: AppState) -> BoolImage | None:
     """(H, W), True where the pictures on screen are to be tinted as left out."""
     masked = state.picture.left_out

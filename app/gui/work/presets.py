@@ -34,9 +34,11 @@ BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
         "Brighten dark areas": EnhanceParams(z=0.0, p=0.0, d_factor=0.0),
     }
 )
-FIRST: Final = "Vessels"
+CUSTOM: Final = "Custom"
+"""What parameters are called that no preset has."""
+RESERVED: Final = frozenset((*BUILT_IN, CUSTOM))
 RENAMED: Final = " (own)"
-"""Added to an own preset that was called as a built-in one is now."""
+"""Added to an own preset of such a name."""
 OWN: TypeAdapter[dict[str, EnhancementSettings]] = TypeAdapter(dict[str, RecordedSettings])
 MOST_PRESETS: Final = 500
 DAMAGED: Final = "the file is damaged"
@@ -61,7 +63,7 @@ def load_presets(path: Path) -> tuple[dict[str, EnhancementSettings], str]:
         return {}, _put_aside(path, DAMAGED)
     if not isinstance(told, dict):
         return {}, _put_aside(path, DAMAGED)
-    told = {f"{name}{RENAMED}" if name in BUILT_IN else name: look for name, look in told.items()}
+    told = {f"{name}{RENAMED}" if name in RESERVED else name: look for name, look in told.items()}
     named = [(name, look) for name, look in told.items() if is_preset_name(name)]
     readable = mended(OWN, dict(named[:MOST_PRESETS]))
     found = readable[0]
@@ -80,7 +82,7 @@ def presets_with(own: Mapping[str, EnhancementSettings]) -> dict[str, Enhancemen
 
 def is_preset_name(name: str) -> bool:
     """Of an own preset."""
-    return 0 < len(name) <= LONGEST_NAME and name not in BUILT_IN
+    return 0 < len(name) <= LONGEST_NAME and name not in RESERVED
 
 
 def _put_aside(path: Path, what: str) -> str:
@@ -127,6 +129,6 @@ def keep_presets(request: KeepPresets) -> Iterator[dict[str, EnhancementSettings
 
 
 def preset_name(look: EnhancementSettings, own: Mapping[str, EnhancementSettings]) -> str:
-    """The preset that these parameters are, empty for none."""
+    """The preset that these parameters are."""
     named = (name for name, preset in presets_with(own).items() if preset == look)
-    return next(named, "")
+    return next(named, CUSTOM)

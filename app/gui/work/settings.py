@@ -13,7 +13,8 @@ import platformdirs
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
-from app.enhancement.settable import PathText, at_most
+from app.enhancement.methods import VESSEL, Preset
+from app.enhancement.settable import Mode, PathText, Pixels, Scope, at_most
 from app.files.mended import mended_file
 from app.files.provenance import strict_json
 from app.runs.clip_selection import WHOLE, ClipPart
@@ -71,6 +72,11 @@ class Settings:
     """Opened clips and runs, newest first."""
     theme: Theme = "dark"
     text_percent: Annotated[int, AfterValidator(_percent)] = 100
+    method: Preset = VESSEL
+    scope: Scope = "automatic"
+    pixels: Pixels = "automatic"
+    mode: Mode = "side by side"
+    """As last worked with, like the three before it."""
 
     def opened(self, path: Path) -> Settings:
         """With `path` in front of the recent ones, when they are remembered at all."""

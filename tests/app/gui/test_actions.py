@@ -14,6 +14,7 @@ from app.gui.work.settings import load_settings
 from app.runs.progress_log import TrainingLog
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams
+from enhance.vessel import VesselParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Progress
 from tests.app.gui.conftest import FakeJob, make_clip
@@ -115,6 +116,21 @@ def test_reset_can_be_undone_and_a_change_ends_redo(state: AppState) -> None:
     actions.settle_params(state)
     history_actions.redo(state)
     assert state.enhancement.params == EnhanceParams(z=0.9)
+
+
+def test_reset_resets_all_but_the_method(state: AppState) -> None:
+    assert not actions.can_reset(state)
+    for change in (
+        {"params": VesselParams(strength=0.3)}, {"params": VesselParams(), "scope": "image"},
+        {"pixels": "tissue"},
+    ):  # fmt: skip
+        for name, value in change.items():
+            setattr(state.enhancement, name, value)
+        assert actions.can_reset(state)
+        actions.reset_params(state)
+        chosen = state.enhancement
+        assert (chosen.params, chosen.scope, chosen.pixels) == (VesselParams(), "automatic", "automatic")
+        assert not actions.can_reset(state)
 
 
 def test_an_opened_clip_starts_a_session_and_is_remembered(state: AppState, tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def test_words_find_commands_wherever_they_stand(empty: AppState) -> None:
 
     assert labels("open folder")[0] == "Open folder…"
     assert labels("FOLDER open") == labels("open folder")
-    assert "Plain white light" in labels("esc")
+    assert "Plain white light" in labels("shift+w")
     assert "Lasso" in labels("edit tool")
     assert labels("no such thing at all") == []
     found = find(sections(empty, outside()), "", empty)
@@ -129,7 +129,7 @@ def test_arrows_choose_and_escape_closes_and_does_nothing_else(ui: Ui, state: Ap
     ui.press(draw, key.escape)
     ui.frame(draw)
     assert not state.window.palette.shown
-    assert state.enhancement.active  # Escape alone is plain white light.
+    assert state.enhancement.active  # E was typed.
 
 
 def test_what_does_not_apply_cannot_be_run(ui: Ui, empty: AppState) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from imgui_bundle import imgui
 
 from app.gui.commands.commands import sections
@@ -9,7 +11,7 @@ from app.gui.commands.keys import NAMED, Keyboard, chord
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from renderer.gaussians import DynamicGaussians
-from tests.app.gui.conftest import outside, start_live
+from tests.app.gui.conftest import make_clip, outside, start_live
 from tests.app.gui.ui import (
     Draw,
     Ui,
@@ -29,15 +31,17 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     ui.press(draw, key.e)
     assert not opened.enhancement.active
     ui.press(draw, key.e)
-    ui.press(draw, key.escape)
+    ui.press(draw, key.mod_shift, key.w)
     assert not opened.enhancement.active
     ui.press(draw, key.period)
     assert opened.timeline.frame_index == 1
     ui.press(draw, key.comma)
     ui.press(draw, key.f)
     assert (opened.timeline.frame_index, opened.timeline.frozen_index) == (0, 0)
-    ui.press(draw, key.p)
+    ui.press(draw, key.space)
     assert opened.timeline.playing
+    ui.press(draw, key.p)
+    assert not opened.timeline.playing
     ui.press(draw, key.s)
     assert len(opened.window.wishes) == 1
     ui.press(draw, key._1)
@@ -45,21 +49,6 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     ui.press(draw, key.mod_shift, key.slash)
     assert opened.window.help_open
     ui.press(draw, key.mod_ctrl, key.e)  # Another chord than E.
-    assert not opened.enhancement.active
-
-
-def test_escape_closes_what_lies_over_the_panes_before_it_changes_them(ui: Ui, opened: AppState) -> None:
-    draw = keyboard(opened)
-    opened.exports.shown = True
-    ui.press(draw, imgui.Key.escape)
-    assert not opened.exports.shown
-    assert opened.enhancement.active
-    opened.batches.shown = opened.window.help_open = True
-    ui.press(draw, imgui.Key.escape)
-    assert not opened.batches.shown
-    assert not opened.window.help_open
-    assert opened.enhancement.active
-    ui.press(draw, imgui.Key.escape)
     assert not opened.enhancement.active
 
 
@@ -74,7 +63,7 @@ def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model:
     assert free.camera.position[0] == free.camera.position[2] < 0
     assert not opened.window.wishes
     assert not opened.scene.viewer.moving
-    ui.press(draw, imgui.Key.home)
+    ui.press(draw, imgui.Key.mod_shift, imgui.Key.c)
     ui.press(draw, imgui.Key.s)
     assert (opened.scene.viewer.free, len(opened.window.wishes)) == (None, 1)
 
@@ -89,13 +78,112 @@ def test_keys_keep_views_and_keyframes(ui: Ui, opened: AppState, model: DynamicG
     assert opened.scene.cameras.playing
 
 
-def test_space_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
+def test_arrows_home_and_end_go_through_the_clip(ui: Ui, opened: AppState) -> None:
+    opened.source.clip = make_clip(opened.places.runs, 40)
+    draw, key = keyboard(opened), imgui.Key
+    seen = []
+    for keys in (
+        (key.right_arrow,), (key.mod_shift, key.right_arrow), (key.left_arrow,), (key.end,),
+        (key.mod_shift, key.left_arrow), (key.home,), (key.left_arrow,),
+    ):  # fmt: skip
+        ui.press(draw, *keys)
+        seen.append(opened.timeline.frame_index)
+    assert seen == [1, 11, 10, 39, 29, 0, 0]
+    opened.source.part = replace(opened.source.part, trim=(5, 20))
+    ui.press(draw, key.end)
+    assert opened.timeline.frame_index == 20
+    ui.press(draw, key.home)
+    assert opened.timeline.frame_index == 5
+
+
+def walked(opened: AppState) -> tuple[Draw, list[str]]:
+    """Keys over two buttons, and which of these are pressed."""
+    keys, pressed = keyboard(opened), list[str]()
+
+    def draw() -> None:
+        for name in ("one", "two"):
+            if imgui.button(name):
+                pressed.append(name)
+        keys()
+
+    return draw, pressed
+
+
+def test_space_and_arrows_are_of_the_clip_whatever_has_the_focus(ui: Ui, opened: AppState) -> None:
+    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
+    draw, pressed = walked(opened)
+    ui.frame(draw)
+    ui.drag(draw, (30, 18), (30, 18))  # A click gives the focus.
+    assert pressed == ["one"]
+    for key in (imgui.Key.right_arrow, imgui.Key.down_arrow, imgui.Key.space):
+        ui.press(draw, key)
+    assert (opened.timeline.frame_index, opened.timeline.playing) == (1, True)
+    assert pressed == ["one"]
+    assert not ui.io.nav_visible
+
+
+def test_a_walk_by_keyboard_has_its_keys_until_escape(ui: Ui, opened: AppState) -> None:
+    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
+    draw, pressed = walked(opened)
+    opened.window.help_open = True
+    ui.frame(draw)
+    ui.drag(draw, (30, 18), (30, 18))
+    ui.press(draw, imgui.Key.mod_shift, imgui.Key.tab)
+    ui.frame(draw)
+    assert ui.io.nav_visible
+    for key in (imgui.Key.down_arrow, imgui.Key.space, imgui.Key.right_arrow):
+        ui.press(draw, key)
+        ui.frame(draw)
+    assert len(pressed) == 2
+    assert (opened.timeline.frame_index, opened.timeline.playing) == (0, False)
+    ui.press(draw, imgui.Key.escape)
+    assert not ui.io.nav_visible
+    assert opened.window.help_open  # It has ended the walk, and that alone.
+    ui.press(draw, imgui.Key.space)
+    assert opened.timeline.playing
+
+
+def test_o_shows_the_original_while_it_is_held_also_over_a_menu(ui: Ui, opened: AppState) -> None:
+    keys = keyboard(opened)
+
+    def draw() -> None:
+        if imgui.begin_popup("menu"):
+            imgui.end_popup()
+        keys()
+
+    ui.frame(lambda: imgui.open_popup("menu"))
+    ui.frame(draw)
+    assert imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+    ui.io.add_key_event(imgui.Key.o, True)
+    ui.frame(draw)
+    assert opened.enhancement.peeking
+    ui.io.add_key_event(imgui.Key.o, False)
+    ui.frame(draw)
+    assert not opened.enhancement.peeking
+
+
+def test_a_letter_that_is_typed_is_no_key(ui: Ui, opened: AppState) -> None:
+    keys = keyboard(opened)
+
+    def draw() -> None:
+        imgui.set_keyboard_focus_here()
+        imgui.input_text("##notes", "")
+        keys()
+
+    ui.frame(draw)
+    ui.frame(draw)
+    ui.io.add_key_event(imgui.Key.o, True)
+    ui.frame(draw)
+    assert not opened.enhancement.peeking
+
+
+def test_o_peeks_only_while_it_is_held(ui: Ui, opened: AppState) -> None:
     draw = keyboard(opened)
-    ui.io.add_key_event(imgui.Key.space, True)
+    ui.io.add_key_event(imgui.Key.o, True)
     ui.frame(draw)
     assert opened.enhancement.peeking
     assert pane(opened, pictures(opened), "right").image is pictures(opened).original
-    ui.io.add_key_event(imgui.Key.space, False)
+    ui.io.add_key_event(imgui.Key.o, False)
     ui.frame(draw)
     assert not opened.enhancement.peeking
 

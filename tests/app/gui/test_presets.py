@@ -45,13 +45,6 @@ def test_a_damaged_file_is_told_and_put_aside(tmp_path: Path, text: str) -> None
     assert load_presets(path) == (OWN, "")
 
 
-def test_a_window_opens_with_vessels_and_nothing_to_undo(state: AppState) -> None:
-    preset_actions.begin(state)
-    assert state.enhancement.params == VesselParams()
-    history_actions.undo(state)
-    assert state.enhancement.params == VesselParams()
-
-
 def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
     assert preset_name(VesselParams(), {}) == "Vessels"
     assert preset_name(EnhanceParams(), {}) == "Paper"
@@ -59,7 +52,7 @@ def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
     assert preset_name(RECONSTRUCTION_PARAMS, OWN) == "Paper, d 0.5 (3D)"
     assert len(set(BUILT_IN.values())) == len(BUILT_IN)
     assert preset_name(OWN["mine"], OWN) == "mine"
-    assert preset_name(EnhanceParams(z=0.9), OWN) == ""
+    assert preset_name(EnhanceParams(z=0.9), OWN) == "Custom"
 
 
 def test_keeping_choosing_and_forgetting(state: AppState) -> None:
@@ -79,7 +72,7 @@ def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     assert load_presets(presets_file(state.places))[0] == state.enhancement.presets == {}
 
 
-@pytest.mark.parametrize("name", ["", "   ", *BUILT_IN])
+@pytest.mark.parametrize("name", ["", "   ", "Custom", *BUILT_IN])
 def test_a_name_that_is_taken_or_empty_is_refused(state: AppState, name: str) -> None:
     preset_actions.keep(state, name)
     assert state.window.banner is not None

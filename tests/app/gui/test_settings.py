@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.enhancement.settable import MODES, PIXELS
 from app.files.atomic import write_bytes
 from app.gui.work.settings import (
     RECENT_LIMIT,
@@ -28,6 +29,10 @@ texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
         texts,
         st.sampled_from(["dark", "light"]),
         st.sampled_from(TEXT_PERCENTS),
+        st.sampled_from(["paper", "vessel"]),
+        st.sampled_from(["automatic", "image", "clip"]),
+        st.sampled_from(PIXELS),
+        st.sampled_from(MODES),
     )
 )
 def test_what_is_saved_is_loaded(settings: Settings) -> None:

@@ -107,6 +107,35 @@ def test_the_frame_lies_pixel_for_pixel_over_the_snapped_view(
     assert frame_over(opened) is None
 
 
+def test_white_light_never_shows_an_enhanced_model_unnoticed(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    assert opened.scene.model is not None
+
+    def said() -> str:
+        return texts(view_tags(opened, StillViewport().show(opened)))
+
+    ui.frame(lambda: view3d(opened))
+    actions.white_light(opened)
+    assert "ENHANCED" not in said()  # Trained on the frames as recorded.
+    opened.scene.model = replace(
+        opened.scene.model, record=replace(opened.scene.model.record, input="enhanced")
+    )
+    assert "OF ENHANCED FRAMES · not white light" in said()
+    actions.toggle_enhancement(opened)
+    assert "white light" not in said()
+    actions.peek(opened, True)
+    assert "not white light" in said()
+    camera_actions.toggle_snap(opened)
+    assert opened.frame_request is not None
+    (opened.scene.viewer.frame_image,) = read_frame(opened.frame_request)
+    assert "FRAME 100 %" in said()
+    assert "white light" not in said()
+    actions.peek(opened, False)
+    assert "FRAME 50 %" in said()
+
+
 def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     draw: Draw = lambda: view3d(opened)  # noqa: E731

@@ -171,6 +171,9 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
         ctx.yield_(2)
         assert state.comparing.chosen.zebra
         ctx.key_press(key.escape)
+        ctx.yield_(2)
+        assert state.enhancement.active
+        ctx.key_press(chord("Shift+W"))
         wait(ctx, lambda: not state.enhancement.active, "white light")
 
     driver.run(drive)
@@ -274,6 +277,20 @@ def test_keys_reach_the_state_whatever_has_the_focus(places: Places) -> None:
         ctx.key_press(imgui.Key.escape)  # Closes the list, and that alone.
         ctx.item_click("//Enhancement/**/Auto##z")
         assert driver.state.enhancement.active
+        ctx.key_down(imgui.Key.o)
+        wait(ctx, lambda: driver.state.enhancement.peeking, "the original")
+        ctx.key_up(imgui.Key.o)
+        wait(ctx, lambda: not driver.state.enhancement.peeking, "the enhanced frame")
+        for key, frame in ((imgui.Key.right_arrow, 1), (imgui.Key.end, 23), (imgui.Key.home, 0)):
+            ctx.key_press(key)
+            ctx.yield_(2)
+            assert driver.state.timeline.frame_index == frame
+        for playing in (True, False):
+            ctx.key_press(imgui.Key.space)
+            ctx.yield_(2)
+            assert driver.state.timeline.playing == playing
+        ctx.key_press(imgui.Key.home)
+        ctx.yield_(2)
         ctx.key_press(imgui.Key.f)
         ctx.key_press(imgui.Key.e)
         wait(ctx, lambda: not driver.state.enhancement.active, "white light")

@@ -1,0 +1,39 @@
+"""What a user works with comes back at the next start: method, statistics, pixels, comparison."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.enhancement.methods import preset_of
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.work.presets import BUILT_IN
+
+
+def begin(state: AppState) -> None:
+    """As the last window left it, the method with its standard parameters: what was turned far up for one
+    clip surprises nobody at the next.
+
+    At the very first start it is Vessel: vessels become clearer on every kind of picture that it was tried
+    on, where the paper's method makes them fainter on some.
+    """
+    known, chosen = state.settings, state.enhancement
+    chosen.params = next(look for look in BUILT_IN.values() if preset_of(look) == known.method)
+    chosen.scope, chosen.pixels = known.scope, known.pixels
+    state.comparing.chosen = replace(state.comparing.chosen, mode=known.mode)
+    chosen.past = [state.chosen]
+
+
+def remember(state: AppState) -> None:
+    """Called while no control is held: the choices are kept as soon as they change."""
+    chosen = state.enhancement
+    settings = replace(
+        state.settings,
+        method=preset_of(chosen.params),
+        scope=chosen.scope,
+        pixels=chosen.pixels,
+        mode=state.comparing.chosen.mode,
+    )
+    if settings != state.settings:
+        state.settings = settings
+        actions.save_settings(state)

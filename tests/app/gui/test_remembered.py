@@ -1,0 +1,64 @@
+"""What a user works with is there again at the next start."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.gui.actions import actions, comparing, history_actions, picture_actions, remembered
+from app.gui.state.app_state import AppState
+from app.gui.work.settings import load_settings
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from tests.app.gui.settling import keep_all
+
+
+@pytest.fixture
+def begun(state: AppState) -> AppState:
+    """A first start."""
+    remembered.begin(state)
+    return state
+
+
+def next_start(state: AppState) -> AppState:
+    """Another window, after this one has kept what it should."""
+    remembered.remember(state)
+    keep_all(state)
+    later = AppState(state.places, load_settings(state.places.settings_file))
+    remembered.begin(later)
+    return later
+
+
+def test_a_first_window_opens_with_vessels_and_nothing_to_undo(begun: AppState) -> None:
+    assert begun.enhancement.params == VesselParams()
+    history_actions.undo(begun)
+    assert begun.enhancement.params == VesselParams()
+    remembered.remember(begun)
+    assert not begun.window.wishes  # Nothing has changed that would have to be kept.
+
+
+def test_method_statistics_pixels_and_comparison_come_back(begun: AppState) -> None:
+    actions.choose_method(begun, EnhanceParams)
+    picture_actions.choose_scope(begun, "image")
+    picture_actions.choose_pixels(begun, "all")
+    comparing.choose_mode(begun, "wipe")
+    later = next_start(begun)
+    chosen = later.enhancement
+    assert (chosen.params, chosen.scope, chosen.pixels) == (EnhanceParams(), "image", "all")
+    assert later.comparing.chosen.mode == "wipe"
+    assert len(chosen.past) == 1
+    assert chosen.past == [later.chosen]
+
+
+def test_parameters_start_at_the_standard_of_their_method(begun: AppState) -> None:
+    actions.set_params(begun, VesselParams(strength=4.0))
+    assert next_start(begun).enhancement.params == VesselParams()
+
+
+def test_what_is_undone_or_reset_does_not_come_back(begun: AppState) -> None:
+    actions.choose_method(begun, EnhanceParams)
+    actions.settle_params(begun)
+    history_actions.undo(begun)
+    picture_actions.choose_pixels(begun, "all")
+    actions.reset_params(begun)
+    later = next_start(begun).enhancement
+    assert (later.params, later.pixels) == (VesselParams(), "automatic")
