@@ -24,8 +24,8 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
         )
     )
     whole = (
-        Command("Pictures alone", window_actions.toggle_panels, ("Tab",),
-                text="hide all panels but the pictures, or show them again",
+        Command("Images alone", window_actions.toggle_panels, ("Tab",),
+                text="hide all panels but the images, or show them again",
                 ticked=lambda s: s.window.bare),
         Command("Full screen", window_actions.toggle_full_screen, ("F11",),
                 ticked=lambda s: s.window.full_screen),
