@@ -13,10 +13,10 @@ endif
 
 .PHONY: demo app test lint format clean bundle system
 
-demo: $(VENV)/.installed
+demo: $(VENV)/.prepared
 	$(BIN)/vesselsplat demo --out out/demo
 
-app: $(VENV)/.installed
+app: $(VENV)/.prepared
 	$(BIN)/vesselsplat
 
 test: $(VENV)/.installed-test lint
@@ -53,6 +53,11 @@ system:
 $(VENV)/.installed: pyproject.toml constraints.txt | system
 	test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
 	$(INSTALL) --quiet --constraint constraints.txt --editable .
+	touch $@
+
+# Every kernel is compiled once, so that no first use waits for it.
+$(VENV)/.prepared: $(VENV)/.installed
+	$(BIN)/vesselsplat prepare
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed

@@ -27,6 +27,7 @@ COMMANDS = {
     "report": "report of error against run time, contrast against noise, stability and omissions",
     "replay": "reproduce an exported file from its provenance and compare",
     "phantom": "write a synthetic clip with exact ground truth",
+    "prepare": "compile once what the first use of each feature would wait for; after installing",
     "info": "what a path is read as and what can be done with it; versions, devices and licences",
 }
 

@@ -18,7 +18,7 @@ from app.scenes.scene import Scene
 from app.scenes.view_kinds import Scale
 from app.scenes.view_request import ViewRequest
 from enhance.baselines import BASELINES
-from renderer.clip import ByteImage
+from renderer.clip import ByteImage, Clip
 
 KEPT_BYTES = 64 << 20
 """Of pictures that are kept, the last used ones, and of the models that they show."""
@@ -99,6 +99,8 @@ class DifferenceRequest:
 
     left: ByteImage
     right: ByteImage
+    clip: Clip | None = None
+    """Of which they are, where somebody waits for it."""
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, DifferenceRequest):

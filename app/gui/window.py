@@ -13,6 +13,7 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.console.ending import noted
+from app.enhancement.methods import preset_of
 from app.errors import UserError
 from app.gui.actions import actions, preset_actions, queue_actions, remembered, session_actions
 from app.gui.commands.command import Section, WindowServices
@@ -47,9 +48,12 @@ from app.gui.state.source import Source
 from app.gui.style import theme
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import MakeJob, start_due
+from app.gui.update.preparing import follow_preparation
 from app.gui.update.update import take_pictures, update
 from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
+from app.kernels.preparer import Preparer
+from app.kernels.stamp import is_prepared
 from app.runs.job import TrainingJob
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -73,6 +77,8 @@ def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> N
     places = Places.of_user()
     window = Window(AppState(places, load_settings(places.settings_file), Source(clip_options)))
     remembered.begin(window.state)
+    if not is_prepared():
+        window.prepare(Preparer(preset_of(window.state.enhancement.params)))
     session_actions.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)
@@ -97,6 +103,7 @@ class Window:
             Worker(self._channels.of("second"), hello_imgui.request_refresh),
             *(Apart(channel, hello_imgui.request_refresh) for channel in self._channels.of("apart")),
         )
+        self._preparer: Preparer | None = None
         self._dialogs = Dialogs(Path.home())
         self._bare, self._full_screen, self._ends = Bare(), FullScreen(), False
         self._commands: tuple[Section, ...] = ()
@@ -110,6 +117,12 @@ class Window:
         self._has_signal: Callable[[], bool] = lambda: False
         """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
         self._began = time.monotonic()
+
+    def prepare(self, preparer: Preparer) -> None:
+        """Let it compile meanwhile what is not yet compiled."""
+        self._preparer = preparer
+        preparer.start()
+        follow_preparation(self.state, preparer)
 
     def run(self) -> None:
         """Return when the window is closed. Raises UserError when it cannot be opened."""
@@ -233,6 +246,7 @@ class Window:
         """Before each frame: news from the background, what can be done, how soon the next is wanted."""
         while self._dropped:
             actions.open_path(self.state, Path(self._dropped.pop()))
+        follow_preparation(self.state, self._preparer)
         update(self.state, self._channels, time.monotonic() - self._began)
         if not self._has_signal():
             # Training may have ended by the same one: what waits is kept for the next start.
@@ -338,6 +352,8 @@ class Window:
         if self.state.runs.reconstruction.job is not None:
             self.state.runs.reconstruction.job.close()
             self.state.runs.reconstruction.job = None
+        if self._preparer is not None:
+            self._preparer.close()
         for worker in self._workers:
             worker.close()
         self._channels.finish(self.state)

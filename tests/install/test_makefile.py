@@ -41,3 +41,13 @@ def test_torch_can_be_left_out(tmp_path: Path) -> None:
     assert "uv pip install" in without
     assert "--overrides install/without-torch.txt" in without
     assert "--overrides" not in usual
+
+
+@pytest.mark.parametrize("target", ["demo", "app"])
+def test_kernels_are_compiled_before_the_app_starts(tmp_path: Path, target: str) -> None:
+    lines = [line.split("bin/vesselsplat")[-1].strip() for line in planned(tmp_path, target)]
+    assert lines.index("prepare") == len(lines) - 3  # Noted, and then the app itself.
+
+
+def test_the_tests_compile_what_they_need(tmp_path: Path) -> None:
+    assert not any("prepare" in line for line in planned(tmp_path, "test"))

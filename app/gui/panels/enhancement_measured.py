@@ -60,13 +60,16 @@ def _number(value: float, form: str) -> str:
 def draw_curves(state: AppState) -> None:
     """V and S before and after, over their histograms, with L and S_m marked."""
     pictures = state.picture.pictures
+    if state.opens:
+        muted(state.opens)
+        return
     if pictures is None or pictures.statistics is None or pictures.request.params is None:
         muted("—")
         return
     used, made = pictures.statistics, curves(pictures.request.params, pictures.statistics)
     space = imgui.get_content_region_avail()
     size = ImVec2((space.x - em(0.5)) / 2, min(max(space.y - 1.6 * em(), em(5)), em(11)))
-    now, seen = pictures.request, state.picture.measured
+    now, seen = pictures.request, state.measured
     then = None if seen is None else seen.pictures.request
     if then is None or then.clip is not now.clip or then.frame_index != now.frame_index:
         seen = None  # A histogram of another setting is worth showing, one of another frame is not.
@@ -111,7 +114,10 @@ def _draw_plot(
 
 def draw_measures(state: AppState) -> None:
     """Frame and enhanced picture in numbers, greyed while they are of an earlier setting."""
-    seen, pictures = state.picture.measured, state.picture.pictures
+    seen, pictures = state.measured, state.picture.pictures
+    if state.opens:
+        muted(state.opens)
+        return
     if seen is None or pictures is None:
         muted("Not measured yet.")
     else:

@@ -12,6 +12,7 @@ from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import em, explain, muted
+from app.kernels.progress import worded
 
 SEPARATOR = "   ·   "
 
@@ -77,6 +78,10 @@ def _hide_border(ground: imgui.Col_) -> None:
 
 def _facts(state: AppState) -> list[str]:
     facts = []
+    if (now := state.window.preparation) is not None:
+        facts.append(worded(now))
+    if state.opens:
+        return [*facts, state.opens]
     if state.source.clip is not None:
         width, height = state.source.clip.size
         facts.append(f"{legible(state.source.clip.name)}  {width}×{height}")

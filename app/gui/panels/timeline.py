@@ -129,6 +129,16 @@ def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgu
     if strip is not None and strip.request.clip is clip:
         _draw_small(strip, texture(strip.image), area)
     _draw_marks(state, count, area.corner, area.size)
+    if state.opens:
+        _draw_leaving(state.opens, area)
+
+
+def _draw_leaving(text: str, area: Area) -> None:
+    """The thumbnails in the dark, behind what takes their place."""
+    draw = imgui.get_window_draw_list()
+    draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.grey(0.05, 0.75)))
+    at = area.corner + (area.size - imgui.calc_text_size(text)) / 2
+    draw.add_text(at, imgui.get_color_u32(theme.INK), text)
 
 
 def _draw_small(strip: Strip, shown: imgui.ImTextureRef, area: Area) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 
 from app.enhancement.clip_statistics import OfClip
 from app.enhancement.frame_enhancer import PictureRequest
+from app.enhancement.methods import preset_of
+from app.files.legible import legible
 from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
 from app.gui.state.exports import Batches, Exports
@@ -16,9 +18,12 @@ from app.gui.state.session import KeptSession
 from app.gui.state.source import Reports, Source, Timeline
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
+from app.gui.work.measuring import Measured
 from app.gui.work.omissions import OmissionsRequest
+from app.gui.work.opening import VIEW_SUFFIXES
 from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
+from app.kernels.progress import Kind
 from app.scenes.scene import Scene
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
 from renderer.train.config import TrainConfig
@@ -100,6 +105,19 @@ class AppState:
         )
         return replace(request, of_clip=self._of_clip(request))
 
+    @property
+    def asked_pictures(self) -> PictureRequest | None:
+        """What can be shown of that now: the original alone until the method's kernels are compiled."""
+        request = self.picture_request
+        if request is None or request.params is None or not self.lacks(preset_of(request.params)):
+            return request
+        return replace(request, params=None, of_clip=None)
+
+    def lacks(self, kind: Kind | None) -> bool:
+        """It waits for the one-time preparation."""
+        now = self.window.preparation
+        return now is not None and kind is not None and not now.has(kind)
+
     def _of_clip(self, request: PictureRequest) -> OfClip:
         if request.params is None or request.scope == "image":
             return None
@@ -108,7 +126,23 @@ class AppState:
 
     @property
     def pictures_are_stale(self) -> bool:
-        return self.picture.pictures is not None and self.picture.pictures.request != self.picture_request
+        return self.picture.pictures is not None and self.picture.pictures.request != self.asked_pictures
+
+    @property
+    def opens(self) -> str:
+        """What takes the place of all that is shown once it is there, in words; empty when nothing does."""
+        request = self.source.opening
+        if request is None or request.path.suffix.lower() in VIEW_SUFFIXES:
+            return ""
+        return f"Opening {legible(request.path.name)}…"
+
+    @property
+    def measured(self) -> Measured | None:
+        """Measures of the clip that is shown, and of none that is on its way out."""
+        found, shown = self.picture.measured, self.picture.pictures
+        if found is None or shown is None or self.opens:
+            return None
+        return found if found.pictures.request.clip is shown.request.clip else None
 
     @property
     def pictures_wait(self) -> bool:

@@ -8,13 +8,14 @@ from typing import Final, Literal
 import numpy as np
 
 from app.enhancement.frame_enhancer import Pictures
-from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
+from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings, preset_of
 from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.exports.page import describe
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
 from app.gui.views.comparison import SIDES, Side
+from app.kernels.progress import rounded
 from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -26,7 +27,7 @@ STALE_SECONDS = 0.15
 LONG_SECONDS = 3.0
 """After which a person wonders whether anything happens."""
 FIRST_USE = "The first use of a method takes up to a minute."
-"""Its kernels are compiled then, once on a computer."""
+"""Its kernels are compiled then, once on a computer, where the one-time preparation has not done it."""
 
 
 @dataclass(frozen=True)
@@ -168,6 +169,8 @@ def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
 
 def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
     tags = []
+    if state.opens:
+        tags.append(Tag(f"{state.opens} earlier clip shown", "caution"))
     if state.timeline.frozen_index is not None:
         tags.append(Tag(f"FROZEN · frame {state.timeline.frozen_index + 1}", "caution"))
     if tinted(state) is not None:
@@ -180,6 +183,9 @@ def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
 
 def _first_use(state: AppState) -> tuple[Tag, ...]:
     """Why it takes so long, where another method than the one on screen was asked for."""
+    if (now := state.window.preparation) is not None and not state.pictures_are_stale:
+        until = rounded(now.seconds_until(preset_of(state.enhancement.params)))
+        return (Tag(f"One-time preparation of this method: {until} left"),)
     shown, wanted = state.picture.pictures, state.picture_request
     if shown is None or wanted is None or state.window.now - state.picture.asked_at <= LONG_SECONDS:
         return ()
@@ -211,7 +217,7 @@ def difference_request(state: AppState) -> DifferenceRequest | None:
     if state.picture.pictures is None or shown_mode(state) != "difference":
         return None
     left, right = (pane(state, state.picture.pictures, side).image for side in SIDES)
-    return DifferenceRequest(left, right) if left.shape == right.shape else None
+    return DifferenceRequest(left, right, state.source.clip) if left.shape == right.shape else None
 
 
 def difference_pane(state: AppState, pictures: Pictures, difference: Difference) -> Pane:
@@ -272,7 +278,7 @@ class Fainter:
 
 def fainter(state: AppState) -> Fainter | None:
     """Of the frame on screen, where the enhancement that is shown makes vessels fainter than they were."""
-    seen, pictures = state.picture.measured, state.picture.pictures
+    seen, pictures = state.measured, state.picture.pictures
     shown = {state.comparing.chosen.source(side) for side in SIDES}
     if seen is None or pictures is None or ENHANCED not in shown or not state.enhancement.active:
         return None

@@ -11,6 +11,7 @@ from typing import Literal
 from app.exports.exporting import ExportRequest
 from app.gui.work.presets import KeepPresets
 from app.gui.work.writing import SessionRequest, WriteRequest
+from app.kernels.progress import Preparation
 
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
@@ -87,5 +88,7 @@ class WindowFrame:
     closing: Closing = "no"
     choosing: Choosing | None = None
     """Until the next frame asks for it."""
+    preparation: Preparation | None = None
+    """The one-time preparation that is under way."""
     wishes: tuple[Wish, ...] = ()
     """What is to be written, until the next frame hands it to the background work."""

@@ -154,7 +154,7 @@ class Channels:
             Row(self.runs, run_actions.take_found, lambda s: s.runs_request, SECOND),
             Row(self.view, taking.take_view, wishes.view_wish),
             Row(self.second, taking.take_second, wishes.second_wish),
-            Row(self.cells, tuning_actions.take_cell, lambda s: s.tuning.request),
+            Row(self.cells, tuning_actions.take_cell, wishes.cell_wish),
             Row(self.edits, edit_actions.take_saved, lambda s: s.editing.saving, SECOND),
             Row(self.difference, told("the difference cannot be shown", taking.take_difference),
                 difference_request),

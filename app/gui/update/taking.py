@@ -51,7 +51,9 @@ def take_frame(state: AppState, request: FrameRequest, frame_image: FrameImage) 
 
 
 def take_difference(state: AppState, request: DifferenceRequest, difference: Difference) -> None:
-    state.comparing.difference = difference
+    """Of a clip that is no longer open, it is dropped."""
+    if request.clip is state.source.clip:
+        state.comparing.difference = difference
 
 
 def take_statistics(
@@ -66,7 +68,9 @@ def take_statistics(
 
 
 def take_measured(state: AppState, request: Pictures, measured: Measured) -> None:
-    state.picture.measured = measured
+    """Of a clip that is no longer open, it is dropped."""
+    if request.request.clip is state.source.clip:
+        state.picture.measured = measured
 
 
 def take_strip(state: AppState, request: StripRequest, strip: Strip) -> None:

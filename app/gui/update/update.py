@@ -41,7 +41,7 @@ def update(state: AppState, channels: Channels, now: float) -> None:
 def _ask_for_pictures(state: AppState, channels: Channels) -> bool:
     """Before answers are taken, for a setting that has moved, and at the end, for a frame that plays. Whether
     these had not been asked for before."""
-    pictures = state.picture_request
+    pictures = state.asked_pictures
     if pictures is None or channels.pictures.asked == pictures:
         return False
     state.picture.asked_at = state.window.now
@@ -58,7 +58,7 @@ def take_pictures(state: AppState, channels: Channels) -> None:
         request, answer = taken
         if isinstance(answer, Pictures):
             channels.original = answer
-        elif request == state.picture_request:
+        elif request == state.asked_pictures:
             state.timeline.playing = False
             actions.fail(state, answer.message)
     if channels.original is not None and _may_show(state, channels.original):
@@ -67,7 +67,7 @@ def take_pictures(state: AppState, channels: Channels) -> None:
 
 def _may_come_at_once(state: AppState) -> bool:
     """Another setting for the frame on screen, where the last one took little time."""
-    shown, request = state.picture.pictures, state.picture_request
+    shown, request = state.picture.pictures, state.asked_pictures
     if shown is None or shown.enhanced is None or request is None or shown.request == request:
         return False
     same = replace(shown.request, params=None) == replace(request, params=None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.enhancement.clip_statistics import StatisticsRequest
 from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.methods import PAPER, VESSEL, preset_of
 from app.exports.comparison_images import OtherRequest
 from app.gui.actions import queue_actions
 from app.gui.state.app_state import AppState
@@ -15,7 +16,9 @@ from app.gui.work.presets import presets_with
 from app.gui.work.strip import LeftOutRequest, StripRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tidying import OnScreen
+from app.gui.work.tuning import CellRequest
 from app.gui.work.writing import KeepRequest
+from app.kernels.progress import Kind
 from app.runs.queue_file import queue_file
 from app.scenes.drawer import View
 from app.scenes.scene import Scene
@@ -43,7 +46,7 @@ def to_measure(state: AppState) -> Pictures | None:
 
 def statistics_wish(state: AppState) -> StatisticsRequest | None:
     """Those of the clip, while they are not known: at rest, as each frame of a video is looked for."""
-    request = state.picture_request
+    request = state.asked_pictures
     if request is None or request.params is None or request.of_clip != "later" or not at_rest(state):
         return None
     return None if state.pictures_are_stale else request.statistics_request(request.params)
@@ -53,6 +56,8 @@ def thumbnails_wish(state: AppState) -> ThumbnailsRequest | None:
     """What each preset makes of the frame on screen, while the menu of presets is open."""
     pictures = state.picture.pictures
     if pictures is None or not state.enhancement.choosing or state.pictures_are_stale:
+        return None
+    if state.lacks(PAPER) or state.lacks(VESSEL):
         return None
     return ThumbnailsRequest(pictures, tuple(presets_with(state.enhancement.presets).items()))
 
@@ -83,13 +88,27 @@ def to_tidy(state: AppState) -> OnScreen | None:
 def side_wish(state: AppState, side: Side) -> OtherRequest | None:
     """What a pane waits for: neither frame nor present setting, and made for no side yet."""
     wanted = other_request(state, side)
+    if wanted is None or state.lacks(_kind_of(wanted)):
+        return None
     return wanted if all(made.request != wanted for made in state.comparing.others.values()) else None
+
+
+def _kind_of(wanted: OtherRequest) -> Kind | None:
+    """What it needs of the one-time preparation; a baseline needs nothing."""
+    if isinstance(wanted.by, Scene):
+        return "3D view"
+    return None if isinstance(wanted.by, str) else preset_of(wanted.by)
+
+
+def cell_wish(state: AppState) -> CellRequest | None:
+    """The next cell of the tuning grid."""
+    return None if state.lacks(preset_of(state.enhancement.params)) else state.tuning.request
 
 
 def view_wish(state: AppState) -> ViewRequest | None:
     """What the processor is to draw of the 3D view, smaller while it moves when a whole one takes long; None
     where the card draws."""
-    request = state.view_request if state.scene.processor_draws else None
+    request = state.view_request if state.scene.processor_draws and not state.lacks("3D view") else None
     moving = (
         state.scene.dragged
         or state.scene.viewer.moving
@@ -116,7 +135,7 @@ def _is_slow(*views: View | None) -> bool:
 def bake_wish(state: AppState, shown: Scene | None, baked: Baked | None) -> BakeRequest | None:
     """The next part of the keyframes of what a view shows, where the card draws: part by part, so that
     pictures are made between them."""
-    if state.scene.processor_draws or shown is None or not can_bake(shown):
+    if state.scene.processor_draws or shown is None or not can_bake(shown) or state.lacks("3D view"):
         return None
     if baked is None or baked.request.shown is not shown:
         return BakeRequest(shown)

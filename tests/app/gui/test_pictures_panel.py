@@ -6,11 +6,15 @@ from dataclasses import replace
 
 import pytest
 
+from app.enhancement.methods import VESSEL
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, pane
+from app.gui.update.channels import Channels
 from app.gui.views.comparison import SIDES
+from app.kernels.progress import Preparation, tasks
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from tests.app.gui.settling import settle
 from tests.app.gui.ui import (
     Shown,
     Ui,
@@ -92,3 +96,17 @@ def test_both_panes_move_together_whichever_is_dragged(ui: Ui, opened: AppState)
         opened.picture.view = type(opened.picture.view)()
     assert views[0] == views[1]
     assert views[0].center[0] < 0.5
+
+
+def test_during_the_preparation_the_original_is_shown_with_the_time_left(opened: AppState) -> None:
+    channels = Channels()
+    opened.enhancement.params = VesselParams()
+    opened.window.preparation = Preparation(tasks(VESSEL))
+    settle(opened, channels)
+    right = said(pane(opened, pictures(opened), "right"))
+    assert "PREPARING… original shown" in right
+    assert "One-time preparation of this method: about 60 s left" in right
+    assert not opened.pictures_are_stale  # It plays and scrubs meanwhile.
+    opened.window.preparation = Preparation(tasks(VESSEL), 1)
+    settle(opened, channels)
+    assert "ENHANCED" in said(pane(opened, pictures(opened), "right"))

@@ -1,0 +1,94 @@
+"""The one-time preparation in a process of its own, of low priority: numba holds up all threads of a process
+while it compiles.
+
+What it compiles lies on disk, where the window and the training find it. It ends with the process that
+started it, however that ends.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import time
+from contextlib import suppress
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from typing import Final
+
+import psutil
+
+from app.console.startup import rest_while_waiting
+from app.enhancement.methods import VESSEL, Preset
+from app.kernels.progress import Preparation, tasks
+
+SECONDS_TO_END: Final = 2.0
+NICE: Final = 5
+"""The window comes first; what runs beside it on the computer does not, as a person waits for this."""
+
+
+class Preparer:
+    """One preparation. All methods are for one thread, and none of them waits, but for `close`."""
+
+    def __init__(self, first: Preset = VESSEL) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, self._far_end = context.Pipe()
+        self._process = context.Process(target=work, args=(self._far_end, first), daemon=True)
+        self._newest = Preparation(tasks(first))
+        self._since = time.monotonic()
+
+    def start(self) -> None:
+        self._process.start()
+        self._far_end.close()
+
+    def poll(self) -> Preparation | None:
+        """How far it is; None once it has ended, in whatever way."""
+        with suppress(OSError):
+            try:
+                while self._pipe.poll():
+                    self._newest, self._since = self._pipe.recv(), time.monotonic()
+            except EOFError:
+                self.close()
+        if self._pipe.closed:
+            return None
+        return replace(self._newest, seconds=time.monotonic() - self._since)
+
+    @property
+    def is_complete(self) -> bool:
+        return self._newest.is_ready
+
+    def close(self) -> None:
+        """End the process; what it has compiled stays. At most a few seconds."""
+        self._pipe.close()
+        self._far_end.close()
+        if self._process.pid is not None:
+            self._process.join(SECONDS_TO_END)
+            for end in (self._process.terminate, self._process.kill):
+                if self._process.is_alive():
+                    end()
+                    self._process.join(SECONDS_TO_END)
+
+
+def work(pipe: Connection, first: Preset) -> None:
+    """In the process: prepare, and say how far it is before each step."""
+    rest_while_waiting()
+    for name in {"SIGINT", "SIGHUP"} & vars(signal).keys():
+        signal.signal(getattr(signal, name), signal.SIG_IGN)
+    psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else NICE)
+    threading.Thread(target=_end_with, args=(pipe,), daemon=True).start()
+    # Loaded in this process only.
+    from app.kernels.steps import prepare
+
+    with suppress(BrokenPipeError):
+        for now in prepare(first):
+            pipe.send(now)
+
+
+def _end_with(pipe: Connection) -> None:
+    """Nothing is ever sent this way: the end of file tells that nobody is there any more. Kernels appear on
+    disk complete or not at all."""
+    with suppress(EOFError, OSError):
+        pipe.recv()
+    os._exit(0)

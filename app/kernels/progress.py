@@ -1,0 +1,112 @@
+"""How far the one-time preparation is: which step, of how many, what is ready, and the time left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Literal, get_args
+
+from app.enhancement.methods import PAPER, VESSEL, Preset
+from renderer.train.config import Method
+
+Kind = Preset | Literal["3D view", "training", "16 bits"]
+"""What can be used once its steps are done."""
+SECONDS: Final[Mapping[str, float]] = MappingProxyType(
+    {
+        VESSEL: 60, PAPER: 5, "vesselsplat": 30, "3D view": 8, "deform3dgs": 6, "endogaussian": 12,
+        "static": 1, "vessel, 16 bits": 60, "paper, 16 bits": 2,
+    }
+)  # fmt: skip
+"""About how long each step takes on an ordinary computer."""
+DEEP: Final = ", 16 bits"
+OVER: Final = 0.25
+"""Of a step that takes longer than it should, what is still to come, as a share of its time so far."""
+QUICK: Final = 0.2
+"""Share of the usual time below which a step had been prepared before, and tells nothing of this computer."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One step: a feature, used once."""
+
+    name: str
+    kind: Kind
+
+    @property
+    def seconds(self) -> float:
+        """About how long it takes on an ordinary computer."""
+        return SECONDS[self.name]
+
+
+def tasks(first: Preset = VESSEL) -> tuple[Task, ...]:
+    """In the order of need, the enhancement by the method that is chosen first."""
+    presets: tuple[Preset, ...] = (first, PAPER if first == VESSEL else VESSEL)
+    own, *published = [Task(method, "training") for method in get_args(Method)]
+    deep = [Task(f"{preset}{DEEP}", "16 bits") for preset in presets]
+    return (*(Task(preset, preset) for preset in presets), own, Task("3D view", "3D view"), *published, *deep)
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """After `done` of `tasks`; crosses to the window by value."""
+
+    tasks: tuple[Task, ...]
+    done: int = 0
+    pace: float = 1.0
+    """Seconds here for each of an ordinary computer."""
+    seconds: float = 0.0
+    """Since the step under way began."""
+
+    @property
+    def is_ready(self) -> bool:
+        return self.done == len(self.tasks)
+
+    @property
+    def step(self) -> int:
+        """The step under way, counted from 1; the last one at the end."""
+        return min(self.done + 1, len(self.tasks))
+
+    @property
+    def name(self) -> str:
+        return self.tasks[self.step - 1].name
+
+    def has(self, kind: Kind) -> bool:
+        """Nothing of this kind is still to be prepared."""
+        return all(task.kind != kind for task in self.tasks[self.done :])
+
+    @property
+    def seconds_left(self) -> float:
+        return self._seconds(len(self.tasks))
+
+    def seconds_until(self, kind: Kind) -> float:
+        """Until all of this kind is prepared."""
+        return self._seconds(max(place for place, task in enumerate(self.tasks, 1) if task.kind == kind))
+
+    def _seconds(self, end: int) -> float:
+        left = [self.pace * task.seconds for task in self.tasks[self.done : end]]
+        return sum(left[1:]) + max(left[0] - self.seconds, OVER * self.seconds) if left else 0.0
+
+
+def paced(tasks: Sequence[Task], taken: Sequence[float]) -> float:
+    """Seconds here for each of an ordinary computer, by the steps that have taken so long."""
+    told = [
+        (seconds, task.seconds)
+        for task, seconds in zip(tasks, taken, strict=False)
+        if seconds > QUICK * task.seconds
+    ]
+    return sum(seconds for seconds, _ in told) / sum(usual for _, usual in told) if told else 1.0
+
+
+def worded(now: Preparation) -> str:
+    """In a line, as the window and the command say it."""
+    return f"One-time preparation, step {now.step} of {len(now.tasks)} · {rounded(now.seconds_left)} left"
+
+
+def rounded(seconds: float) -> str:
+    """No more digits than are known."""
+    if seconds < 10:
+        return "a few seconds"
+    if seconds < 100:
+        return f"about {10 * round(seconds / 10)} s"
+    return f"about {round(seconds / 60)} min"

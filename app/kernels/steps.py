@@ -1,0 +1,115 @@
+"""What is compiled once on a computer, in steps: each uses one feature on a small input, as the app would.
+
+A kernel is compiled for the types it is called with, so what a feature needs is prepared by using it: there
+is no list of kernels. Tests use every feature after these steps and fail where one needs another kernel.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from typing import Final, get_args
+
+import numpy as np
+
+from app.enhancement.methods import VESSEL, MethodEnhancer, Preset, measure_for
+from app.kernels.progress import Preparation, Task, paced, tasks
+from app.kernels.stamp import note_prepared
+from app.runs.train_run import PRESETS
+from app.scenes.cpu_rendering import draw_on_cpu
+from assets import phantom_path
+from renderer.clip import Clip, Frame
+from renderer.editing.regions import Lasso, found
+from renderer.editing.sight import Sight, Trail
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import near_plane
+from renderer.picking import surface_point
+from renderer.sources import open_clip
+from renderer.splats import RenderMode, Shape
+from renderer.train.config import Method, Part, TrainConfig
+from renderer.train.events import Finished
+from renderer.train.trainer import train
+
+STEPS: Final = 8
+GAUSSIANS: Final = 400
+"""Of a training that is quick and reaches every stage."""
+
+
+def prepare(first: Preset = VESSEL) -> Iterator[Preparation]:
+    """Take all steps; before each, and at the end, how far it is. Quick where it has been done before."""
+    todo = tasks(first)
+    taken: list[float] = []
+    for task in todo:
+        yield Preparation(todo, len(taken), paced(todo, taken))
+        began = time.monotonic()
+        use(task)
+        taken.append(time.monotonic() - began)
+    note_prepared()
+    yield Preparation(todo, len(taken), paced(todo, taken))
+
+
+def use(task: Task) -> None:
+    """The feature of this step, once."""
+    match task.kind:
+        case "training":
+            _train(next(method for method in get_args(Method) if method == task.name))
+        case "3D view":
+            _look()
+        case "16 bits":
+            _enhance(next(preset for preset in PRESETS if task.name.startswith(preset)), np.uint16)
+        case preset:
+            _enhance(preset, np.uint8)
+
+
+@cache
+def _clip() -> Clip:
+    return open_clip(phantom_path())
+
+
+def _enhance(preset: Preset, dtype: type[np.uint8 | np.uint16]) -> None:
+    """With the image's own statistics and those of a clip; of an image with detail and of one without."""
+    params, levels = PRESETS[preset], np.iinfo(dtype).max // 255
+    image = (_clip().read_image(0).astype(np.float64) * levels).astype(dtype)
+    ramp = (levels * np.linspace(100, 176, image.shape[1])).astype(dtype)
+    smooth = np.ascontiguousarray(np.broadcast_to(ramp[:, None], image.shape))
+    enhancer = MethodEnhancer()
+    for each in (image, smooth):
+        enhancer.show(each)
+        enhancer.enhance(params)
+        enhancer.enhance(params, statistics=measure_for(params, [each]))
+
+
+def _train(method: Method) -> DynamicGaussians:
+    """With all that some clips need, and as this clip needs it. Returns that model."""
+    clip = replace(_clip(), read_frame=_half_hidden)
+    config = TrainConfig(method=method, iterations=STEPS, n_gaussians=GAUSSIANS)
+    for _ in train(clip, replace(config, keep=get_args(Part))):
+        pass
+    last = list(train(clip, config))[-1]
+    assert isinstance(last, Finished)
+    return last.model
+
+
+def _half_hidden(index: int) -> Frame:
+    """As if a tool covered half of the view in all frames but the first."""
+    frame = _clip().read_frame(index)
+    if index == 0:
+        return frame
+    tissue = frame.tissue_mask.copy()
+    tissue[:, tissue.shape[1] // 2 :] = False
+    return replace(frame, tissue_mask=tissue)
+
+
+def _look() -> None:
+    """A reconstruction rendered in every shape and mode, a point of it picked, a part of it selected."""
+    model, camera = _train("vesselsplat"), _clip().cameras[0]
+    near = near_plane(model, camera)
+    splats = model.at(0.5)
+    for mode in get_args(RenderMode):
+        surface_point(splats, camera, (camera.width // 2, camera.height // 2), near, mode)
+    for shape in get_args(Shape):
+        draw_on_cpu(splats, camera, near, shape=shape)
+    sight = Sight.of(Trail(model, (0.0, 0.5)), camera, 0.5, near)
+    found(Lasso(((0.0, 0.0), (float(camera.width), 0.0), (0.0, float(camera.height)))), sight)

@@ -1,0 +1,132 @@
+"""After the one-time preparation nothing that a person does compiles another kernel."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+from pkgutil import walk_packages
+from typing import get_args
+
+import numpy as np
+
+import enhance
+import renderer
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
+from app.enhancement.image_mask import PictureMask
+from app.enhancement.methods import EnhancementSettings, MethodEnhancer
+from app.evaluation.evaluate import open_evaluation
+from app.gui.work.baking import BakeRequest, bake, can_bake
+from app.gui.work.measuring import Measurer
+from app.gui.work.presets import presets_with
+from app.gui.work.selecting import Around, PickRequest, Selector, SelectRequest, pick
+from app.gui.work.thumbnails import ThumbnailsRequest, make_thumbnails
+from app.kernels.progress import tasks
+from app.kernels.stamp import loaded_kernels
+from app.kernels.steps import use
+from app.runs.train_run import PRESETS, TrainRequest, run_training
+from app.scenes.drawer import draw_view
+from app.scenes.scene import Scene, open_scene
+from app.scenes.view_kinds import ViewKind
+from app.scenes.view_request import FrameRequest, ViewRequest
+from assets import phantom_path
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from renderer.sources import open_clip
+from renderer.train.config import Method, TrainConfig
+
+NEVER_CALLED = {
+    "renderer.deformation.row_products._block",
+    "renderer.train.similarity._slopes",
+}
+"""By Python: part of another kernel; of a loss that no method has yet."""
+SETTINGS: tuple[EnhancementSettings, ...] = (
+    *PRESETS.values(),
+    EnhanceParams(strength=0.5, d_factor=2.0, omit_below=0.0),
+    EnhanceParams(z=0.4, p=(0.2, 0.9), radii=(4, 30), eps=0.01, subsample=1, omit_below=1.0),
+    VesselParams(strength=2.0),
+)
+
+
+def signatures() -> set[str]:
+    """Of each kernel the types that it has been compiled for."""
+    found: set[str] = set()
+    for name, kernel in loaded_kernels().items():
+        found |= {f"{name}{types}" for types in kernel.overloads}
+    return found
+
+
+def load_all() -> None:
+    """Every module that may hold kernels of the app."""
+    for package in (enhance, renderer):
+        for found in walk_packages(package.__path__, f"{package.__name__}."):
+            if not {"torch_train", "measuring", "cuda", "differentiable"} & set(found.name.split(".")):
+                import_module(found.name)
+
+
+def _enhance_everything() -> None:
+    clip, maker = open_clip(phantom_path()), PictureMaker()
+    for params in SETTINGS:
+        for scope in ("image", "automatic", "clip"):
+            for pixels in ("automatic", "all", "tissue"):
+                for of_clip in (None, "later"):
+                    request = PictureRequest(clip, 1, params, scope, pixels, of_clip=of_clip)  # type: ignore[arg-type]
+                    *_, made = maker.make(request)
+        for mask in (PictureMask(), PictureMask(text=(0, 0, 40, 20))):
+            *_, made = maker.make(PictureRequest(clip, 0, params, mask=mask))
+        list(Measurer().measure(made))
+    list(make_thumbnails(ThumbnailsRequest(made, tuple(presets_with({}).items()))))
+    grey = np.asarray(clip.read_image(0)[..., 0])
+    for image in (grey, grey.astype(np.uint16), (clip.read_image(0) / 255.0).astype(np.float32)):
+        enhancer = MethodEnhancer()
+        for params in PRESETS.values():
+            enhancer.show(image)
+            enhancer.enhance(params)
+
+
+def _train_everything(folder: Path) -> None:
+    for method in get_args(Method):
+        for given in ("original", "enhanced"):
+            path = folder / f"{method}-{given}"
+            config = TrainConfig(method=method, iterations=20, n_gaussians=600, checkpoint_every=10)
+            request = TrainRequest(clip_path=phantom_path(), run_path=path, config=config, input=given)  # type: ignore[arg-type]
+            list(run_training(request))
+    moving = TrainConfig(iterations=20, n_gaussians=600, sh_degree=3, render_mode="mip", hold_out=True)
+    list(run_training(TrainRequest(clip_path=phantom_path(), run_path=folder / "mip", config=moving)))
+
+
+def _look_at(scene: Scene) -> None:
+    clip = open_clip(phantom_path())
+    view = ViewRequest.of_frame(scene, 2)
+    for kind in get_args(ViewKind):
+        list(draw_view(view.of_kind(kind, FrameRequest(clip, 2))))
+    list(pick(PickRequest(view, (160, 128), "measure")))
+    list(Selector().select(SelectRequest(scene, view, Around((160, 128), "sphere", 5.0))))
+    if not can_bake(scene):
+        return
+    request = BakeRequest(scene)
+    while (baked := next(bake(request))).keyframes is None:
+        request = BakeRequest(scene, baked.baker, baked.request.part + 1)
+
+
+def check(folder: Path) -> None:
+    """In a process of its own, where nothing else has been compiled."""
+    for task in tasks():
+        use(task)
+    prepared = signatures()
+    load_all()
+    idle = {name for name, kernel in loaded_kernels().items() if not kernel.overloads}
+    assert {name for name in idle if ".measuring." not in name} == NEVER_CALLED
+    _enhance_everything()
+    _train_everything(folder)
+    for path in sorted(folder.iterdir()):
+        _look_at(open_scene(path))
+        list(open_evaluation(path).frames())
+    assert sorted(signatures() - prepared) == []
+
+
+def test_nothing_is_compiled_after_the_preparation(tmp_path: Path) -> None:
+    code = f"from pathlib import Path; from {__name__} import check; check(Path({str(tmp_path)!r}))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stderr[-3000:]
