@@ -15,8 +15,9 @@ from app.gui.actions import actions, picture_actions, preset_actions
 from app.gui.actions import history_actions as history
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.state import scales
+from app.gui.state.amounts import Amount
 from app.gui.state.app_state import AppState
-from app.gui.style.fields import declared, slide, slide_auto, slider
+from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider
 from app.gui.style.widgets import NAMES, button, choose_row, em, explain, in_line, muted, row
 from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
@@ -27,10 +28,12 @@ __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: dict[type[EnhancementSettings], str] = {EnhanceParams: named(PAPER), VesselParams: named(VESSEL)}
 VESSEL_SLIDERS = {
-    "radius": "Radius", "lift": "Lift", "d_factor": "Colour d", "shading": "Shading",
+    "radius": "Radius", "lift": "Lift", "d_factor": "Colour", "shading": "Shading",
     "coring": "Coring", "gamma": "Gamma", "most_color": "Most colour",
 }  # fmt: skip
 Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
+LESS = 2.0
+"""Em of the button that removes a window, with the gap before it."""
 HEIGHT, WIDEST = 3.4, 6.0
 """Em of a small picture."""
 SCOPES: dict[Scope, str] = {"automatic": "Automatic", "image": "Of each frame", "clip": "Of the whole clip"}
@@ -40,6 +43,7 @@ METHOD_TEXT = (
     "The paper's method, or VesselSplat's preset, which darkens and reddens narrow dark "
     "structures as blood would."
 )
+SAME_TEXT = "Use the mean of the windows' exponents P for every window."
 RESET_TEXT = "R. For a single value, double click or right click its slider."
 SCOPE_TEXT = (
     "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker. "
@@ -58,13 +62,12 @@ def draw_enhancement(state: AppState, texture: Texture) -> None:
     if chosen is not now:
         actions.choose_method(state, chosen)
     draw_presets(state, texture)
-    used = state.picture.pictures.statistics if state.picture.pictures else None
     _change(state, _draw_strength(state.enhancement.params))
     _draw_edits(state)
     imgui.spacing()
     with imgui_ctx.begin_tab_bar("details") as bar:
         if bar:
-            _draw_tab("Details###windows", partial(_draw_settings, state, used))
+            _draw_tab("Details###windows", partial(_draw_settings, state))
             _draw_tab("Curves", partial(draw_curves, state))
             _draw_tab("Measures", partial(draw_measures, state))
 
@@ -148,12 +151,14 @@ def _draw_tab(label: str, draw: Callable[[], None]) -> None:
                 draw()
 
 
-def _draw_settings(state: AppState, used: Statistics | None) -> None:
+def _draw_settings(state: AppState) -> None:
     """All but the strength, and what the automatic values are taken from."""
     params, chosen = state.enhancement.params, state.enhancement
+    shown = state.picture.pictures.statistics if state.picture.pictures else None
     if isinstance(params, VesselParams):
         _change(state, _draw_vessel(params))
     elif isinstance(params, EnhanceParams):
+        used = None if shown is None else scales.before_strength(params, shown)
         _change(state, _draw_windows(_draw_paper(params, used), used))
     picture_actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
     picture_actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))
@@ -170,22 +175,22 @@ def _draw_strength(params: EnhancementSettings) -> EnhancementSettings:
 
 
 def _draw_paper(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
-    params = slide_auto(params, "z", "Brightness z", used.z if used else None, 0.5)
+    params = slide_auto(params, "z", "Brightness", used.z if used else None, 0.5)
     params = _draw_detail(params, used)
-    return slide_auto(params, "d_factor", "Colour d", params.k, 1.0)
+    return slide_auto(params, "d_factor", "Colour", params.k, 1.0)
 
 
 def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
     if not isinstance(params.p, tuple):
         p = sum(used.p) / len(used.p) if used and used.p else None
-        return slide_auto(params, "p", "Detail P", p, 0.5)
-    text = "Each window has its own P, see the windows below."
-    row("Detail P", text)
+        return slide_auto(params, "p", "Detail", p, 0.5)
+    text = "Each window has its own detail, the exponent P of Eq 7: see the windows below."
+    row("Detail", text)
     imgui.align_text_to_frame_padding()
-    muted("   ".join(f"{p:.2f}" for p in params.p))
+    muted("by window")
     explain(text)
     imgui.same_line()
-    pressed = button("One P", text="Use the same P for every window.", width=-1)
+    pressed = button("Same for all", text=SAME_TEXT, width=-1)
     return scales.together(params) if pressed else params
 
 
@@ -207,39 +212,39 @@ def _draw_edits(state: AppState) -> None:
 
 
 def _draw_windows(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:
-    """A row for each window, then what all have in common."""
+    """Two rows for each window, then what all have in common."""
     exponents = scales.exponents(params, used.p if used else ())
     changed = params
     for index in range(len(params.radii)):
-        # These sliders are narrow: a handle of the usual width hides what they say.
-        thin = imgui_ctx.push_style_var(imgui.StyleVar_.grab_min_size, em(0.3))
-        with imgui_ctx.push_id(f"window {index}"), thin:
+        with imgui_ctx.push_id(f"window {index}"):
             changed = _draw_scale(changed, index, exponents)
         if len(changed.radii) != len(params.radii):
             return changed
     changed = _draw_counts(changed)
     changed = slide(changed, "eps", "Smoothing", "%.4f", log=True)
     changed = _draw_subsample(changed)
-    return slide(changed, "omit_below", "Omit below", "%.2f levels")
+    return slide(changed, "omit_below", "Omit below")
 
 
 def _draw_scale(params: EnhanceParams, index: int, exponents: tuple[float, ...]) -> EnhanceParams:
-    about, p = declared(EnhanceParams, "radii"), declared(EnhanceParams, "p")
-    row(f"Window {index + 1}", about.text)
-    width, clamped = (imgui.get_content_region_avail().x - em(2.3)) / 2, imgui.SliderFlags_.always_clamp
-    imgui.set_next_item_width(width)
-    flags = clamped | imgui.SliderFlags_.logarithmic
-    changed, radius = slider("##radius", params.radii[index], about, "%d px", flags)
-    explain(about.text)
+    about, value = amount(EnhanceParams, "radii"), params.radii[index]
+    row(f"Window {index + 1}", about.text, -(NUMBERS + LESS))
+    changed, radius = slider("##radius", value, about, "%d px", imgui.SliderFlags_.logarithmic)
+    imgui.same_line()
+    removed = button("–", text="Remove this window.", enabled=len(params.radii) > 1, width=LESS - 0.5)
+    number(f"{value} px")
     params = scales.with_radius(params, index, radius) if changed else params
-    imgui.same_line(0, em(0.25))
-    imgui.set_next_item_width(width - em(0.25))
-    moved, value = slider("##p", float(exponents[index]), p, "P %.2f", clamped)
-    explain(f"{p.text} Changed here, each window has its own P.")
-    params = scales.with_exponent(params, index, value, exponents) if moved else params
-    imgui.same_line(0, em(0.25))
-    removed = button("–", text="Remove this window.", enabled=len(params.radii) > 1, width=-1)
+    params = _draw_exponent(params, index, exponents)
     return scales.without_scale(params, index) if removed else params
+
+
+def _draw_exponent(params: EnhanceParams, index: int, exponents: tuple[float, ...]) -> EnhanceParams:
+    about, value = declared(EnhanceParams, "p"), float(exponents[index])
+    shown = Amount(about.lo, about.hi, f"{about.text} Changed here, each window has its own.")
+    row("    Detail", shown.text, -NUMBERS)
+    moved, p = slider("##p", value, shown, "%.2f")
+    number(f"{value:.2f}", quiet=not isinstance(params.p, tuple))
+    return scales.with_exponent(params, index, p, exponents) if moved else params
 
 
 def _draw_counts(params: EnhanceParams) -> EnhanceParams:
@@ -248,8 +253,8 @@ def _draw_counts(params: EnhanceParams) -> EnhanceParams:
     text = f"Add a window twice as wide; at most {scales.MOST_SCALES}."
     button("Add window", lambda: made.append(scales.with_scale(params)), text, enabled=more)
     imgui.same_line()
-    text, apart = "Use the mean of the exponents above for every window.", isinstance(params.p, tuple)
-    button("One P for all", lambda: made.append(scales.together(params)), text, enabled=apart)
+    together, apart = partial(scales.together, params), isinstance(params.p, tuple)
+    button("Same detail", lambda: made.append(together()), SAME_TEXT, enabled=apart)
     return made[-1]
 
 

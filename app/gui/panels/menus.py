@@ -47,7 +47,7 @@ def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
         keys = command.keys[0] if command.keys else ""
         if imgui.menu_item_simple(command.label, keys, command.ticked(state), command.applies(state)):
             command.act(state)
-        explain(command.text)
+        explain(command.text, below=False)  # Where the next entry is.
 
 
 def draw_status(state: AppState) -> None:

@@ -76,7 +76,7 @@ def _draw_row(one: Found, place: int, marked: bool) -> bool:
     start, can = imgui.get_cursor_pos_x(), imgui.SelectableFlags_
     flags = can.none if one.applies else can.disabled
     clicked, _ = imgui.selectable(f"{legible(one.name)}##{place}", marked, flags)
-    explain(one.command.text)
+    explain(one.command.text, below=False)  # Where the next row is.
     keys = one.command.keys[0] if one.command.keys else ""
     for text, x in ((one.where, em(20)), (keys, em(29))):
         imgui.same_line(start + x)

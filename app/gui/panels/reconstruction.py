@@ -17,7 +17,7 @@ from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style import theme
-from app.gui.style.fields import declared, slider, wants_default
+from app.gui.style.fields import NUMBERS, amount, declared, number, slider, wants_default
 from app.gui.style.widgets import (
     button,
     choose_row,
@@ -30,6 +30,7 @@ from app.gui.style.widgets import (
     row,
     seconds,
 )
+from app.runs.train_run import RECONSTRUCTION_PARAMS
 from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from enhance import EnhanceParams
@@ -42,6 +43,7 @@ INPUTS_TEXT = (
     "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
     "runs two reconstructions to compare."
 )
+COLOR_TEXT = "Of the frames to reconstruct; the paper reconstructs with d-factor 0.5."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 STATUS = {
     "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
@@ -98,16 +100,25 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
     method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
     job_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
     if run.input != "original":
-        about = declared(EnhanceParams, "d_factor")
-        row("Colour d", "For the frames to reconstruct; the paper uses 0.5. " + about.text)
-        _, d_factor = slider("##run_d", run.d_factor, about, "%.2f", imgui.SliderFlags_.always_clamp)
-        job_actions.choose_d_factor(state, d_factor)
+        _draw_color(state, run.d_factor)
     iterations = _steps(replace(config, iterations=_quality(run)))
     if (method, iterations) != (config.method, config.iterations):
         job_actions.choose_method(state, method, iterations)
     row("Name", "Folder of the run; if empty, the clip's name and the time.")
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
     job_actions.name_run(state, name)
+
+
+def _draw_color(state: AppState, d_factor: float) -> None:
+    shown = amount(EnhanceParams, "d_factor")
+    shown = replace(shown, text=f"{COLOR_TEXT} {shown.text}")
+    row("Colour", shown.explained(d_factor), -NUMBERS)
+    changed, new = slider("##run_d", d_factor, shown, "%.2f")
+    if wants_default("run_d"):
+        changed, new = True, RECONSTRUCTION_PARAMS.k
+    number(f"{shown.of_parameter(d_factor):.2f}")
+    if changed:
+        job_actions.choose_d_factor(state, new)
 
 
 def _quality(run: Reconstruction) -> int:

@@ -29,9 +29,9 @@ NAMES: dict[type[EnhancementSettings], tuple[str, ...]] = {
 }
 """What can be varied, of the paper's method and of the own preset."""
 LABELS = VESSEL_SLIDERS | {
-    "z": "Brightness z", "p": "Detail P", "eps": "Smoothing", "subsample": "Subsample"
+    "z": "Brightness z", "p": "Detail P", "d_factor": "Colour d", "eps": "Smoothing", "subsample": "Subsample"
 }  # fmt: skip
-"""As the panel Enhancement names them."""
+"""As the panel Enhancement names them; with a letter where the values are the paper's, as in what is kept."""
 METRIC_LABELS = {
     "vessel_contrast": "Vessel contrast", "color_difference": "Colour difference",
     "noise_gain": "Noise gain", "chroma_noise_gain": "Chroma noise gain",

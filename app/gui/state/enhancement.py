@@ -26,11 +26,11 @@ NAMES: Final = {
 }
 PARAMS: Final = {
     "strength": "strength",
-    "z": "z",
-    "p": "P",
+    "z": "brightness",
+    "p": "detail",
     "radii": "windows",
-    "eps": "eps",
-    "d_factor": "d-factor",
+    "eps": "smoothing",
+    "d_factor": "colour",
 }
 
 

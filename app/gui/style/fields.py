@@ -12,11 +12,16 @@ from pydantic.fields import FieldInfo
 
 from app.console.flags import marks
 from app.enhancement.methods import EnhancementSettings
+from app.gui.state.amounts import AMOUNTS, Amount
 from app.gui.style import theme
 from app.gui.style.widgets import explain, row
 from enhance import EnhanceParams
 
 L = TypeVar("L", bound=EnhancementSettings)
+NUMBERS = 3.9
+"""Text heights at the right end that the numbers of sliders have, with the gap before them."""
+AUTO = 4.3
+"""Text heights that an Auto switch has, with the gap before it."""
 
 
 @dataclass(frozen=True)
@@ -45,15 +50,23 @@ def _declared(kind: type[Any], name: str) -> Declared:
     return Declared(lo, hi, text, field.default)
 
 
+def amount(kind: type[Any], name: str) -> Amount:
+    """How a slider shows a field: as an amount where there is one, else as it is declared."""
+    about = declared(kind, name)
+    return AMOUNTS.get(name) or Amount(about.lo, about.hi, about.text)
+
+
 def slide(params: L, name: str, label: str, form: str = "%.2f", *, log: bool = False) -> L:
     """A slider for a number; a double click on it or its reset entry gives the default."""
-    about, value = declared(type(params), name), getattr(params, name)
-    row(label, about.text)
-    flags = imgui.SliderFlags_.always_clamp | (imgui.SliderFlags_.logarithmic if log else 0)
-    changed, new = slider(f"##{name}", value, about, form, flags)
-    explain(about.text)
-    if wants_default(name):
-        new, changed = about.default, True
+    shown, value = amount(type(params), name), getattr(params, name)
+    flags = imgui.SliderFlags_.logarithmic if log else 0
+    with_number = form % shown.of_parameter(value) if isinstance(value, float) else form % value
+    row(label, shown.explained(value), -NUMBERS)
+    changed, new = slider(f"##{name}", value, shown, form, flags)
+    reset = wants_default(name)
+    number(with_number)
+    if reset:
+        return _with(params, name, declared(type(params), name).default)
     return _with(params, name, new) if changed else params
 
 
@@ -62,12 +75,37 @@ def _with(params: L, name: str, value: Any) -> L:
     return changed
 
 
-def slider(label: str, value: Any, about: Declared, form: str, flags: int) -> tuple[bool, Any]:
-    """A whole number or a fraction, within its declared range."""
-    if isinstance(value, int):
-        return imgui.slider_int(label, value, int(about.lo), int(about.hi), form, flags)
-    changed, new = imgui.slider_float(label, value, about.lo, about.hi, form, flags)
-    return changed, round(new, 6)  # The control counts in single precision.
+def slider(label: str, value: Any, shown: Amount, form: str, flags: int = 0) -> tuple[bool, Any]:
+    """A whole number or a fraction, as an amount but given and taken as the parameter; explained.
+
+    Its number is for the caller to draw beside it: a handle would cover it.
+    """
+    flags |= imgui.SliderFlags_.always_clamp
+    # A number that is being typed, after Ctrl+click, is in the slider's place and to be seen.
+    ink = theme.now().text
+    typing = imgui.internal.temp_input_is_active(imgui.get_id(label))
+    with imgui_ctx.push_style_color(imgui.Col_.text, ink if typing else theme.CLEAR):
+        drawn: tuple[bool, Any]
+        if isinstance(value, int):
+            drawn = imgui.slider_int(label, value, int(shown.lo), int(shown.hi), form, flags)
+        else:
+            drawn = _fraction(label, value, shown, form, flags)
+    explain(shown.explained(value))
+    return drawn
+
+
+def _fraction(label: str, value: float, shown: Amount, form: str, flags: int) -> tuple[bool, float]:
+    changed, new = imgui.slider_float(label, shown.of_parameter(value), shown.lo, shown.hi, form, flags)
+    return changed, round(shown.to_parameter(round(new, 6)), 6)  # The control counts in single precision.
+
+
+def number(text: str, *, quiet: bool = False) -> None:
+    """The value of the slider before, in a column at the right end."""
+    imgui.same_line()
+    room = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0))
+    imgui.align_text_to_frame_padding()
+    imgui.text_colored(theme.now().muted if quiet else theme.now().text, text)
 
 
 def slide_auto(
@@ -75,28 +113,31 @@ def slide_auto(
 ) -> EnhanceParams:
     """A slider with an Auto switch; on automatic it shows the value in use, or else `start`. Moving it sets
     the value by hand."""
-    about, value = declared(type(params), name), getattr(params, name)
+    shown, value = amount(type(params), name), getattr(params, name)
     automatic = value is None
-    row(label, about.text, -4.3)
-    shown = used if used is not None and automatic else (start if automatic else float(value))
-    form = "%.2f" if not automatic or used is not None else "…"
-    with imgui_ctx.push_style_color(imgui.Col_.text, theme.now().muted if automatic else theme.now().text):
-        changed, new = slider(f"##{name}", shown, about, form, imgui.SliderFlags_.always_clamp)
-    explain(about.text)
+    now = float(value) if value is not None else start if used is None else used
+    is_known = not automatic or used is not None
+    text = f"{shown.of_parameter(now):.2f}" if is_known else "…"
+    row(label, shown.explained(now if is_known else None), -(NUMBERS + AUTO))
+    changed, new = slider(f"##{name}", now, shown, "%.2f")
     reset = wants_default(name)
     imgui.same_line()
-    switched, automatic = imgui.checkbox(f"Auto##{name}", automatic)
+    switched, switch = imgui.checkbox(f"Auto##{name}", automatic)
     explain("Automatic: from the image. Off, or once the slider is moved: set by hand.")
+    number(text, quiet=automatic)
     if reset:
-        return _with(params, name, about.default)
+        return _with(params, name, declared(type(params), name).default)
     if switched:
-        return _with(params, name, None if automatic else round(shown, 2))
+        return _with(params, name, None if switch else round(now, 2))
     return _with(params, name, new) if changed else params
 
 
 def wants_default(name: str) -> bool:
     """The item before was double-clicked, or reset from its context menu."""
-    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+    typing = imgui.internal.temp_input_is_active(imgui.get_item_id())
+    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left) and not typing:
+        # The button is still down: a slider that was held on would be moved to the pointer again.
+        imgui.internal.clear_active_id()
         return True
     if not imgui.begin_popup_context_item(f"reset {name}"):
         return False

@@ -82,6 +82,7 @@ THEMES: dict[Theme, Colors] = {"dark": DARK, "light": LIGHT}
 SURROUND = grey(0.085)
 """Around pictures, and with them the same in both themes: dark and neutral. So are all marks on pictures."""
 INK = grey(0.97)
+CLEAR = grey(0, 0)
 MARK = ImVec4(0.95, 0.72, 0.30, 1.0)
 PATH = ImVec4(0.35, 0.80, 0.95, 1.0)
 TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)

@@ -16,6 +16,10 @@ ROOM = 1e4
 """Pixels that no label needs."""
 NAMES = 5.6
 """Text heights that the names of controls have, before the controls."""
+EXPLANATION = 24.0
+"""Text heights across that a tooltip has at most."""
+LINE = 2.5
+"""Text heights that no control of one line has."""
 T = TypeVar("T")
 EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
 
@@ -98,11 +102,29 @@ def choose_row(label: str, now: T, values: Mapping[T, str], text: str, width: fl
     return choose(label, now, values, text, width)
 
 
-def explain(text: str) -> None:
-    """A tooltip on the item before, also when that is disabled."""
-    if text and imgui.is_item_hovered(EXPLAINED):
-        with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(em(24)):
-            imgui.text_unformatted(legible(text))
+def explain(text: str, *, below: bool = True) -> None:
+    """A tooltip on the item before, also when that is disabled; not while something is dragged.
+
+    `below` the item, so that it stays to be read; else, and on what is tall, beside the pointer.
+    """
+    if not text or not imgui.is_item_hovered(EXPLAINED) or imgui.is_mouse_down(imgui.MouseButton_.left):
+        return
+    text = legible(text)
+    if below and imgui.get_item_rect_size().y < em(LINE):
+        imgui.set_next_window_pos(_below(text))
+    with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(em(EXPLANATION)):
+        imgui.text_unformatted(text)
+
+
+def _below(text: str) -> ImVec2:
+    """Where a tooltip on the item before goes: below it, or above where the screen ends."""
+    style, screen = imgui.get_style(), imgui.get_main_viewport()
+    wrap = em(EXPLANATION) - style.window_padding.x
+    size = imgui.calc_text_size(text, wrap_width=wrap) + style.window_padding * 2
+    low, high, gap = imgui.get_item_rect_min(), imgui.get_item_rect_max(), em(0.25)
+    end = screen.pos + screen.size
+    y = high.y + gap if high.y + gap + size.y <= end.y else low.y - gap - size.y
+    return ImVec2(max(min(low.x, end.x - size.x), screen.pos.x), max(y, screen.pos.y))
 
 
 def tag(text: str, position: ImVec2, color: ImVec4, room: float = ROOM) -> float:

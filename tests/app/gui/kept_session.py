@@ -26,14 +26,14 @@ def main(root: Path) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.item_input_value("//Enhancement/**/##d_factor", 2.5)
+        ctx.item_input_value("//Enhancement/**/##d_factor", 0.4)
         actions.seek(state, 7)
         state.session.notes, state.enhancement.scope = "left ureter?", "clip"
         kept = autosave_path(state.places.config)
         wait(
             ctx, lambda: kept.exists() and mended_session(kept)[0].notes != "", "the session saved in passing"
         )
-        wait(ctx, lambda: mended_session(kept)[0].params == EnhanceParams(d_factor=2.5), "all of it")
+        wait(ctx, lambda: mended_session(kept)[0].params == EnhanceParams(d_factor=1.5), "all of it")
         sys.stdout.write("kept\n")
         sys.stdout.flush()
         while True:

@@ -42,7 +42,7 @@ def pooled(state: AppState) -> None:
 
 
 SETTINGS: dict[str, Set] = {
-    "d-factor": lambda s: actions.set_params(s, EnhanceParams(d_factor=2.0)),
+    "colour": lambda s: actions.set_params(s, EnhanceParams(d_factor=2.0)),
     "enhancement": lambda s: preset_actions.choose(s, "Paper, d 0.5 (3D)") or actions.set_params(
         s, EnhanceParams(z=0.5, d_factor=0.1)
     ),

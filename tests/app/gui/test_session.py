@@ -384,5 +384,5 @@ def test_a_killed_window_is_restored_by_the_next(tmp_path: Path) -> None:
 
     driver.run(drive)
     assert replace(snapshot(state, places.config), saved=expected.saved, version=expected.version) == expected
-    assert state.enhancement.params == EnhanceParams(d_factor=2.5)
+    assert state.enhancement.params == EnhanceParams(d_factor=1.5)
     assert list(places.config.glob("autosave-*")) == []  # This window was closed as it should.

@@ -92,7 +92,7 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
         ctx.item_click("//Pictures/**/###phantom")
         wait(ctx, lambda: is_settled(state), "the enhanced phantom")
         before = enhanced(state)
-        ctx.item_input_value("//Enhancement/**/##d_factor", 3.0)
+        ctx.item_input_value("//Enhancement/**/##d_factor", 0.25)
         wait(
             ctx, lambda: state.enhancement.params.d_factor == 3.0 and is_settled(state), "the new enhancement"
         )
