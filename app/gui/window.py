@@ -22,8 +22,10 @@ from app.gui.drawing.chosen_viewport import ChosenViewport, SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
 from app.gui.frame import dockings, kept_layout, starting
+from app.gui.frame.bare import Bare
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
+from app.gui.frame.full_screen import FullScreen
 from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
@@ -96,6 +98,7 @@ class Window:
             *(Apart(channel, hello_imgui.request_refresh) for channel in self._channels.of("apart")),
         )
         self._dialogs = Dialogs(Path.home())
+        self._bare, self._full_screen, self._ends = Bare(), FullScreen(), False
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
         self._ctx: moderngl.Context | None = None
@@ -237,6 +240,10 @@ class Window:
         self._commands = sections(self.state, RUNNER)
         params = hello_imgui.get_runner_params()
         self._wear(params)
+        self._bare.follow(self.state.window.bare, params.docking_params.dockable_windows)
+        self._full_screen.follow(self.state.window.full_screen)
+        if self._ends:
+            dockings.quit_app()
         dockings.follow(self.state)
         dockings.spare_ground()
         idling = params.fps_idling
@@ -303,9 +310,18 @@ class Window:
         ask_before_quitting(self.state)
         if self._has_signal():
             dockings.quit_app()
+        self._end_whole()
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
             remembered.remember(self.state)
+
+    def _end_whole(self) -> None:
+        """The runner keeps panels and place for the next window when it ends: before, they are brought back,
+        which is done between two frames."""
+        params, frame = hello_imgui.get_runner_params(), self.state.window
+        if params.app_shall_exit and (frame.bare or frame.full_screen):
+            params.app_shall_exit, self._ends = False, True
+            frame.bare = frame.full_screen = False
 
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""
@@ -339,4 +355,5 @@ def _panel(
 ) -> hello_imgui.DockableWindow:
     panel = hello_imgui.DockableWindow(title, dock, draw, shown == "always", shown == "by the menu")
     panel.include_in_view_menu = shown != "by the state"
+    panel.remember_is_visible = shown == "by the menu"
     return panel

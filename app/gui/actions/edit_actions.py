@@ -62,7 +62,7 @@ def toggle(state: AppState) -> None:
     editing.active, editing.stroke = not editing.active, ()
     _show(state)
     if editing.active:
-        state.scene.viewer.flying = False
+        state.scene.viewer.flying = state.window.bare = False
         _ask(state, None, "replace")
 
 

@@ -67,6 +67,17 @@ def _flight(state: AppState) -> bool:
     return was
 
 
+def _bare(state: AppState) -> bool:
+    was, state.window.bare = state.window.bare, False
+    return was
+
+
+def _full_screen(state: AppState) -> bool:
+    was, state.window.full_screen = state.window.full_screen, False
+    return was
+
+
 INNERMOST_FIRST: tuple[Leave, ...] = (
     _help, _export, _batches, _mask, _stroke, _measuring, _flight, _editing,
+    _bare, _full_screen,
 )  # fmt: skip

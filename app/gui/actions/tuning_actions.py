@@ -14,7 +14,9 @@ from app.gui.work.tuning import CellRequest, Grid, GridCell
 
 
 def toggle_tuning(state: AppState) -> None:
-    state.tuning.shown = not state.tuning.shown
+    """Its panel is one of those that a bare window hides."""
+    state.tuning.shown = state.window.bare or not state.tuning.shown
+    state.window.bare = False
 
 
 def choose_axis(state: AppState, place: int, choice: Choice) -> None:

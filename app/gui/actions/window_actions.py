@@ -1,4 +1,4 @@
-"""The window as a whole, as functions on the state: saving it as an image."""
+"""The window as a whole, as functions on the state: its image, its panels, full screen."""
 
 from __future__ import annotations
 
@@ -13,6 +13,15 @@ from renderer.clip import ByteImage
 
 SETTLING = 3
 """Frames after which the menu or the panel that was clicked has gone."""
+
+
+def toggle_panels(state: AppState) -> None:
+    """The pictures alone, or all panels around them again."""
+    state.window.bare = not state.window.bare
+
+
+def toggle_full_screen(state: AppState) -> None:
+    state.window.full_screen = not state.window.full_screen
 
 
 def save_window(state: AppState) -> None:

@@ -29,10 +29,11 @@ MOUSE = (
     ("Ctrl+click on a slider", "type a value"),
 )
 # A sum of two keys is a number: as an enum it is a member that Python 3.11.2, Debian 12's, cannot make.
-SHIFT_SLASH = int(imgui.Key.mod_shift) + int(imgui.Key.slash)
+SHIFT = int(imgui.Key.mod_shift)
+SHIFT_SLASH = SHIFT + int(imgui.Key.slash)
 NAMED = {
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
-    "End": imgui.Key.end, "Left": imgui.Key.left_arrow, "Right": imgui.Key.right_arrow,
+    "Tab": imgui.Key.tab, "End": imgui.Key.end, "Left": imgui.Key.left_arrow, "Right": imgui.Key.right_arrow,
     "Space": imgui.Key.space, "comma": imgui.Key.comma, "period": imgui.Key.period, "?": SHIFT_SLASH,
     "plus": imgui.Key.equal, "minus": imgui.Key.minus,
     "keypad plus": imgui.Key.keypad_add, "keypad minus": imgui.Key.keypad_subtract,
@@ -40,14 +41,15 @@ NAMED = {
 }  # fmt: skip
 CLAIMED = (
     imgui.Key.space, imgui.Key.home, imgui.Key.end, imgui.Key.left_arrow, imgui.Key.right_arrow,
-    imgui.Key.up_arrow, imgui.Key.down_arrow,
+    imgui.Key.up_arrow, imgui.Key.down_arrow, imgui.Key.tab,
 )  # fmt: skip
 """Unless claimed, they walk from control to control, and press the one in focus."""
 OWNER = 0x6B657973
 """Any number that no control has."""
+WALK = SHIFT | int(imgui.Key.tab)
 WALK_TEXT = "go through the controls by keyboard, on with Tab and arrows, Space to press; Esc ends it"
 LEAVE = int(imgui.Key.escape)
-LEAVE_TEXT = "leave the innermost: menu, dialog, tool"
+LEAVE_TEXT = "leave the innermost: menu, dialog, tool, images alone, full screen"
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
 
 
@@ -79,6 +81,9 @@ class Keyboard:
         walks, self._walked = io.nav_visible or self._walked, io.nav_visible
         if free and not walks:
             _claim(io.key_mods)
+            if _is_pressed(WALK, False):
+                # Shift and Tab of one frame: Tab was claimed before Shift was seen.
+                imgui.set_nav_cursor_visible(True)
         flies = state.scene.viewer.flying
         if acts and not walks and _is_pressed(LEAVE, False):
             leaving.leave_innermost(state)
@@ -89,9 +94,11 @@ class Keyboard:
 
 
 def _claim(held: int) -> None:
-    """Until the next frame these keys are ours alone."""
-    if not held & int(imgui.Key.mod_ctrl | imgui.Key.mod_alt):
-        for key in CLAIMED:
+    """Until the next frame these keys are ours alone; with Shift, Tab begins a walk."""
+    if held & ~SHIFT:
+        return
+    for key in CLAIMED:
+        if not (held and key == imgui.Key.tab):
             imgui.internal.set_key_owner(key, OWNER)
 
 

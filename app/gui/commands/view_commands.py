@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import actions, path_actions
+from app.gui.actions import actions, path_actions, window_actions
 from app.gui.commands.command import Command, Section, WindowServices, menu
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 
@@ -23,6 +23,13 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
             ("Report", "panel: an opened report of measurements"),
         )
     )
+    whole = (
+        Command("Images alone", window_actions.toggle_panels, ("Tab",),
+                text="hide all panels but the images, or show them again",
+                ticked=lambda s: s.window.bare),
+        Command("Full screen", window_actions.toggle_full_screen, ("F11",),
+                ticked=lambda s: s.window.full_screen),
+    )  # fmt: skip
     path = (
         Command("Camera path", path_actions.toggle_path_shown, text="show the camera path in the 3D view",
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes),
@@ -32,7 +39,7 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
         Command("Standard layout", lambda s: outside.layout(),
                 text="all panels back to their standard places"),
     )  # fmt: skip
-    return menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
+    return menu("View", whole, panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
 
 
 def _theme(theme: Theme) -> Command:

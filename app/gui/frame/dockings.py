@@ -134,10 +134,10 @@ def follow(state: AppState) -> None:
     """What has nothing to show leaves its space to the other; what is asked for comes to the front."""
     panel = _docking().dockable_window_of_name
     alone = state.is_model_alone
-    panel("3D view").is_visible = state.has_view and not alone
+    panel("3D view").is_visible = state.has_view and not alone and not state.window.bare
     panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
-    _show(panel(TUNING), state.tuning.shown)
-    _show(panel(EDIT), state.editing.active)
+    _show(panel(TUNING), state.tuning.shown and not state.window.bare)
+    _show(panel(EDIT), state.editing.active and not state.window.bare)
     if state.source.asked and (pictures := _window("Pictures")) is not None:
         panel("Pictures").focus_window_at_next_frame = pictures.hidden
         actions.pictures_came(state)

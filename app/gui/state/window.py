@@ -80,6 +80,9 @@ class WindowFrame:
     toast: Toast | None = None
     log: deque[str] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     help_open: bool = False
+    bare: bool = False
+    """The panels are hidden: the pictures alone."""
+    full_screen: bool = False
     palette: Palette = field(default_factory=Palette)
     closing: Closing = "no"
     choosing: Choosing | None = None

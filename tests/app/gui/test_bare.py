@@ -1,0 +1,105 @@
+"""The pictures alone, and the whole screen, in the real window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import glfw
+import pytest
+from imgui_bundle import glfw_utils, hello_imgui, imgui
+from imgui_bundle.immapp import testing
+
+from app.gui.actions import actions
+from app.gui.frame import dockings, kept_layout
+from app.gui.work.settings import Places, Settings
+from assets import phantom_path
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+def shown() -> set[str]:
+    """Panels that are in sight or behind another one's tab."""
+    panels = hello_imgui.get_runner_params().docking_params.dockable_windows
+    return {panel.label for panel in panels if panel.is_visible}
+
+
+@pytest.mark.display
+def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, key = driver.state, imgui.Key
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def width() -> float:
+            return float(ctx.window_info("//Pictures").window.size.x)
+
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        before, narrow = shown(), width()
+        ctx.item_click("//Pictures/**/###freeze")  # Whatever has the focus.
+        ctx.key_press(key.tab)
+        ctx.yield_(4)
+        assert shown() == {"Pictures"}
+        assert width() == imgui.get_main_viewport().size.x > narrow
+        ctx.key_press(key.tab)
+        ctx.yield_(4)
+        assert (shown(), width()) == (before, narrow)
+        ctx.key_press(key.tab)
+        ctx.yield_(2)
+        ctx.key_press(key.escape)
+        ctx.yield_(4)
+        assert shown() == before
+        ctx.key_press(key.tab)
+        ctx.yield_(2)
+        state.tuning.shown = False
+        ctx.key_press(key.mod_ctrl | key.t)  # What is asked for is there.
+        ctx.yield_(4)
+        assert shown() == before | {"Tuning"}
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_f11_fills_the_screen_and_goes_back_to_its_place(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        window = glfw_utils.glfw_window_hello_imgui()
+        screen = glfw.get_video_mode(glfw.get_primary_monitor()).size
+        place = (*glfw.get_window_pos(window), *glfw.get_window_size(window))
+
+        def is_over(size: tuple[int, int]) -> Callable[[], bool]:
+            return lambda: tuple(glfw.get_window_size(window)) == size
+
+        ctx.key_press(imgui.Key.f11)
+        wait(ctx, lambda: bool(glfw.get_window_monitor(window)), "the screen")
+        wait(ctx, is_over((screen.width, screen.height)), "its size")
+        ctx.key_press(imgui.Key.escape)
+        wait(ctx, lambda: not glfw.get_window_monitor(window), "the window")
+        wait(ctx, is_over(place[2:]), "its size")
+        assert driver.state.enhancement.active
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_a_window_that_ends_so_is_kept_with_its_panels_and_in_its_place(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    size: list[tuple[int, int]] = []
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        size.append(dockings.window_size(first=False))
+        dockings.toggle("Notes")
+        ctx.yield_(3)
+        ctx.key_press(imgui.Key.tab)
+        ctx.key_press(imgui.Key.f11)
+        ctx.yield_(4)
+        assert driver.state.window.full_screen
+        assert "Notes" not in shown()
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.q)
+        ctx.yield_(10)
+
+    params = driver.window.runner_params()
+    with pytest.raises(RuntimeError, match="exited before the test finished"):  # By Ctrl+Q.
+        testing.run(test_function=drive, runner_params=params, add_ons_params=driver.window.add_ons())
+    kept = (places.config / kept_layout.NAME).read_text()
+    assert "_Notes=true" in kept
+    assert f"WindowSize={size[0][0]},{size[0][1]}" in kept
