@@ -119,9 +119,15 @@ def _pressed(state: AppState, sections: Iterable[Section], walks: bool) -> list[
 
 def _is_pressed(code: int, repeats: bool) -> bool:
     """Exactly this chord; a held key counts again only where that is wanted."""
-    if imgui.get_io().key_mods != code & MODIFIERS:
+    if _held() != code & MODIFIERS:
         return False
     return imgui.is_key_pressed(imgui.Key(code & ~MODIFIERS), repeats)
+
+
+def _held() -> int:
+    """Modifiers of this frame's keys: a quick hand has let go of them by the end of a slow frame."""
+    let_go = sum(int(one) for one in HELD.values() if imgui.is_key_released(one))
+    return imgui.get_io().key_mods | let_go
 
 
 def _fly(state: AppState, ways: list[tuple[int, int, int]], seconds: float) -> None:

@@ -22,6 +22,11 @@ def shown() -> set[str]:
     return {panel.label for panel in panels if panel.is_visible}
 
 
+def in_front(ctx: imgui.test_engine.TestContext) -> set[str]:
+    """Of these, the ones not behind another one's tab."""
+    return {name for name in shown() if not ctx.window_info(f"//{name}").window.hidden}
+
+
 @pytest.mark.display
 def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
@@ -33,7 +38,8 @@ def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places
             return float(ctx.window_info("//Pictures").window.size.x)
 
         wait(ctx, lambda: is_settled(state), "the phantom")
-        before, narrow = shown(), width()
+        before, narrow, front = shown(), width(), in_front(ctx)
+        assert "Reconstruction" in front
         ctx.item_click("//Pictures/**/###freeze")  # Whatever has the focus.
         ctx.key_press(key.tab)
         ctx.yield_(4)
@@ -42,6 +48,7 @@ def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places
         ctx.key_press(key.tab)
         ctx.yield_(4)
         assert (shown(), width()) == (before, narrow)
+        assert in_front(ctx) == front
         ctx.key_press(key.tab)
         ctx.yield_(2)
         ctx.key_press(key.escape)

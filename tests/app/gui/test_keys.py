@@ -162,6 +162,21 @@ def test_o_shows_the_original_while_it_is_held_also_over_a_menu(ui: Ui, opened: 
     assert not opened.enhancement.peeking
 
 
+def test_a_chord_is_one_also_when_it_is_let_go_of_within_a_frame(ui: Ui, opened: AppState) -> None:
+    draw, key = keyboard(opened), imgui.Key
+    ui.io.add_key_event(key.mod_shift, True)
+    ui.frame(draw)
+    ui.io.add_key_event(key.w, True)
+    ui.io.add_key_event(key.mod_shift, False)
+    ui.frame(draw)
+    ui.io.add_key_event(key.w, False)
+    ui.frame(draw)
+    assert not opened.enhancement.active
+    assert opened.comparing.chosen.mode == "side by side"
+    ui.press(draw, key.w)
+    assert opened.comparing.chosen.mode == "wipe"
+
+
 def test_a_letter_that_is_typed_is_no_key(ui: Ui, opened: AppState) -> None:
     keys = keyboard(opened)
 
