@@ -63,12 +63,10 @@ class Preparer:
         """End the process; what it has compiled stays. At most a few seconds."""
         self._pipe.close()
         self._far_end.close()
-        if self._process.pid is not None:
-            self._process.join(SECONDS_TO_END)
-            for end in (self._process.terminate, self._process.kill):
-                if self._process.is_alive():
-                    end()
-                    self._process.join(SECONDS_TO_END)
+        for end in (self._process.terminate, self._process.kill):
+            if self._process.pid is not None and self._process.is_alive():
+                end()
+                self._process.join(SECONDS_TO_END)
 
 
 def work(pipe: Connection, first: Preset) -> None:

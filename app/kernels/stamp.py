@@ -57,9 +57,10 @@ def _key() -> str:
     time, versions, CPU."""
     from importlib.metadata import version
 
+    import llvmlite
     from llvmlite.binding import get_host_cpu_name
 
-    facts = [get_host_cpu_name(), platform.machine(), sys.version, version("numba"), version("llvmlite")]
+    facts = [get_host_cpu_name(), platform.machine(), sys.version, version("numba"), llvmlite.__version__]
     for package in PACKAGES:
         for path in sorted((ROOT / package).rglob("*.py")):
             found = path.stat()

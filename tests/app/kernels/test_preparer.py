@@ -19,7 +19,7 @@ from app.gui.update.preparing import COMPLETE, ENDED, follow_preparation
 from app.gui.work.settings import Places
 from app.kernels import preparer, stamp
 from app.kernels.preparer import Preparer
-from app.kernels.progress import Preparation, Task, paced, tasks, worded
+from app.kernels.progress import Preparation, paced, tasks, worded
 
 SECONDS = 60.0
 
@@ -157,7 +157,9 @@ def test_where_nothing_can_be_written_nothing_is_noted(
     assert not stamp.is_prepared()
 
 
-def test_a_task_is_one_of_those_that_take_known_time() -> None:
-    for task in tasks():
-        assert isinstance(task, Task)
-        assert task.seconds > 0
+def test_what_both_methods_share_is_counted_once() -> None:
+    def seconds(first: Preset) -> float:
+        return sum(task.seconds for task in tasks(first))
+
+    assert seconds(PAPER) == seconds(VESSEL)
+    assert all(task.seconds > 0 for task in tasks())

@@ -10,6 +10,7 @@ from pkgutil import walk_packages
 from typing import get_args
 
 import numpy as np
+import pytest
 
 import enhance
 import renderer
@@ -126,6 +127,7 @@ def check(folder: Path) -> None:
     assert sorted(signatures() - prepared) == []
 
 
+@pytest.mark.slow
 def test_nothing_is_compiled_after_the_preparation(tmp_path: Path) -> None:
     code = f"from pathlib import Path; from {__name__} import check; check(Path({str(tmp_path)!r}))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=900)
