@@ -74,7 +74,7 @@ def draw_enhancement(state: AppState, texture: Texture) -> None:
 
 def draw_presets(state: AppState, texture: Texture) -> None:
     row("Preset", "Named settings. Save stores the current ones under a name of yours.", -4.0)
-    shown = preset_name(state.enhancement.params, state.enhancement.presets) or "custom"
+    shown = preset_name(state.enhancement.params, state.enhancement.presets)
     is_open = imgui.begin_combo("##preset", legible(shown), imgui.ComboFlags_.height_largest)
     preset_actions.look_at(state, is_open)
     if is_open:
@@ -205,7 +205,7 @@ def _draw_edits(state: AppState) -> None:
     edits = (
         ("Undo", history.undo, "Ctrl+Z", len(chosen.past) > 1),
         ("Redo", history.redo, "Ctrl+Y", bool(chosen.future)),
-        ("Reset all", actions.reset_params, RESET_TEXT, chosen.params != type(chosen.params)()),
+        ("Reset all", actions.reset_params, RESET_TEXT, actions.can_reset(state)),
     )
     for (label, act, text, enabled), width in in_line(edits):
         button(label, partial(act, state), text, enabled=enabled, width=width)
