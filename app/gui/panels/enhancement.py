@@ -17,8 +17,19 @@ from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measur
 from app.gui.state import scales
 from app.gui.state.amounts import Amount
 from app.gui.state.app_state import AppState
-from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider
-from app.gui.style.widgets import NAMES, button, choose_row, em, explain, in_line, muted, row
+from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider, with_beside
+from app.gui.style.widgets import (
+    NAMES,
+    beside,
+    beside_of,
+    button,
+    choose_row,
+    em,
+    explain,
+    in_line,
+    muted,
+    row,
+)
 from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
@@ -228,22 +239,28 @@ def _draw_windows(params: EnhanceParams, used: Statistics | None) -> EnhancePara
 
 def _draw_scale(params: EnhanceParams, index: int, exponents: tuple[float, ...]) -> EnhanceParams:
     about, value = amount(EnhanceParams, "radii"), params.radii[index]
-    row(f"Window {index + 1}", about.text, -(NUMBERS + LESS))
-    changed, radius = slider("##radius", value, about, "%d px", imgui.SliderFlags_.logarithmic)
-    imgui.same_line()
-    removed = button("–", text="Remove this window.", enabled=len(params.radii) > 1, width=LESS - 0.5)
-    number(f"{value} px")
+    draw = partial(slider, "##radius", value, about, "%d px", imgui.SliderFlags_.logarithmic)
+    less = partial(_draw_less, f"{value} px", enabled=len(params.radii) > 1)
+    drawn = with_beside(f"Window {index + 1}", about.text, NUMBERS + LESS, draw, less)
+    (changed, radius), removed = drawn
     params = scales.with_radius(params, index, radius) if changed else params
     params = _draw_exponent(params, index, exponents)
     return scales.without_scale(params, index) if removed else params
 
 
+def _draw_less(width: str, *, enabled: bool) -> bool:
+    removed = button("–", text="Remove this window.", enabled=enabled, width=LESS - 0.5)
+    imgui.same_line()
+    number(width)
+    return removed
+
+
 def _draw_exponent(params: EnhanceParams, index: int, exponents: tuple[float, ...]) -> EnhanceParams:
     about, value = declared(EnhanceParams, "p"), float(exponents[index])
     shown = Amount(about.lo, about.hi, f"{about.text} Changed here, each window has its own.")
-    row("    Detail", shown.text, -NUMBERS)
-    moved, p = slider("##p", value, shown, "%.2f")
-    number(f"{value:.2f}", quiet=not isinstance(params.p, tuple))
+    draw = partial(slider, "##p", value, shown, "%.2f")
+    said = partial(number, f"{value:.2f}", quiet=not isinstance(params.p, tuple))
+    (moved, p), _ = with_beside("    Detail", shown.text, NUMBERS, draw, said)
     return scales.with_exponent(params, index, p, exponents) if moved else params
 
 
@@ -252,7 +269,7 @@ def _draw_counts(params: EnhanceParams) -> EnhanceParams:
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + em(NAMES))
     text = f"Add a window twice as wide; at most {scales.MOST_SCALES}."
     button("Add window", lambda: made.append(scales.with_scale(params)), text, enabled=more)
-    imgui.same_line()
+    beside("Same detail")
     together, apart = partial(scales.together, params), isinstance(params.p, tuple)
     button("Same detail", lambda: made.append(together()), SAME_TEXT, enabled=apart)
     return made[-1]
@@ -264,7 +281,7 @@ def _draw_subsample(params: EnhanceParams) -> EnhanceParams:
     factors = SUBSAMPLES if now in SUBSAMPLES else SUBSAMPLES | {now: f"{now}×"}
     chosen = choose_row("Subsample", now, factors, about.text, 4.2)
     params = replace(params, subsample=chosen) if chosen != now else params
-    imgui.same_line()
+    beside_of(em(6.5))
     changed, keep = imgui.checkbox("Keep black", params.keep_black)
     explain(declared(EnhanceParams, "keep_black").text)
     return replace(params, keep_black=keep) if changed else params

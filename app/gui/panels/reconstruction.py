@@ -17,7 +17,7 @@ from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style import theme
-from app.gui.style.fields import NUMBERS, amount, declared, number, slider, wants_default
+from app.gui.style.fields import NUMBERS, amount, declared, number, resettable, wants_default, with_beside
 from app.gui.style.widgets import (
     button,
     choose_row,
@@ -112,13 +112,11 @@ def _draw_choices(state: AppState, run: Reconstruction) -> None:
 def _draw_color(state: AppState, d_factor: float) -> None:
     shown = amount(EnhanceParams, "d_factor")
     shown = replace(shown, text=f"{COLOR_TEXT} {shown.text}")
-    row("Colour", shown.explained(d_factor), -NUMBERS)
-    changed, new = slider("##run_d", d_factor, shown, "%.2f")
-    if wants_default("run_d"):
-        changed, new = True, RECONSTRUCTION_PARAMS.k
-    number(f"{shown.of_parameter(d_factor):.2f}")
-    if changed:
-        job_actions.choose_d_factor(state, new)
+    draw = partial(resettable, "run_d", d_factor, shown, "%.2f")
+    beside = partial(number, f"{shown.of_parameter(d_factor):.2f}")
+    (changed, new, reset), _ = with_beside("Colour", shown.explained(d_factor), NUMBERS, draw, beside)
+    if changed or reset:
+        job_actions.choose_d_factor(state, RECONSTRUCTION_PARAMS.k if reset else new)
 
 
 def _quality(run: Reconstruction) -> int:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any, TypeVar
 
 from annotated_types import Interval
@@ -14,12 +15,16 @@ from app.console.flags import marks
 from app.enhancement.methods import EnhancementSettings
 from app.gui.state.amounts import AMOUNTS, Amount
 from app.gui.style import theme
-from app.gui.style.widgets import explain, row
+from app.gui.style.widgets import NAMES, em, explain, row
 from enhance import EnhanceParams
 
 L = TypeVar("L", bound=EnhancementSettings)
+S = TypeVar("S")
+T = TypeVar("T")
 NUMBERS = 3.9
 """Text heights at the right end that the numbers of sliders have, with the gap before them."""
+LEAST = 3.5
+"""Text heights that a slider has at least."""
 AUTO = 4.3
 """Text heights that an Auto switch has, with the gap before it."""
 
@@ -61,13 +66,33 @@ def slide(params: L, name: str, label: str, form: str = "%.2f", *, log: bool = F
     shown, value = amount(type(params), name), getattr(params, name)
     flags = imgui.SliderFlags_.logarithmic if log else 0
     with_number = form % shown.of_parameter(value) if isinstance(value, float) else form % value
-    row(label, shown.explained(value), -NUMBERS)
-    changed, new = slider(f"##{name}", value, shown, form, flags)
-    reset = wants_default(name)
-    number(with_number)
+    text, draw = shown.explained(value), partial(resettable, name, value, shown, form, flags)
+    (changed, new, reset), _ = with_beside(label, text, NUMBERS, draw, partial(number, with_number))
     if reset:
         return _with(params, name, declared(type(params), name).default)
     return _with(params, name, new) if changed else params
+
+
+def resettable(name: str, value: Any, shown: Amount, form: str, flags: int = 0) -> tuple[bool, Any, bool]:
+    """A slider: whether it is moved, to what, and whether its default is asked for."""
+    changed, new = slider(f"##{name}", value, shown, form, flags)
+    return changed, new, wants_default(name)
+
+
+def with_beside(
+    label: str, text: str, width: float, draw: Callable[[], S], draw_beside: Callable[[], T]
+) -> tuple[S, T]:
+    """A row of a name, a slider and what stands beside it, `width` em across; where that leaves no room for
+    a slider, it is below. Returns what both give."""
+    if imgui.get_content_region_avail().x >= em(NAMES + LEAST + width):
+        row(label, text, -width)
+        drawn = draw()
+        imgui.same_line()
+        return drawn, draw_beside()
+    row(label, text)
+    beside = draw_beside()
+    imgui.set_next_item_width(em(-0.1))
+    return draw(), beside
 
 
 def _with(params: L, name: str, value: Any) -> L:
@@ -100,9 +125,8 @@ def _fraction(label: str, value: float, shown: Amount, form: str, flags: int) ->
 
 
 def number(text: str, *, quiet: bool = False) -> None:
-    """The value of the slider before, in a column at the right end."""
-    imgui.same_line()
-    room = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
+    """The value of a slider, in a column at the right end."""
+    room = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x - em(0.1)
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0))
     imgui.align_text_to_frame_padding()
     imgui.text_colored(theme.now().muted if quiet else theme.now().text, text)
@@ -118,18 +142,23 @@ def slide_auto(
     now = float(value) if value is not None else start if used is None else used
     is_known = not automatic or used is not None
     text = f"{shown.of_parameter(now):.2f}" if is_known else "…"
-    row(label, shown.explained(now if is_known else None), -(NUMBERS + AUTO))
-    changed, new = slider(f"##{name}", now, shown, "%.2f")
-    reset = wants_default(name)
-    imgui.same_line()
-    switched, switch = imgui.checkbox(f"Auto##{name}", automatic)
-    explain("Automatic: from the image. Off, or once the slider is moved: set by hand.")
-    number(text, quiet=automatic)
+    about, draw = shown.explained(now if is_known else None), partial(resettable, name, now, shown, "%.2f")
+    drawn = with_beside(label, about, NUMBERS + AUTO, draw, partial(_auto, name, automatic, text))
+    (changed, new, reset), (switched, switch) = drawn
     if reset:
         return _with(params, name, declared(type(params), name).default)
     if switched:
         return _with(params, name, None if switch else round(now, 2))
     return _with(params, name, new) if changed else params
+
+
+def _auto(name: str, automatic: bool, text: str) -> tuple[bool, bool]:
+    """The switch, whether it was clicked, and the number."""
+    switched = imgui.checkbox(f"Auto##{name}", automatic)
+    explain("Automatic: from the image. Off, or once the slider is moved: set by hand.")
+    imgui.same_line()
+    number(text, quiet=automatic)
+    return switched
 
 
 def wants_default(name: str) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import actions, history_actions
@@ -136,8 +136,9 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> list[Hand]:
             low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
             hand.numbers.append(Number(text, low.x - hand.end.x, high.x))
 
-    for module in (fields, enhancement, reconstruction):
+    for module in (fields, enhancement):
         monkeypatch.setattr(module, "slider", seen)
+    for module in (fields, enhancement, reconstruction):
         monkeypatch.setattr(module, "number", read)
     return hands
 
@@ -231,6 +232,23 @@ def test_the_numbers_are_amounts(hand: Hand) -> None:
     actions.set_params(hand.state, EnhanceParams(z=0.07, p=0.5, d_factor=0.25))
     hand.frame(2)
     assert [one.text for one in hand.numbers[:4]] == ["1.00", "0.93", "0.50", "0.80"]
+
+
+@pytest.mark.parametrize("width", [190, 230, 260])
+def test_in_a_narrow_panel_sliders_are_below_their_numbers(
+    ui: Ui, opened: AppState, watched: list[Hand], width: int
+) -> None:
+    def narrow(state: AppState) -> None:
+        with imgui_ctx.begin_child("narrow", ImVec2(width, 0)):
+            draw_enhancement(state, no_thumbnail)
+
+    hand = Hand(ui, opened, narrow)
+    watched.append(hand)
+    hand.frame(2)
+    assert all(hand.high[name].x - hand.low[name].x > 3 * 13 for name in hand.low)
+    assert all(one.end <= width + 8 for one in hand.numbers)
+    hand.drag("z", 0.3, 0.75)
+    assert shown(opened.enhancement.params, "z") == pytest.approx(0.75, abs=0.02)  # type: ignore[arg-type]
 
 
 def tooltip() -> Any:
