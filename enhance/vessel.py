@@ -21,6 +21,7 @@ from enhance.guided_filter import Grids, WindowModels, window
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
+from enhance.reflections import without_reflections
 from enhance.result import EnhanceResult
 from enhance.rows import sums_of
 from enhance.saturation import pull
@@ -91,9 +92,9 @@ def enhance_vessels(
     2. V: Eqs 1 and 7-10 of the paper with part of its brightening, then `gamma`.
     3. S: Eqs 11 and 12 with the gain kept between 1 and `most_color`.
     4. What is narrow and absorbs green more than red is a density of blood: the top-hat (the image less its
-       morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, and of
-       steps between tissues little is left. R, G and B are attenuated by it as haemoglobin does. Nothing gets
-       brighter, so nothing saturates.
+       morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, of
+       steps between tissues little is left, and reflections count as what surrounds them. R, G and B are
+       attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates.
 
     For many images, or many parameters of one, a `VesselEnhancer` is faster.
 
@@ -223,7 +224,9 @@ class VesselEnhancer:
             self._ground = None
         ground = self._ground
         if ground is None or ground.radius != params.radius:
-            opened = morphology.opened(found.small, params.radius // step)
+            reach = params.radius // step
+            tissue = without_reflections(found.small, found.survey.low.fine[0], reach)
+            opened = morphology.opened(tissue, reach)
             ground = _Ground(params.radius, step, opened, _median(now, found.absorbed, opened, step))
             self._ground = ground
         return found, ground

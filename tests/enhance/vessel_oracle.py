@@ -13,6 +13,7 @@ from enhance.image import AnyImage, BoolImage, Float32Image, read_mask, read_pic
 from enhance.morphology import step_of
 from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
+from enhance.reflections import without_reflections
 from enhance.result import EnhanceResult
 from enhance.saturation import Saturation, stretch
 from enhance.shown import Pixels, Shown
@@ -52,7 +53,7 @@ def vessels_of(
     paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
     toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics, pixels=field or "all")
     colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
-    density = np.float32(params.strength) * _fade(bright) * blood_density(planes, params, inside)
+    density = np.float32(params.strength) * _fade(bright) * blood_density(planes, bright, params, inside)
     shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
     result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
     result[~inside] = colors[~inside]
@@ -61,7 +62,9 @@ def vessels_of(
     return EnhanceResult(picture.with_colors(result), toned.statistics, ())
 
 
-def blood_density(planes: Planes, params: VesselParams, inside: BoolImage) -> Float32Image:
+def blood_density(
+    planes: Planes, bright: Float32Image, params: VesselParams, inside: BoolImage
+) -> Float32Image:
     """Optical density of narrow dark structures in green, (H, W) in [0, 0.5].
 
     The top-hat (image less its morphological opening, of radius `radius`) of `shading` log R - log G: narrow
@@ -70,11 +73,12 @@ def blood_density(planes: Planes, params: VesselParams, inside: BoolImage) -> Fl
 
     Args:
         planes: R, G and B, or a single grey, (H, W) in [0, 1].
+        bright: (H, W) calm V, which tells reflections.
         inside: (H, W), True = field of view, whose median density is noise.
     """
     logs = [np.log(_smooth(plane, WIDE) + FLOOR) for plane in planes[:2]]
     absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
-    found = np.maximum(absorbed - _opened(absorbed, params.radius), 0)
+    found = np.maximum(absorbed - _opened(absorbed, bright, params.radius), 0)
     apart = max(3, math.isqrt(found.size // (1 << 14)))
     noise = np.float32(params.coring) * np.median(found[::apart, ::apart][inside[::apart, ::apart]])
     square = found * found
@@ -82,16 +86,22 @@ def blood_density(planes: Planes, params: VesselParams, inside: BoolImage) -> Fl
     return np.asarray(MOST * np.tanh(cored / MOST), dtype=np.float32)
 
 
-def _opened(plane: Float32Image, radius: int) -> Float32Image:
-    """Opened by a disc, at a size that leaves it 8 to 15 pixels, and smoothed; an odd edge repeats."""
+def _opened(plane: Float32Image, bright: Float32Image, radius: int) -> Float32Image:
+    """Opened by a disc, at a size that leaves it 8 to 15 pixels, and smoothed."""
     step = step_of(radius)
     height, width = plane.shape
-    whole = np.pad(plane, ((0, -height % step), (0, -width % step)), mode="edge")
-    small = whole.reshape(whole.shape[0] // step, step, -1, step).mean(axis=(1, 3), dtype=np.float32)
+    small = without_reflections(_blocks(plane, step), _blocks(bright, 2), radius // step)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * (radius // step) + 1,) * 2)
     opened = cv2.morphologyEx(small, cv2.MORPH_OPEN, disc, borderType=cv2.BORDER_REPLICATE)
-    size = whole.shape[1], whole.shape[0]
+    size = small.shape[1] * step, small.shape[0] * step
     return np.asarray(cv2.resize(cv2.GaussianBlur(opened, (0, 0), 0.6), size), np.float32)[:height, :width]
+
+
+def _blocks(plane: Float32Image, step: int) -> Float32Image:
+    """Means; an odd edge repeats."""
+    height, width = plane.shape
+    whole = np.pad(plane, ((0, -height % step), (0, -width % step)), mode="edge")
+    return np.asarray(whole.reshape(whole.shape[0] // step, step, -1, step).mean(axis=(1, 3)), np.float32)
 
 
 def _smooth(plane: Float32Image, weights: tuple[float, ...]) -> Float32Image:

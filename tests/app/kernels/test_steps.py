@@ -118,7 +118,8 @@ def check(folder: Path) -> None:
     prepared = signatures()
     load_all()
     idle = {name for name, kernel in loaded_kernels().items() if not kernel.overloads}
-    assert {name for name in idle if ".measuring." not in name} == NEVER_CALLED
+    # Those that are part of another kernel are compiled with it, unless that one comes from disk.
+    assert sorted(name for name in idle - NEVER_CALLED if ".measuring." not in name) == []
     _enhance_everything()
     _train_everything(folder)
     for path in sorted(folder.iterdir()):
