@@ -4,80 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.gui.actions import camera_actions, clip_actions, edit_actions
+from app.gui.actions import (
+    actions,
+    batch_actions,
+    camera_actions,
+    clip_actions,
+    edit_actions,
+    export_actions,
+    window_actions,
+)
 from app.gui.state.app_state import AppState
 
-Leave = Callable[[AppState], bool]
-"""Leaves one kind of thing. False: it is not open."""
+Open = tuple[Callable[[AppState], bool], Callable[[AppState], None]]
+"""Whether one kind of thing is open, and how it is left."""
+INNERMOST_FIRST: tuple[Open, ...] = (
+    (lambda s: s.window.help_open, lambda s: actions.show_help(s, False)),
+    (lambda s: s.exports.shown, export_actions.toggle_export),
+    (lambda s: s.batches.shown, batch_actions.toggle_batches),
+    (lambda s: bool(s.picture.mask_tool), clip_actions.stop_mask),
+    (lambda s: bool(s.editing.stroke), edit_actions.drop_stroke),
+    (lambda s: s.scene.viewer.measuring, camera_actions.toggle_measuring),
+    (lambda s: s.scene.viewer.flying, camera_actions.toggle_flight),
+    (lambda s: s.editing.active, edit_actions.toggle),
+    (lambda s: s.window.bare, window_actions.toggle_panels),
+    (lambda s: s.window.full_screen, window_actions.toggle_full_screen),
+)
 
 
 def leave_innermost(state: AppState) -> bool:
     """Dialogs before tools, a drag before the tool that it is made with; menus and questions have closed by
     then. False where there is nothing to leave."""
-    return any(leave(state) for leave in INNERMOST_FIRST)
-
-
-def _help(state: AppState) -> bool:
-    was, state.window.help_open = state.window.help_open, False
-    return was
-
-
-def _export(state: AppState) -> bool:
-    was, state.exports.shown = state.exports.shown, False
-    return was
-
-
-def _batches(state: AppState) -> bool:
-    was, state.batches.shown = state.batches.shown, False
-    return was
-
-
-def _mask(state: AppState) -> bool:
-    was = bool(state.picture.mask_tool)
-    if was:
-        clip_actions.stop_mask(state)
-    return was
-
-
-def _stroke(state: AppState) -> bool:
-    was = bool(state.editing.stroke)
-    if was:
-        edit_actions.drop_stroke(state)
-    return was
-
-
-def _editing(state: AppState) -> bool:
-    was = state.editing.active
-    if was:
-        edit_actions.toggle(state)
-    return was
-
-
-def _measuring(state: AppState) -> bool:
-    was = state.scene.viewer.measuring
-    if was:
-        camera_actions.toggle_measuring(state)
-    return was
-
-
-def _flight(state: AppState) -> bool:
-    was = state.scene.viewer.flying
-    if was:
-        camera_actions.toggle_flight(state)
-    return was
-
-
-def _bare(state: AppState) -> bool:
-    was, state.window.bare = state.window.bare, False
-    return was
-
-
-def _full_screen(state: AppState) -> bool:
-    was, state.window.full_screen = state.window.full_screen, False
-    return was
-
-
-INNERMOST_FIRST: tuple[Leave, ...] = (
-    _help, _export, _batches, _mask, _stroke, _measuring, _flight, _editing,
-    _bare, _full_screen,
-)  # fmt: skip
+    for is_open, leave in INNERMOST_FIRST:
+        if is_open(state):
+            leave(state)
+            return True
+    return False
