@@ -89,13 +89,13 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
     ):
         return None
     original = replace(pictures, params=None)
+    # What has no statistics is not made again as they come, or are taken otherwise.
+    alone = replace(original, scope="image", pixels="automatic", of_clip=None)
     if source == RENDER:
         assert state.scene.model is not None
-        return OtherRequest(replace(original, scope="image", pixels="automatic"), state.scene.model)
+        return OtherRequest(alone, state.scene.model)
     look = _look(state, source)
-    if look is None:
-        return OtherRequest(replace(original, scope="image", pixels="automatic"), source)
-    return OtherRequest(original, look)
+    return OtherRequest(alone, source) if look is None else OtherRequest(original, look)
 
 
 def _look(state: AppState, source: str) -> EnhancementSettings | None:

@@ -9,6 +9,7 @@ from weakref import ref
 import numpy as np
 import pytest
 
+from app.enhancement.clip_statistics import ClipStatistics
 from app.enhancement.settable import SOURCES
 from app.exports.comparison_images import DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.files.legible import named
@@ -20,7 +21,7 @@ from app.gui.update.update import update
 from app.gui.views.comparison import Comparison
 from app.gui.work.background import Channel
 from app.scenes.scene import Scene
-from enhance import EnhanceParams, enhance
+from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.gaussians import DynamicGaussians
@@ -86,6 +87,22 @@ def test_a_source_that_is_missing_says_so_and_shows_the_original(state: AppState
         assert why_not(state, source) in said(state)
         assert "ORIGINAL" in said(state)
         np.testing.assert_array_equal(image(state), image_of(0))
+
+
+def test_what_has_no_statistics_is_not_made_again_when_they_come(state: AppState) -> None:
+    state.enhancement.stored = {"A": EnhanceParams(z=0.2)}
+    asked = {}
+    for source in ("clahe", "A"):
+        comparing.choose_source(state, "left", source)
+        before = other_request(state, "left")
+        picture = state.picture_request
+        assert picture is not None
+        assert picture.params is not None
+        known = picture.statistics_request(picture.params)
+        state.picture.of_clip = ClipStatistics(known, measure([image_of(0)]))
+        asked[source] = before == other_request(state, "left")
+        state.picture.of_clip = None
+    assert asked == {"clahe": True, "A": False}
 
 
 def test_a_model_of_another_clip_is_no_render_of_this_one(state: AppState, model: DynamicGaussians) -> None:
