@@ -50,7 +50,9 @@ def pick(request: PickRequest) -> Iterator[Located | None]:
     if found is None:
         yield None
         return
-    error = math.hypot(found.spread, _depth_error(request.view.scene))
+    # The log of the run is read for a distance alone, not for a centre to turn around.
+    of_run = _depth_error(request.view.scene) if request.purpose == "measure" else 0.0
+    error = math.hypot(found.spread, of_run)
     yield Located(vector(found.point), vector(found.ray), error)
 
 
