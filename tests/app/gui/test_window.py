@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
-import glfw
 import moderngl
 import numpy as np
 import pytest
-from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
+from imgui_bundle import ImVec2, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
 from app.files.provenance import read_provenance
@@ -25,7 +23,6 @@ from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.presets import load_presets, presets_file
 from app.gui.work.settings import Places, Settings, load_clips, load_settings
-from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -360,56 +357,3 @@ def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
     driver.run(drive)
     assert driver.state.timeline.frozen_index == 0
     assert heights[0] > 340
-
-
-@pytest.mark.display
-def test_select_delete_undo_save_and_reopen(places: Places, runs: dict[str, Path], tmp_path: Path) -> None:
-    """Editing by mouse and keys, as a person does it."""
-    folder = RunFolder(Path(shutil.copytree(runs["original"], tmp_path / "run")))
-    count = len(folder.model())
-    driver = Driver(places, Settings(acknowledged=True), [])
-    state = driver.state
-    actions.open_path(state, folder.path)
-
-    def drag_across_left_half(ctx: imgui.test_engine.TestContext) -> None:
-        box = ctx.item_info("//3D view/view").rect_full
-        ctx.mouse_move_to_pos(ImVec2(box.min.x + 4, box.min.y + 4))
-        ctx.mouse_down()
-        ctx.mouse_move_to_pos(ImVec2((box.min.x + box.max.x) / 2, box.max.y - 4))
-        ctx.mouse_up()
-        wait(ctx, lambda: state.editing.wish is None and not state.editing.stroke, "the selection")
-
-    def drive(ctx: imgui.test_engine.TestContext) -> None:
-        wait(ctx, lambda: state.scene.view is not None, "the view")
-        ctx.key_press(chord("Ctrl+E"))
-        wait(ctx, lambda: state.editing.active and state.editing.wish is None, "edit mode")
-        ctx.yield_(3)
-        drag_across_left_half(ctx)
-        chosen = len(state.editing.edits.selected)
-        assert 0 < chosen < count
-        ctx.key_press(imgui.Key.delete)
-        wait(ctx, lambda: len(state.editing.edits.deleted) == chosen, "deletion")
-        ctx.key_press(chord("Ctrl+Z"))
-        wait(ctx, lambda: not state.editing.is_unsaved, "undo")
-        ctx.key_press(chord("Ctrl+Y"))
-        wait(ctx, lambda: state.editing.is_unsaved, "redo")
-        actions.open_path(state, folder.path)
-        ctx.yield_(3)
-        ctx.item_click("//Unsaved edits/Stay")
-        assert state.source.opening is None
-        glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
-        wait(ctx, lambda: state.editing.leaving is not None, "the question before quitting")
-        ctx.yield_(3)
-        ctx.item_click("//Unsaved edits/Stay")
-        ctx.item_click("//Edit/###edit Save")
-        wait(ctx, lambda: not state.editing.is_unsaved, "the saved edits")
-        actions.open_path(state, folder.path)
-        wait(ctx, lambda: state.source.opening is None and not state.editing.active, "the run again")
-        ctx.yield_(2)
-        assert len(state.editing.edits.deleted) == chosen
-        assert state.scene.model is not None
-        assert len(state.scene.model.model) == count - chosen
-
-    driver.run(drive)
-    assert len(folder.model()) == count
-    assert folder.edits_path.is_file()
