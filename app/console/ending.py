@@ -46,7 +46,8 @@ class Interrupted(KeyboardInterrupt):
 class EndingSignals:
     """While it is entered, these signals raise KeyboardInterrupt in the main thread, and none is lost.
 
-    Where Python cannot raise it, as in what a library in C calls back, it is raised again a moment later.
+    Where Python cannot raise it, as in what a library in C calls back, it is raised again a moment later;
+    where such a library makes an error of its own of it, it leaves in place of that error.
     """
 
     def __init__(self) -> None:
@@ -54,7 +55,7 @@ class EndingSignals:
         """Exit code of a command that was interrupted."""
         self._before: dict[int, Any] = {}
         self._unraisable_before = sys.unraisablehook
-        self._entered, self._number = False, signal.SIGINT
+        self._entered, self._number, self._came = False, signal.SIGINT, False
 
     def __enter__(self) -> EndingSignals:
         self._entered, self._unraisable_before = True, sys.unraisablehook
@@ -66,10 +67,12 @@ class EndingSignals:
                     self._before[number] = signal.signal(number, self._interrupt)
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _traceback: object) -> None:
         self._entered, sys.unraisablehook = False, self._unraisable_before
         for number, before in self._before.items():
             signal.signal(number, before)
+        if self._came and isinstance(error, Exception):
+            raise Interrupted from error
 
     def _unraisable(self, told: sys.UnraisableHookArgs) -> None:
         if not issubclass(told.exc_type, KeyboardInterrupt):
@@ -84,5 +87,5 @@ class EndingSignals:
             _thread.interrupt_main(self._number)
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        self.code, self._number = INTERRUPTED + number, signal.Signals(number)
+        self.code, self._number, self._came = INTERRUPTED + number, signal.Signals(number), True
         raise Interrupted

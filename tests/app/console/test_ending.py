@@ -12,6 +12,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from pydantic import model_serializer
+from pydantic.dataclasses import dataclass
+from pydantic_core import to_jsonable_python
 
 from app.console.ending import EndingSignals, noted
 
@@ -94,6 +97,25 @@ def test_an_interrupt_that_python_cannot_raise_comes_again() -> None:
         with pytest.raises(KeyboardInterrupt):
             wait()
     assert sys.unraisablehook is hook
+
+
+def test_an_interrupt_that_a_library_wraps_in_an_error_of_its_own_stays_one() -> None:
+    """As pydantic does with what a serializer in Python raises."""
+
+    @dataclass
+    class Interrupting:
+        @model_serializer
+        def written(self) -> str:
+            signal.raise_signal(signal.SIGINT)
+            return "written"
+
+    with pytest.raises(KeyboardInterrupt), EndingSignals():
+        to_jsonable_python(Interrupting())
+
+
+def test_an_error_without_a_signal_stays_the_error() -> None:
+    with pytest.raises(ZeroDivisionError), EndingSignals():
+        _ = 1 / 0
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signals")
