@@ -173,7 +173,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
     yield "reconstruction starting"
-    job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(1400), Evaluated(1000, 30.2)]
+    job.inbox = [Started(0, STEPS, 7000, OMITTED), *progress(1400), Evaluated(1000, 30.2)]
     job.model = model.gaussians
     person.ctx.yield_(3)
     person.ctx.window_focus("//3D view")
@@ -203,13 +203,14 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.click("//Reconstruction/###start")
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
-    job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(STEPS), Evaluated(STEPS, 33.61)]
+    job.inbox = [Started(0, STEPS, 7000, OMITTED), *progress(STEPS), Evaluated(STEPS, 33.61)]
     job.inbox += [Finished(STEPS, 39.2, model.gaussians)]
     person.wait(lambda: state.runs.reconstruction.status == "finished", "the end")
     yield "reconstruction finished"
 
 
-def _progress(last: int) -> list[object]:
+def progress(last: int) -> list[object]:
+    """What a training says until that step."""
     steps = np.arange(50, last + 1, 50)
     return [
         Progress(

@@ -23,6 +23,7 @@ from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
 from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu
 from app.gui.commands.edit_commands import edit_sections
+from app.gui.commands.help_commands import help_sections
 from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
 from app.gui.state.app_state import AppState
@@ -49,7 +50,7 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         *camera_sections(state),
         *edit_sections(),
         *view_sections(outside),
-        *_help(),
+        *help_sections(),
     )
 
 
@@ -223,20 +224,6 @@ def _clip() -> tuple[Section, ...]:
     return menu("Clip", time, parts)
 
 
-def _help() -> tuple[Section, ...]:
-    found = (
-        Command("Find a command…", lambda s: s.window.palette.open(), ("Ctrl+Shift+P",),
-                text="find a command by its name", synonyms=("search", "palette")),
-        Command("Keys and mouse", toggle_help, ("?", "F1"), text="this help",
-                synonyms=("shortcuts", "hotkeys", "keyboard", "help", "bindings")),
-    )  # fmt: skip
-    return menu("Help", found)
-
-
 def one_to_one(state: AppState) -> None:
     """One picture pixel a pixel of the screen, also where the window counts in larger units."""
     picture_actions.one_to_one(state, 1 / imgui.get_io().display_framebuffer_scale.x)
-
-
-def toggle_help(state: AppState) -> None:
-    actions.show_help(state, not state.window.help_open)

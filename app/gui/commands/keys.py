@@ -33,6 +33,7 @@ SHIFT = int(imgui.Key.mod_shift)
 SHIFT_SLASH = SHIFT + int(imgui.Key.slash)
 NAMED = {
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
+    "PageUp": imgui.Key.page_up, "PageDown": imgui.Key.page_down,
     "Tab": imgui.Key.tab, "End": imgui.Key.end, "Left": imgui.Key.left_arrow, "Right": imgui.Key.right_arrow,
     "Space": imgui.Key.space, "comma": imgui.Key.comma, "period": imgui.Key.period, "?": SHIFT_SLASH,
     "plus": imgui.Key.equal, "minus": imgui.Key.minus,

@@ -215,7 +215,7 @@ SOUGHT = (
 
 @pytest.mark.parametrize(("words", "label"), SOUGHT)
 def test_the_palette_finds_what_people_call_it(state: AppState, words: str, label: str) -> None:
-    """First among all, whether it applies now or not: each is compared with the commands that apply as it does."""
+    """First among the commands that apply now, or first among those that do not."""
     found = find(sections(state, outside()), words, state)
     meant = next(one for one in found if one.name.startswith(label))
     alike = [one.name for one in found if one.applies == meant.applies]
