@@ -8,10 +8,10 @@ RUN is a finished reconstruction of the built-in phantom. Writes to assets/guide
 from __future__ import annotations
 
 import argparse
-import os
 import random
 import shutil
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -50,9 +50,10 @@ def main() -> None:
     parser.add_argument("run", type=Path)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        os.environ["HOME"] = folder  # So that images name no folder of this computer.
         window = window_in(Path(folder), Settings(acknowledged=True))
         remembered.begin(window.state)
+        # No folder of this computer is to be seen.
+        window.state.places = replace(window.state.places, pictures=Path("Pictures/VesselSplat"))
         params = window.runner_params()
         params.ini_disable = True
         params.app_window_params.window_geometry.size = SIZE

@@ -30,12 +30,12 @@ LOGS_TEXT: Final = (
 
 def draw_about(state: AppState, copy: Callable[[str], None]) -> None:
     """A window of its own."""
-    if not state.about.shown:
+    about = state.about.facts
+    if not state.about.shown or about is None:
         return
     with imgui_ctx.begin(TITLE, True, floating(WIDTH) | imgui.WindowFlags_.no_saved_settings) as window:
         about_actions.show_about(state, bool(window.opened))
-        about = state.about.facts
-        if not window or about is None:
+        if not window:
             return
         with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
             imgui.text_unformatted(f"VesselSplat {about.version}")

@@ -35,7 +35,7 @@ FAINTER_TEXT = (
     "beside them. 1 is just noticeable."
 )
 VESSEL_TEXT = "Switch to the preset that darkens and reddens narrow dark structures as blood would."
-ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, blue where all are at 0."
+ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, yellow where all are at 0."
 
 
 def draw_compare(state: AppState, textures: ShowsPictures) -> None:
