@@ -10,6 +10,7 @@ import numpy as np
 from imgui_bundle import ImVec2
 
 from app.gui.actions import (
+    about_actions,
     actions,
     clip_actions,
     edit_actions,
@@ -71,9 +72,17 @@ def start(person: Person, model: Model) -> Iterator[str]:
     person.ctx.key_chars("open")
     yield "palette"
     person.press(K.escape)
-    person.press(K.f1)
+    person.press(chord("?"))
     yield "help"
+    person.press(chord("?"))
     person.press(K.f1)
+    person.wait(lambda: person.state.guide.pages is not None, "the guide")
+    yield "guide"
+    person.press(K.escape)
+    about_actions.toggle_about(person.state)
+    person.wait(lambda: person.state.about.facts is not None, "what the program is")
+    yield "about"
+    about_actions.toggle_about(person.state)
 
 
 def pictures(person: Person, model: Model) -> Iterator[str]:

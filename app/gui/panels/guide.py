@@ -23,6 +23,8 @@ ROOMY: Final = 46.0
 FOOT: Final = 2.3
 TALLEST: Final = 0.62
 """Share of the page's height that an image has at most."""
+LEAST: Final = 20.0
+"""Text heights that it may have anyway: a low window scrolls."""
 TURN_TEXT: Final = (
     "Page Up and Page Down turn pages, Esc closes, F1 opens the page of the panel under the pointer."
 )
@@ -83,7 +85,7 @@ def _draw_image(block: Block, image: ByteImage | None, textures: ShowsPictures) 
     """As wide as the page, but no larger than it was taken, and so that there is room for words."""
     if image is not None:
         rows, columns = image.shape[:2]
-        most = TALLEST * imgui.get_window_height() / rows
+        most = max(TALLEST * imgui.get_window_height(), em(LEAST)) / rows
         scale = min(imgui.get_content_region_avail().x / columns, em() / theme.FONT_SIZE, most)
         size = ImVec2(scale * columns, scale * rows)
         imgui.image(textures.whole(f"guide {block.name}", image), size)

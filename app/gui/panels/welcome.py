@@ -34,6 +34,7 @@ SHAPE: Final = 1.6
 DASH: Final = 0.5
 TITLE: Final = "Make blood vessels visible"
 DROP_TEXT: Final = "Drop a folder, an image, a video or a splat file here"
+SHORT_TEXT: Final = "Drop a case here"
 UNKNOWN: Final = Recent("clip")
 ICONS: Final[dict[Kind, str]] = {
     "clip": icons.ICON_FA_FILM, "run": icons.ICON_FA_CUBE,
@@ -105,7 +106,8 @@ def _draw_drop(state: AppState, area: Area) -> None:
         with imgui_ctx.push_font(None, 2.2 * theme.FONT_SIZE):
             centered(icons.ICON_FA_DOWNLOAD)
     opening = state.source.opening
-    said = DROP_TEXT if opening is None else f"Opening {legible(opening.path.name)}…"
+    said = SHORT_TEXT if stacked else DROP_TEXT
+    said = said if opening is None else f"Opening {legible(opening.path.name)}…"
     centered(said, theme.now().text)
     imgui.spacing()
     _draw_choices(state, area, stacked=stacked)
