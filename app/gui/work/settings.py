@@ -27,23 +27,19 @@ TEXT_PERCENTS = (80, 90, 100, 110, 125, 150, 175, 200)
 
 @dataclass(frozen=True)
 class Places:
-    """Folders of this user: settings and layout, reconstructions, pictures, and what can be made anew."""
+    """Folders of this user: settings and layout, reconstructions, pictures."""
 
     config: Path
     runs: Path
     pictures: Path
-    cache: Path | None = None
-    """None: beside the settings."""
 
     @classmethod
     def of_user(cls) -> Places:
         """The platform's own folders; VESSELSPLAT_CONFIG_DIR, _RUNS_DIR and _PICTURES_DIR override them."""
-        elsewhere = os.environ.get("VESSELSPLAT_CONFIG_DIR")
         return cls(
-            config=_folder("VESSELSPLAT_CONFIG_DIR", platformdirs.user_config_path("vesselsplat", False)),
+            config=_folder("VESSELSPLAT_CONFIG_DIR", _config()),
             runs=_folder("VESSELSPLAT_RUNS_DIR", platformdirs.user_data_path("vesselsplat", False) / "runs"),
             pictures=_folder("VESSELSPLAT_PICTURES_DIR", platformdirs.user_pictures_path() / "VesselSplat"),
-            cache=None if elsewhere else platformdirs.user_cache_path("vesselsplat", False),
         )
 
     @property
@@ -52,13 +48,18 @@ class Places:
 
     @property
     def thumbnails(self) -> Path:
-        """Of what was opened lately."""
-        return (self.cache or self.config) / "recent"
+        """Of what was opened lately: in the user's cache folder; with settings elsewhere, beside these."""
+        cache = platformdirs.user_cache_path("vesselsplat", False)
+        return (cache if self.config == _config() else self.config) / "recent"
 
     @property
     def logs(self) -> Path:
         """Errors, for bug reports."""
         return self.config / "log"
+
+
+def _config() -> Path:
+    return platformdirs.user_config_path("vesselsplat", False)
 
 
 def _folder(variable: str, default: Path) -> Path:

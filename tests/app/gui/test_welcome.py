@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import platformdirs
 import pytest
 from imgui_bundle import ImVec2, imgui
 
@@ -183,6 +184,14 @@ def test_a_long_name_keeps_both_ends(ui: Ui) -> None:
     assert texts[0].startswith("case")
     assert texts[0].endswith(".mp4")
     assert "…" in texts[0]
+
+
+def test_they_lie_in_the_cache_folder_of_the_user(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of settings elsewhere lie beside these, so that neither clears the other's."""
+    for name in ("CONFIG", "RUNS", "PICTURES"):
+        monkeypatch.delenv(f"VESSELSPLAT_{name}_DIR", raising=False)
+    assert Places.of_user().thumbnails.parent == platformdirs.user_cache_path("vesselsplat", False)
+    assert places.thumbnails.parent == places.config
 
 
 def test_images_of_what_the_program_does_ship_with_it() -> None:
