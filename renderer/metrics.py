@@ -12,6 +12,8 @@ from renderer.clip import BoolImage
 
 AnyFloat = NDArray[np.floating[Any]]
 
+OPAQUE = 0.9
+"""Alpha above which tissue counts as reconstructed."""
 _WINDOW, _SIGMA = 11, 1.5
 _C1, _C2 = 0.01**2, 0.03**2
 
@@ -110,6 +112,18 @@ def depth_coverage(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> flo
     drawn, _ = _depths(depth, reference, mask)
     measured = np.count_nonzero(mask & (reference > 0))
     return len(drawn) / measured if measured else float("nan")
+
+
+def coverage(alpha: AnyFloat, tissue: BoolImage) -> float:
+    """Share of the tissue's pixels (H, W) where the model is at least 90 % opaque, 0 to 1; NaN without any.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer.metrics import coverage
+        >>> coverage(np.array([[1.0, 0.5, 0.0]]), np.array([[True, True, False]]))
+        0.5
+    """
+    return float(np.mean(alpha[tissue] >= OPAQUE)) if tissue.any() else float("nan")
 
 
 def masked(

@@ -158,6 +158,9 @@ def _facts(report: dict[str, Any]) -> list[str]:
     return [
         f"{mean['n_gaussians']} Gaussians, trained in {in_all(mean['wall_seconds'], mean['train_seconds'])}",
         f"masked: over the evaluated pixels only, {_text(report['evaluated_share'], '.1%')} of the image",
+        f"all tissue, with measured depth or without: {_text(mean['psnr_tissue'], '.2f')} dB, "
+        f"{_text(mean['coverage'], '.1%')} covered,",
+        f"  seldom seen: {_text(mean['psnr_seldom'], '.2f')} dB",
         "depth: RMS error, and mean of error divided by depth,",
         f"  over {_text(report['depth'].get('covered'), '.1%')} of the evaluated pixels that have depth",
         f"time: {', '.join(times)} ms,",

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -28,7 +29,16 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
-from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
+from renderer.metrics import (
+    OPAQUE,
+    coverage,
+    depth_abs_rel,
+    depth_coverage,
+    depth_rmse,
+    psnr,
+    psnr_masked,
+    ssim,
+)
 from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.readers.endonerf import OUTLIER
@@ -36,7 +46,10 @@ from renderer.splats import RenderMode
 from renderer.torch_presence import NO_TORCH, has_torch
 from renderer.train.config import CHOSEN
 from renderer.train.methods import departures
+from renderer.train.trainer import split
 
+SELDOM = 0.3
+"""Tissue that at most this share of the training frames shows."""
 REPEATS = 5
 """Drawings of a frame whose time is taken."""
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
@@ -51,6 +64,11 @@ DEFINITIONS = {
     f"{OUTLIER:g} times as far as the frame's median, or nearer than 1/{OUTLIER:g} of it; depth.abs_rel: the "
     "mean of |error| / depth there; depth.covered: their share of the evaluated pixels where the clip has a "
     "depth",
+    "psnr_tissue": "dB, mean over all tissue, with measured depth or without: all but tools, burned-in text "
+    "and what the clip's mask leaves out",
+    "psnr_seldom": f"dB, mean over tissue in pixels where at most {SELDOM:.0%} of the training frames show "
+    "any; not measured where the camera moves, or where there is none",
+    "coverage": f"share of the pixels that show tissue where the render's alpha is at least {OPAQUE}",
     "dv_bv": "inferred definition: variances of grey above and below each image's own Otsu threshold, "
     "over the evaluated pixels, so that pixels under tools or never seen are left out",
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
@@ -82,6 +100,10 @@ class FrameMeasures:
     """Of the pixels, 0 to 1."""
     psnr: float
     psnr_masked: float
+    psnr_tissue: float
+    psnr_seldom: float | None
+    """None where the camera moves."""
+    coverage: float
     ssim: float
     lpips: float | None
     depth_rmse_mm: float | None
@@ -102,7 +124,20 @@ class FrameMeasures:
     """And of the frame that the run was trained on."""
 
 
-AVERAGED = ("psnr", "psnr_masked", "ssim", "lpips", "depth_rmse_mm", "dv", "bv", "dv_bv", "ms_per_frame")
+AVERAGED = (
+    "psnr",
+    "psnr_masked",
+    "psnr_tissue",
+    "psnr_seldom",
+    "coverage",
+    "ssim",
+    "lpips",
+    "depth_rmse_mm",
+    "dv",
+    "bv",
+    "dv_bv",
+    "ms_per_frame",
+)
 GROUPS = ("depth", "visibility", "parts_ms", "whole_picture", "original_photo", "input_photo")
 
 
@@ -137,7 +172,18 @@ class Evaluation:
         for index in self.indices:
             frame = self.trained_clip.read_frame(index)
             drawn, milliseconds = stopwatch.draw(frame)
-            yield measure_frame(frame, drawn, self.clip, self.lpips, milliseconds)
+            yield measure_frame(frame, drawn, self.clip, self.lpips, milliseconds, self.seldom)
+
+    @cached_property
+    def seldom(self) -> BoolImage | None:
+        """(H, W), True where few training frames show tissue, and some; None where the camera moves."""
+        if not self.clip.camera_is_fixed:
+            return None
+        fit, _ = split(self.clip, self.record.config)
+        shown = np.zeros(self.clip.size[::-1])
+        for index in fit:
+            shown += self.clip.read_frame(index).tissue_mask
+        return (shown > 0) & (shown <= SELDOM * len(fit))
 
     def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
         """The JSON of `evaluate`."""
@@ -226,9 +272,18 @@ def find_lpips(weights: Path | None) -> Lpips | None:
 
 
 def measure_frame(
-    frame: Frame, drawn: Drawn, clip: Clip, lpips: Lpips | None, milliseconds: Numbers
+    frame: Frame,
+    drawn: Drawn,
+    clip: Clip,
+    lpips: Lpips | None,
+    milliseconds: Numbers,
+    seldom: BoolImage | None = None,
 ) -> FrameMeasures:
-    """Compare the picture of the model with `frame.image`, and both with the clip's own."""
+    """Compare the picture of the model with `frame.image`, and both with the clip's own.
+
+    seldom: (H, W), True where tissue was seldom seen; None: that is not known.
+    """
+    tissue = frame.tissue_mask
     render, image, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
     original = clip.read_image(frame.index)
     vessels = vessel_mask(original, tissue_mask=mask)
@@ -240,6 +295,9 @@ def measure_frame(
         evaluated_share=float(mask.mean()),
         psnr=psnr(render, image, mask),
         psnr_masked=psnr_masked(render, image, mask),
+        psnr_tissue=psnr_masked(render, image, tissue),
+        psnr_seldom=None if seldom is None else psnr_masked(render, image, tissue & seldom),
+        coverage=coverage(drawn.alpha, tissue),
         ssim=ssim(render, image, mask),
         lpips=None if lpips is None else lpips.distance(render, image, mask),
         depth_rmse_mm=depth_rmse(*pair, mask) if pair and clip.unit == "mm" else None,

@@ -110,6 +110,33 @@ def test_the_frame_itself_is_a_perfect_render(large_clip: Clip) -> None:
     assert measures.visibility["vessel_contrast"] > 0
 
 
+def test_tissue_counts_where_no_depth_was_measured_and_the_seldom_seen_by_itself(large_clip: Clip) -> None:
+    frame = large_clip.read_frame(1)
+    evaluated, seldom = frame.tissue_mask.copy(), np.zeros_like(frame.tissue_mask)
+    seldom[:, :40], evaluated[:, :60] = True, False
+    image, alpha = frame.image.astype(np.float32) / 255, np.ones(evaluated.shape, np.float32)
+    image[:, :40], alpha[:, :20] = image[:, :40] * 0.5, 0.5
+    partly = replace(frame, evaluation_mask=evaluated)
+    measures = measure_frame(partly, Drawn(image, alpha, alpha), large_clip, None, {}, seldom)
+    assert measures.psnr_masked == math.inf
+    left = frame.tissue_mask & seldom
+    error = np.square(np.rint(image * 255) / 255 - frame.image / 255)
+    assert measures.psnr_seldom == pytest.approx(-10 * math.log10(error[left].mean()))
+    assert measures.psnr_tissue == pytest.approx(-10 * math.log10(error[frame.tissue_mask].mean()))
+    assert measures.coverage == pytest.approx(1 - frame.tissue_mask[:, :20].sum() / frame.tissue_mask.sum())
+
+
+def test_what_is_seldom_seen_is_so_in_few_training_frames(runs: dict[str, Path]) -> None:
+    evaluation = open_evaluation(runs["original"])
+    shown = np.mean(
+        [evaluation.clip.read_frame(index).tissue_mask for index in evaluation.clip.train_indices], axis=0
+    )
+    np.testing.assert_array_equal(evaluation.seldom, (shown > 0) & (shown <= 0.3))
+    moving = replace(evaluation.clip.cameras[0], cx=1.0)
+    moved = replace(evaluation.clip, cameras=(moving, *evaluation.clip.cameras[1:]))
+    assert replace(evaluation, clip=moved).seldom is None
+
+
 def test_the_ridges_are_those_of_the_original_frame(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
     mask = frame.evaluation_mask

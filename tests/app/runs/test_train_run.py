@@ -230,7 +230,7 @@ def test_evaluation_compares_with_the_frames_the_run_was_trained_on(
     mean = report["mean"]
     assert report["frames_are"] == "test"
     names = "psnr psnr_masked ssim lpips depth_rmse_mm dv bv dv_bv n_gaussians train_seconds ms_per_frame"
-    assert set(mean) == {*names.split(), "wall_seconds"}
+    assert set(mean) == {*names.split(), "wall_seconds", "psnr_tissue", "psnr_seldom", "coverage"}
     assert mean["lpips"] is None
     assert mean["psnr"] == pytest.approx(np.mean([frame["psnr"] for frame in report["frames"]]))
     assert (mean["n_gaussians"], mean["train_seconds"]) == (len(model), run.train_seconds())
