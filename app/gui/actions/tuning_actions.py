@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.enhancement.contact_sheet import columns_of
 from app.enhancement.parameter_grid import Axis, Setting, settings
 from app.errors import UserError
-from app.gui.actions import actions
+from app.gui.actions import actions, presenting
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import PictureView, Room
@@ -14,9 +14,10 @@ from app.gui.work.tuning import CellRequest, Grid, GridCell
 
 
 def toggle_tuning(state: AppState) -> None:
-    """Its panel is one of those that a bare window hides."""
-    state.tuning.shown = state.window.bare or not state.tuning.shown
-    state.window.bare = False
+    """Its panel is one of those that a bare window and a presentation hide."""
+    hidden = state.window.bare or state.presenting.pane is not None
+    presenting.leave(state)
+    state.tuning.shown, state.window.bare = hidden or not state.tuning.shown, False
 
 
 def choose_axis(state: AppState, place: int, choice: Choice) -> None:

@@ -6,6 +6,7 @@ from functools import partial
 
 from app.gui.actions import actions, path_actions, window_actions
 from app.gui.commands.command import Command, Section, WindowServices, menu
+from app.gui.commands.presenting_commands import presenting_commands, second_section
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 
 
@@ -29,6 +30,7 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
                 ticked=lambda s: s.window.bare),
         Command("Full screen", window_actions.toggle_full_screen, ("F11",),
                 ticked=lambda s: s.window.full_screen),
+        *presenting_commands(),
     )  # fmt: skip
     path = (
         Command("Camera path", path_actions.toggle_path_shown, text="show the camera path in the 3D view",
@@ -39,7 +41,8 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
         Command("Standard layout", lambda s: outside.layout(),
                 text="all panels back to their standard places"),
     )  # fmt: skip
-    return menu("View", whole, panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
+    others = menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
+    return Section("View", whole), second_section(), *others
 
 
 def _theme(theme: Theme) -> Command:

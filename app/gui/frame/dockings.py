@@ -133,11 +133,13 @@ def _in_window(node: Node | None) -> bool:
 def follow(state: AppState) -> None:
     """What has nothing to show leaves its space to the other; what is asked for comes to the front."""
     panel = _docking().dockable_window_of_name
-    alone = state.is_model_alone
-    panel("3D view").is_visible = state.has_view and not alone and not state.window.bare
-    panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
-    _show(panel(TUNING), state.tuning.shown and not state.window.bare)
-    _show(panel(EDIT), state.editing.active and not state.window.bare)
+    alone, presents = state.is_model_alone, state.presenting.pane is not None
+    free = not state.window.bare and not presents
+    panel("3D view").is_visible = state.has_view and not alone and free
+    panel("Pictures").is_visible = not alone and not presents
+    panel(SPLATS).is_visible = alone and not presents
+    _show(panel(TUNING), state.tuning.shown and free)
+    _show(panel(EDIT), state.editing.active and free)
     if state.source.asked and (pictures := _window("Pictures")) is not None:
         panel("Pictures").focus_window_at_next_frame = pictures.hidden
         actions.pictures_came(state)

@@ -12,6 +12,7 @@ from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
 from app.gui.state.exports import Batches, Exports
 from app.gui.state.picture import Comparing, Picture
+from app.gui.state.presenting import Presenting, SecondWindow
 from app.gui.state.reconstruction import Runs
 from app.gui.state.scene import ShownScene
 from app.gui.state.session import KeptSession
@@ -55,6 +56,8 @@ class AppState:
     session: KeptSession = field(default_factory=KeptSession)
     reports: Reports = field(default_factory=Reports)
     window: WindowFrame = field(default_factory=WindowFrame)
+    presenting: Presenting = field(default_factory=Presenting)
+    second_window: SecondWindow = field(default_factory=SecondWindow)
 
     @property
     def chosen(self) -> SettingsSnapshot:

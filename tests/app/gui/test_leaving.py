@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import camera_actions, clip_actions, edit_actions, window_actions
+from app.gui.actions import camera_actions, clip_actions, edit_actions, presenting, window_actions
 from app.gui.state.app_state import AppState
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
@@ -19,6 +19,7 @@ Asks = Callable[[AppState], bool]
 THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
     (lambda s: s.window.full_screen, window_actions.toggle_full_screen),
     (lambda s: s.window.bare, window_actions.toggle_panels),
+    (lambda s: s.presenting.pane is not None, presenting.toggle),
     (lambda s: s.editing.active, lambda s: setattr(s.editing, "active", True)),
     (lambda s: s.scene.viewer.flying, camera_actions.toggle_flight),
     (lambda s: s.scene.viewer.measuring, camera_actions.toggle_measuring),
