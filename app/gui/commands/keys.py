@@ -51,7 +51,7 @@ OWNER = 0x6B657973
 WALK = SHIFT | int(imgui.Key.tab)
 WALK_TEXT = "go through the controls by keyboard, on with Tab and arrows, Space to press; Esc ends it"
 LEAVE = int(imgui.Key.escape)
-LEAVE_TEXT = "leave the innermost: menu, dialog, tool, presentation, images alone, full screen"
+LEAVE_TEXT = "leave the innermost: menu, dialog, tool, tile, presentation, images alone, full screen"
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
 
 
