@@ -22,7 +22,7 @@ from app.gui.commands.keys import Keyboard
 from app.gui.drawing.chosen_viewport import ChosenViewport, SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
-from app.gui.frame import dockings, kept_layout, starting
+from app.gui.frame import dockings, starting
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
 from app.gui.frame.quitting import ask_before_quitting
@@ -52,6 +52,7 @@ from app.gui.update.channels import Channels
 from app.gui.update.jobs import MakeJob, start_due
 from app.gui.update.preparing import follow_preparation
 from app.gui.update.update import take_pictures, update
+from app.gui.work import kept_layout
 from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
@@ -161,7 +162,8 @@ class Window:
         gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
         gl.use_core_profile = gl.use_forward_compat = True
         gl.glsl_version = "150"
-        params.docking_params = self._layout()
+        params.docking_params, *params.alternative_docking_layouts = dockings.layouts(self._layout)
+        params.remember_selected_alternative_layout = False
         self._connect(params)
         return params
 
@@ -217,7 +219,6 @@ class Window:
         # |__________________|_struct____|
         layout = hello_imgui.DockingParams()
         layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
-        layout.docking_splits = dockings.splits()
         layout.dockable_windows = [
             # Before the pictures, which show in the same frame what has moved here.
             _panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
@@ -275,11 +276,11 @@ class Window:
         if self._worn == chosen:
             return
         size = dockings.window_size(first=self._worn is None)
-        dockings.arrange(params.docking_params, size, chosen[1])
+        dockings.arrange(params, size, chosen[1])
         if self._worn is not None and dockings.is_low(size, chosen[1]) != dockings.is_low(
             size, self._worn[1]
         ):
-            dockings.restore()
+            dockings.restore_all()
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.
             dockings.widen(chosen[1] / self._worn[1])

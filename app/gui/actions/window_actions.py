@@ -50,6 +50,11 @@ def window_request(state: AppState, image: ByteImage) -> ExportRequest:
     return ExportRequest(state.places.pictures, f"{stem}-window", said, sources, image)
 
 
+def note_layout(state: AppState) -> None:
+    """Another layout has come, and the one before is kept."""
+    state.window.layout_changes += 1
+
+
 def is_reduced(state: AppState) -> bool:
     """Panels are hidden, or the window is larger than it was put."""
     return state.window.bare or state.window.full_screen or state.presenting.pane is not None

@@ -37,6 +37,11 @@ class Bare:
         for panel in (*gone, *back):
             panel.is_visible = panel in back
 
+    @property
+    def is_over(self) -> bool:
+        """All panels are there, in front those that were."""
+        return self._kept is None and not self._returned
+
     def _stays(self, panel: hello_imgui.DockableWindow) -> bool:
         return self._kept is None or panel.label in self._kept
 

@@ -23,6 +23,9 @@ class Screen:
     def follow(self, state: AppState, params: hello_imgui.RunnerParams) -> None:
         """Before a frame."""
         presenting.follow(state)
+        if self._bare.is_over and not window_actions.is_reduced(state):
+            # The runner keeps the panels of the layout before, which are all there.
+            dockings.follow_content(state)
         presents = state.presenting.pane is not None
         kept = () if presents else ALONE if state.window.bare else None
         self._bare.follow(kept, params.docking_params.dockable_windows)

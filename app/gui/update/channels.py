@@ -35,6 +35,7 @@ from app.gui.views.comparison import SIDES
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
+from app.gui.work.kept_layout import seal_anew
 from app.gui.work.measuring import Measurer
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
@@ -120,7 +121,7 @@ class Channels:
         self.files = Channel(write_file, depth=256)
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
-        self.kept = Channel(keep)
+        self.kept, self.layouts = Channel(keep), Channel(seal_anew)
         self.tidying, self.clearing = Channel(tidy), Channel(clear_places)
 
     @cached_property
@@ -137,6 +138,7 @@ class Channels:
                   forgets=False) for side, channel in self.others.items()),
             Row(self.kept, told("the queue cannot be saved", taking.take_nothing, actions.say),
                 wishes.to_keep, SECOND),
+            Row(self.layouts, taking.take_nothing, wishes.to_seal, SECOND, forgets=False),
             Row(self.bakes, taking.take_baked,
                 lambda s: wishes.bake_wish(s, s.scene.model, s.scene.baked)),
             Row(self.second_bakes, taking.take_second_baked,
