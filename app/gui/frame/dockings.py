@@ -10,8 +10,9 @@ from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
 from app.gui.actions import actions, window_actions
 from app.gui.panels.editing import PANEL as EDIT
-from app.gui.state.app_state import AppState, Content
+from app.gui.state.app_state import AppState
 from app.gui.style import theme
+from app.gui.work.opening import Content
 
 SPLATS = "Splats"
 """The 3D view of a model without pictures, in their place."""
@@ -88,8 +89,9 @@ def layouts(make: Callable[[], hello_imgui.DockingParams]) -> list[hello_imgui.D
 
 
 def follow_content(state: AppState) -> None:
-    """The layout of what is open."""
-    wanted = hello_imgui.current_layout_name() if state.content is None else LAYOUTS[state.content]
+    """The layout of what was opened: a reconstruction that begins beside a clip moves nothing."""
+    content = state.source.content
+    wanted = hello_imgui.current_layout_name() if content is None else LAYOUTS[content]
     if wanted != hello_imgui.current_layout_name():
         hello_imgui.switch_layout(wanted)
         window_actions.note_layout(state)

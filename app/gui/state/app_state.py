@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
-from app.enhancement.clip_statistics import IMAGES, OfClip
+from app.enhancement.clip_statistics import OfClip
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import preset_of
 from app.files.legible import legible
@@ -30,7 +29,6 @@ from app.scenes.scene import Scene
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
 from renderer.train.config import TrainConfig
 
-Content = Literal["clip", "stills", "run"]
 LOOK_AGAIN = 4.0
 """Seconds after which a shown list of runs is made again."""
 
@@ -162,16 +160,6 @@ class AppState:
     def is_model_alone(self) -> bool:
         """A reconstruction without pictures: splats of a file, or a run whose clip is gone."""
         return self.scene.model is not None and self.source.clip is None
-
-    @property
-    def content(self) -> Content | None:
-        """What kind of thing is open; None while nothing is."""
-        clip = self.source.clip
-        if self.has_view:
-            return "run"
-        if clip is None:
-            return None
-        return "stills" if len(clip) == 1 or (clip.format == IMAGES and not clip.has_depth) else "clip"
 
     @property
     def is_busy(self) -> bool:

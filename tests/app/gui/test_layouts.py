@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -15,6 +16,7 @@ from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.work import kept_layout
+from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -30,17 +32,21 @@ def still(tmp_path: Path) -> Path:
     return path
 
 
-def test_the_kind_is_of_what_is_open(places: Places, model: DynamicGaussians) -> None:
-    state = AppState(places)
-    assert state.content is None
-    state.source.clip = make_clip(places.runs, 1)
-    assert state.content == "stills"
-    state.source.clip = make_clip(places.runs, 6, has_depth=False)  # A folder of images.
-    assert state.content == "stills"
-    state.source.clip = make_clip(places.runs, 6)
-    assert state.content == "clip"
+def test_the_kind_is_of_what_was_opened(places: Places, model: DynamicGaussians) -> None:
+    state, path = AppState(places), places.runs
+    assert state.source.content is None
+    for clip, kind in (
+        (make_clip(path, 1), "stills"),
+        (make_clip(path, 6, has_depth=False), "stills"),  # A folder of images.
+        (replace(make_clip(path, 6, has_depth=False), format="video"), "clip"),
+        (make_clip(path, 6), "clip"),
+    ):
+        actions.show_opened(state, path, Opened(clip))
+        assert state.source.content == kind
     start_live(state, model)
-    assert state.content == "run"
+    assert state.source.content == "clip"  # Panels stay while one works.
+    actions.show_opened(state, path, Opened(None))
+    assert state.source.content == "run"
 
 
 def kept(places: Places, drive: Drive) -> None:
@@ -120,7 +126,7 @@ def test_another_layout_waits_until_all_panels_are_there(places: Places, still: 
         ctx.key_press(imgui.Key.tab)
         ctx.yield_(3)
         actions.open_path(state, still)
-        wait(ctx, lambda: state.content == "stills", "the still")
+        wait(ctx, lambda: state.source.content == "stills", "the still")
         ctx.yield_(4)
         assert hello_imgui.current_layout_name() == "Default"
         assert in_front(ctx) == {"Pictures"}
