@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import make_clip, start_live
 from tests.app.gui.test_bare import in_front, shown
-from tests.app.gui.test_window import Drive, Driver, is_settled, wait
+from tests.app.gui.test_window import Driver, is_settled, wait
 
 
 @pytest.fixture
@@ -49,23 +50,19 @@ def test_the_kind_is_of_what_was_opened(places: Places, model: DynamicGaussians)
     assert state.source.content == "run"
 
 
-def kept(places: Places, drive: Drive) -> None:
+def kept(places: Places, drive: Callable[[imgui.test_engine.TestContext, AppState], None]) -> None:
     """A window that keeps its layout, unlike the others of the tests."""
     driver = Driver(places, Settings(acknowledged=True), [])
 
     def and_quit(ctx: imgui.test_engine.TestContext) -> None:
-        drive(ctx)
+        drive(ctx, driver.state)
         ctx.key_press(chord("Ctrl+Q"))
         ctx.yield_(10)
 
     params = driver.window.runner_params()
-    drivers.append(driver)
     with pytest.raises(RuntimeError, match="exited before the test finished"):
         testing.run(test_function=and_quit, runner_params=params, add_ons_params=driver.window.add_ons())
     kept_layout.seal(places.config / kept_layout.NAME)
-
-
-drivers: list[Driver] = []
 
 
 @pytest.mark.display
@@ -76,26 +73,25 @@ def test_each_kind_of_content_has_its_layout_and_keeps_it(places: Places, still:
         ctx.yield_(6)
         return float(ctx.window_info("//Enhancement").window.size.x)
 
-    def show(ctx: imgui.test_engine.TestContext, path: Path, name: str) -> None:
-        state = drivers[-1].state
+    def show(ctx: imgui.test_engine.TestContext, state: AppState, path: Path, name: str) -> None:
         actions.open_path(state, path)
         wait(ctx, lambda: state.source.path == path and is_settled(state), path.name)
         wait(ctx, lambda: hello_imgui.current_layout_name() == name, "its layout")
         ctx.yield_(6)
 
-    def first(ctx: imgui.test_engine.TestContext) -> None:
-        show(ctx, still, "Stills")
+    def first(ctx: imgui.test_engine.TestContext, state: AppState) -> None:
+        show(ctx, state, still, "Stills")
         assert "Enhancement" in in_front(ctx)
         assert "Reconstruction" not in in_front(ctx)
         widths["Stills"] = width(ctx)
-        show(ctx, phantom_path(), "Default")
+        show(ctx, state, phantom_path(), "Default")
         assert {"Enhancement", "Reconstruction"} <= in_front(ctx)
         node = imgui.internal.find_window_by_name("Enhancement").dock_node.parent_node
         imgui.internal.dock_builder_set_node_size(node.id_, ImVec2(300, node.size.y))
         dockings.toggle("Notes")
         widths["Default"] = width(ctx)
         assert widths["Default"] != widths["Stills"]
-        show(ctx, still, "Stills")
+        show(ctx, state, still, "Stills")
         assert width(ctx) == widths["Stills"]
         assert not dockings.is_shown("Notes")
         assert "Enhancement" in in_front(ctx)
@@ -103,11 +99,11 @@ def test_each_kind_of_content_has_its_layout_and_keeps_it(places: Places, still:
         assert layout.is_file()  # What the runner has written meanwhile is sealed, should it end badly.
         wait(ctx, lambda: kept_layout.put_aside_damaged(layout) == "", "the seal")
 
-    def again(ctx: imgui.test_engine.TestContext) -> None:
-        show(ctx, phantom_path(), "Default")
+    def again(ctx: imgui.test_engine.TestContext, state: AppState) -> None:
+        show(ctx, state, phantom_path(), "Default")
         assert width(ctx) == widths["Default"]
         assert dockings.is_shown("Notes")
-        show(ctx, still, "Stills")
+        show(ctx, state, still, "Stills")
         assert width(ctx) == widths["Stills"]
         assert not dockings.is_shown("Notes")
 
