@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 import time
 from collections.abc import Callable
 from functools import partial
@@ -13,8 +14,10 @@ import moderngl
 from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
 
 from app.console.ending import noted
+from app.console.log_file import logged
 from app.enhancement.methods import preset_of
 from app.errors import UserError
+from app.files.provenance import version
 from app.gui.actions import actions, presenting, preset_actions, queue_actions, remembered, session_actions
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
@@ -31,12 +34,14 @@ from app.gui.frame.second_content import SecondContent
 from app.gui.frame.second_window import SecondWindow
 from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
+from app.gui.panels.about import draw_about
 from app.gui.panels.batches import draw_batches
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.editing import PANEL, draw_edit_tools, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
+from app.gui.panels.guide import draw_guide
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.presentation import draw_presentation
 from app.gui.panels.reconstruction import draw_reconstruction
@@ -85,7 +90,10 @@ def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> N
     session_actions.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)
-    window.run()
+    with logged(
+        places.logs, f"VesselSplat {version()}, {platform.platform()}, Python {platform.python_version()}"
+    ):
+        window.run()
 
 
 class Window:
@@ -324,6 +332,7 @@ class Window:
 
     def _draw_over(self) -> None:
         self._draw_presentation()
+        assert self._textures is not None
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)
@@ -331,6 +340,8 @@ class Window:
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)
+        draw_guide(self.state, self._textures)
+        draw_about(self.state, imgui.set_clipboard_text)
         overlays.draw_recovery(self.state)
         if (choosing := actions.taken_choice(self.state)) is not None:
             self._dialogs.ask(choosing.kind, choosing.then)

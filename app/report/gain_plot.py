@@ -8,8 +8,9 @@ from typing import Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from app.report.colors import COLORS
 from app.report.diagrams import Gain, GainDiagram, gain_front
-from app.report.plots import COLORS, MARKS, labelled, without_overlap
+from app.report.plots import MARKS, labelled, without_overlap
 
 SIZE: Final = (8.4, 5.6)
 """Inches."""

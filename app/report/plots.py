@@ -13,14 +13,13 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from app.report.colors import COLORS
 from app.report.diagrams import Diagram, Gain, Growth, Point, of_a_decade, pareto_front
 
 Drawn = TypeVar("Drawn", Point, Gain)
 
 PANEL: Final = (4.6, 3.9)
 """Inches."""
-COLORS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#000000")
-"""Told apart by colour-blind eyes (Okabe & Ito 2008)."""
 MARKS: Final = "osD^vPX<"
 COLUMNS: Final = 3
 ALONE: Final = 6.6

@@ -15,15 +15,21 @@ PACKAGES = ("numpy", "numba", "opencv-contrib-python-headless", "torch", "gsplat
 LICENSE = "VesselSplat: Apache-2.0; its dependencies carry their own licences, see LICENSE"
 
 
-def collect() -> dict[str, Any]:
-    """All facts, by name."""
-    lacks = missing()
+def basics() -> dict[str, Any]:
+    """Those that need neither a graphics card nor a driver, by name."""
     return {
         "version": version(),
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
         "cores": os.cpu_count(),
         "packages": {name: installed(name) for name in PACKAGES},
+    }
+
+
+def collect() -> dict[str, Any]:
+    """All facts, by name."""
+    lacks = missing()
+    return basics() | {
         "opengl": _opengl(),
         "cuda_devices": cuda_devices(),
         "display": has_display(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,8 @@ OUTLIER = 3.0
 """Depth beyond this many times a frame's median, or below its inverse, is a failed match."""
 
 _SAMPLES = 4
+_DISAGREEING = 0.02
+"""Share of the tissue."""
 
 Matrix = NDArray[np.float64]
 
@@ -55,9 +57,10 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     depth_fine/ (1/32 mm, 16 bit), which `write_endonerf` adds, is preferred. Without masks every
     pixel is tissue; without depth the clip has none.
 
-    `Frame.tissue_mask` is the complement of masks without burned-in rows. `Frame.evaluation_mask`
-    follows `options.evaluation_masks` and keeps the rows as the files have them, so that figures
-    stay comparable with published ones.
+    `Frame.tissue_mask` is the complement of gt_masks (tools alone), or of masks where there are none,
+    without burned-in rows; depth counts within masks alone, which leave out failed stereo matches too.
+    `Frame.evaluation_mask` follows `options.evaluation_masks` and keeps the rows as the files have them,
+    so that figures stay comparable with published ones.
 
     Raises:
         ClipError: parts that are missing or do not agree, masks that look inverted, bad poses.
@@ -67,9 +70,12 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     size = common_size(entry for series in files.all_series() for entry in series)
     cameras, pose_notices = _read_cameras(path, rows, len(files.images), options.pose_convention, size)
     reader = _Reader(files, cameras, marked_is_tissue=options.mask_polarity == "tissue", bottom_rows=0)
-    count = len(cameras)
-    samples = [reader.sample(i) for i in np.unique(np.linspace(0, count - 1, _SAMPLES).astype(int))]
+    looked_at = np.unique(np.linspace(0, len(cameras) - 1, _SAMPLES).astype(int)).tolist()
+    samples = [reader.sample(index) for index in looked_at]
     mask_notices = _judge_masks(path, samples, options) if files.masks else []
+    if not all(reader.tools_agree(index) for index in looked_at):
+        files = replace(files, tools=files.masks)
+        mask_notices.append("gt_masks/ marks tissue of masks/ as tool, and is not trained on")
     dead = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
     if dead >= size[1]:
         raise ClipError(f"expected bottom_rows below {size[1]}, the rows of the images, got {dead}: {path}")
@@ -98,10 +104,13 @@ class _Files:
     depth: tuple[Path, ...]
     depth_steps: int
     masks: tuple[Path, ...]
+    """Tools, and pixels without stereo depth."""
+    tools: tuple[Path, ...]
+    """Tools alone; as `masks` where the clip has no gt_masks."""
     evaluation: tuple[Path, ...]
 
     def all_series(self) -> tuple[tuple[Path, ...], ...]:
-        return self.images, self.depth, self.masks, self.evaluation
+        return self.images, self.depth, self.masks, self.tools, self.evaluation
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,15 +142,22 @@ class _Reader:
         marked = np.equal(self.tissue(self.files.masks, index), self.marked_is_tissue)
         return Sample(self.image(index), marked, self.depth(index))
 
+    def tools_agree(self, index: int) -> bool:
+        """Whether nearly all tissue of masks is tissue of gt_masks, which leave out less."""
+        tissue = self.tissue(self.files.masks, index)
+        lost = tissue & ~self.tissue(self.files.tools, index)
+        return bool(np.count_nonzero(lost) <= _DISAGREEING * np.count_nonzero(tissue))
+
     def frame(self, index: int) -> Frame:
         index = range(len(self.cameras))[index]
-        tissue = self.tissue(self.files.masks, index)
-        same = self.files.evaluation == self.files.masks
-        evaluation = tissue.copy() if same else self.tissue(self.files.evaluation, index)
+        files, time, camera = self.files, index / len(self.cameras), self.cameras[index]
+        reliable = self.tissue(files.masks, index)
+        tissue = reliable if files.tools == files.masks else self.tissue(files.tools, index)
+        evaluation = (reliable if files.evaluation == files.masks else tissue).copy()
+        depth = self.depth(index)
+        depth = None if depth is None else np.where(reliable, depth, np.float32(0))
         tissue[tissue.shape[0] - self.bottom_rows :] = False
-        time = index / len(self.cameras)
-        camera = self.cameras[index]
-        return Frame(index, time, self.image(index), camera, tissue, evaluation, self.depth(index))
+        return Frame(index, time, self.image(index), camera, tissue, evaluation, depth)
 
 
 def _plausible(depth: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -161,18 +177,20 @@ def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:
         raise ClipError(f"expected numbered images in images/, got none: {path}")
     fine = _paired(path, "depth_fine", images)
     depth = fine or _paired(path, "depth", images)
-    masks = _paired(path, "masks", images) or _paired(path, "gt_masks", images)
+    tools = _paired(path, "gt_masks", images)
+    masks = _paired(path, "masks", images) or tools
     if not depth:
         notices.append("no depth/: no measured depth")
     if not masks:
         notices.append("no masks/: every pixel is treated as tissue")
     evaluation = masks
     if options.evaluation_masks == "gt_masks":
-        evaluation = _paired(path, "gt_masks", images)
-        if not evaluation:
+        evaluation = tools
+        if not tools:
             raise ClipError(f"expected gt_masks/ for the evaluation, got no such folder: {path}")
     ordered = tuple(images[number] for number in sorted(images))
-    return _Files(ordered, depth, FINE_STEPS if fine else 1, masks, evaluation), notices
+    steps = FINE_STEPS if fine else 1
+    return _Files(ordered, depth, steps, masks, tools or masks, evaluation), notices
 
 
 def _paired(path: Path, name: str, images: dict[int, Path]) -> tuple[Path, ...]:

@@ -53,6 +53,6 @@ def what_it_is(path: Path) -> str | None:
 
 def neither(path: Path) -> str:
     """The refusal of a file that is neither a picture nor a video."""
-    kind = what_it_is(path)
-    got = "a file that is neither, or a damaged one" if kind in (None, VIDEO) else kind
+    kind = what_it_is(path) or "a file that is neither, or a damaged one"
+    got = "a damaged video, or one that was cut off" if kind == VIDEO else kind
     return f"expected an image or a video, got {got}: {path}"

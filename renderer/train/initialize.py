@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import Clip, ClipError, Frame, SparsePoints
+from renderer.clip import BoolImage, Clip, ClipError, Frame, SparsePoints
+from renderer.depth.filled_depth import filled_depth
 from renderer.depth.sparse_depth import depth_between
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
@@ -22,6 +23,8 @@ RESOLVED = 0.5
 """Of a pixel on the tissue, by which float32 may round a position."""
 # Depth at both ends of a frame's range is stereo error more often than tissue.
 LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 0.1, 99.9
+EVENNESS = 0.5
+"""Share of the samples that are spread evenly over all pixels that any frame shows."""
 
 
 def with_points(frames: Iterable[Frame], points: SparsePoints | None) -> Iterator[Frame]:
@@ -60,21 +63,53 @@ def require_resolved(clip: Clip, size: float) -> None:
 
 
 def sampled(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
-    """Random tissue pixels of the given frames in equal shares, placed behind the centre of their pixel.
+    """Random tissue pixels of the given frames, placed behind the centre of their pixel.
 
-    A Gaussian's size follows from the spacing that the samples have on the tissue at its depth.
+    Half of the Gaussians are spread over the frames, so that what is often seen, and often judged, has the
+    more of them; half over all pixels that any frame shows, so that what is seldom seen has no gaps. A
+    Gaussian's size follows from the spacing that the samples have about its pixel.
+
+    Where a frame has no depth on tissue, the depth around it places them (`filled_depth`).
     """
     rng = np.random.default_rng(config.seed)
     # The frames themselves may be more than memory holds.
-    covered = {place: int(frame.depth_mask.sum()) for place, frame in enumerate(frames)}
-    measured = [place for place, count in covered.items() if count]
-    shares = np.full(len(measured), config.n_gaussians // len(measured))
-    shares[: config.n_gaussians % len(measured)] += 1
-    parts = [_sample(frames[place], int(share), rng) for place, share in zip(measured, shares, strict=True)]
-    means, pixel_sizes, colors = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    spacing = np.sqrt(np.mean([covered[place] for place in measured]) / len(means)) * pixel_sizes
-    scales = config.initial_spacing * spacing
-    return round_gaussians(means, scales, colors, config.initial_opacity)
+    measured = [place for place in range(len(frames)) if _has_depth(frames[place])]
+    density = Density.of(frames[place] for place in measured)
+    totals = np.array([density.weights(frames[place].tissue_mask).sum() for place in measured])
+    ends = np.rint(np.cumsum(totals) / totals.sum() * config.n_gaussians).astype(int)
+    shares = np.diff(ends, prepend=0)
+    parts = [
+        _sample(frames[place], int(share), density, rng)
+        for place, share in zip(measured, shares, strict=True)
+    ]
+    means, pixel_sizes, colors, densities = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    spacing = pixel_sizes / np.sqrt(len(means) * densities)
+    return round_gaussians(means, config.initial_spacing * spacing, colors, config.initial_opacity)
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """How the samples of all frames together lie over the view."""
+
+    seen: NDArray[np.float32]
+    """(H, W), the number of frames that show tissue there."""
+
+    @classmethod
+    def of(cls, frames: Iterable[Frame]) -> Density:
+        """Of frames of one size."""
+        return cls(sum(frame.tissue_mask.astype(np.float32) for frame in frames))  # type: ignore[arg-type]
+
+    def weights(self, tissue: BoolImage) -> NDArray[np.float32]:
+        """(H, W) relative frequency of a sample in a pixel of a frame; 0 where it shows no tissue."""
+        often = self.seen.sum() / np.count_nonzero(self.seen)
+        rarity = often / np.maximum(self.seen, np.float32(1))
+        return np.asarray(tissue * ((1 - EVENNESS) + EVENNESS * rarity), np.float32)
+
+    @property
+    def of_all(self) -> NDArray[np.float32]:
+        """(H, W) share of all samples in a pixel; its sum is 1."""
+        total = self.seen * self.weights(self.seen > 0)
+        return np.asarray(total / total.sum(), np.float32)
 
 
 def round_gaussians(
@@ -98,15 +133,20 @@ def _has_depth(frame: Frame) -> bool:
 
 
 def _sample(
-    frame: Frame, share: int, rng: np.random.Generator
-) -> tuple[Float32Array, Float32Array, Float32Array]:
-    """World positions (S, 3), size of a pixel at their depth (S,) and colours (S, 3), S <= share."""
+    frame: Frame, share: int, density: Density, rng: np.random.Generator
+) -> tuple[Float32Array, Float32Array, Float32Array, Float32Array]:
+    """World positions (S, 3), size of a pixel at their depth (S,), colours (S, 3) and the share that their
+    pixel has of all samples (S,); S <= share."""
     assert frame.depth is not None
-    measured = frame.depth[frame.depth_mask]
-    lowest, highest = np.percentile(measured, (LOWEST_PERCENTILE, HIGHEST_PERCENTILE))
-    candidates = np.flatnonzero(frame.depth_mask & (frame.depth >= lowest) & (frame.depth <= highest))
-    chosen = rng.choice(candidates, min(share, len(candidates)), replace=False)
-    points = frame.camera.unproject(frame.depth).reshape(-1, 3)[chosen]
+    measured = frame.depth_mask
+    lowest, highest = np.percentile(frame.depth[measured], (LOWEST_PERCENTILE, HIGHEST_PERCENTILE))
+    measured = measured & (frame.depth >= lowest) & (frame.depth <= highest)
+    depth = filled_depth(frame.depth, measured)
+    candidates = np.flatnonzero(frame.tissue_mask)
+    weights = density.weights(frame.tissue_mask).reshape(-1)[candidates].astype(np.float64)
+    count = min(share, len(candidates))
+    chosen = rng.choice(candidates, count, replace=False, p=weights / weights.sum())
+    points = frame.camera.unproject(depth).reshape(-1, 3)[chosen]
     colors = frame.image.reshape(-1, 3)[chosen] / np.float32(255)
-    pixel_sizes = frame.depth.reshape(-1)[chosen] / np.float32(frame.camera.fx)
-    return points.astype(np.float32), pixel_sizes, colors
+    pixel_sizes = depth.reshape(-1)[chosen] / np.float32(frame.camera.fx)
+    return points.astype(np.float32), pixel_sizes, colors, density.of_all.reshape(-1)[chosen]

@@ -46,7 +46,7 @@ def main() -> None:
     )
     width, height = map(int, given.size.split("x"))
     with tempfile.TemporaryDirectory() as folder:
-        window = _window(Path(folder), settings)
+        window = window_in(Path(folder), settings)
         params = window.runner_params()
         params.ini_disable = True
         params.app_window_params.window_geometry.size = (width, height)
@@ -61,9 +61,10 @@ def main() -> None:
         testing.run(test_function=drive, runner_params=params, add_ons_params=window.add_ons())
 
 
-def _window(folder: Path, settings: Settings) -> Window:
+def window_in(folder: Path, settings: Settings) -> Window:
+    """Of a user without anything yet."""
     places = Places(folder / "config", folder / "runs", folder / "pictures")
-    for path in vars(places).values():
+    for path in (places.config, places.runs, places.pictures):
         path.mkdir()
     return Window(AppState(places, settings), FakeJob)
 

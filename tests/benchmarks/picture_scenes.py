@@ -10,6 +10,7 @@ import numpy as np
 from imgui_bundle import ImVec2
 
 from app.gui.actions import (
+    about_actions,
     actions,
     clip_actions,
     edit_actions,
@@ -71,9 +72,17 @@ def start(person: Person, model: Model) -> Iterator[str]:
     person.ctx.key_chars("open")
     yield "palette"
     person.press(K.escape)
-    person.press(K.f1)
+    person.press(chord("?"))
     yield "help"
+    person.press(chord("?"))
     person.press(K.f1)
+    person.wait(lambda: person.state.guide.pages is not None, "the guide")
+    yield "guide"
+    person.press(K.escape)
+    about_actions.toggle_about(person.state)
+    person.wait(lambda: person.state.about.facts is not None, "what the program is")
+    yield "about"
+    about_actions.toggle_about(person.state)
 
 
 def pictures(person: Person, model: Model) -> Iterator[str]:
@@ -173,7 +182,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
     yield "reconstruction starting"
-    job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(1400), Evaluated(1000, 30.2)]
+    job.inbox = [Started(0, STEPS, 7000, OMITTED), *progress(1400), Evaluated(1000, 30.2)]
     job.model = model.gaussians
     person.ctx.yield_(3)
     person.ctx.window_focus("//3D view")
@@ -203,13 +212,14 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.click("//Reconstruction/###start")
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
-    job.inbox = [Started(0, STEPS, 7000, OMITTED), *_progress(STEPS), Evaluated(STEPS, 33.61)]
+    job.inbox = [Started(0, STEPS, 7000, OMITTED), *progress(STEPS), Evaluated(STEPS, 33.61)]
     job.inbox += [Finished(STEPS, 39.2, model.gaussians)]
     person.wait(lambda: state.runs.reconstruction.status == "finished", "the end")
     yield "reconstruction finished"
 
 
-def _progress(last: int) -> list[object]:
+def progress(last: int) -> list[object]:
+    """What a training says until that step."""
     steps = np.arange(50, last + 1, 50)
     return [
         Progress(

@@ -358,8 +358,11 @@ def look_at_panels(person: Person) -> None:
         for _ in range(2):
             dockings.toggle(panel)
             person.pace()
+    for _ in range(2):
+        person.press(chord("?"))
     person.press(K.f1)
-    person.press(K.f1)
+    person.press(K.page_down)
+    person.press(K.escape)
     person.press(chord("Ctrl+Shift+P"))
     person.ctx.key_chars("theme")
     person.pace()

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from configparser import ConfigParser
 from importlib.metadata import distribution
 from pathlib import Path
@@ -14,6 +15,7 @@ from xml.etree import ElementTree
 import pytest
 
 from app.gui.session_file import SUFFIX
+from assets import guide_path, welcome_path
 from install.bundle import left_out
 from install.bundle.contents import BundleError, check, libraries
 from install.bundle.licences import collect
@@ -33,6 +35,18 @@ def test_the_recipe_excludes_what_is_large_or_copyleft() -> None:
     assert "excludes=list(EXCLUDED)" in spec
     overrides = (BUNDLE / "overrides.txt").read_text()
     assert {line.partition(" ")[0] for line in overrides.splitlines() if ";" in line} == {"torch", "av"}
+
+
+def test_wheel_and_bundle_carry_the_guide_and_the_first_page() -> None:
+    """Of the assets, the images of the README alone stay behind."""
+    told = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]
+    assert "assets" in told["packages"]
+    spec = (BUNDLE / "vesselsplat.spec").read_text()
+    assert 'excludes=["pictures/**", "**/__pycache__/**"]' in spec
+    left = {file for pattern in told["exclude"] for file in ROOT.glob(f"{pattern}/**/*")}
+    shipped = [*guide_path().iterdir(), *welcome_path().iterdir()]
+    assert len(shipped) == 15
+    assert not left & set(shipped)
 
 
 @pytest.mark.parametrize("name", ["libx264-1a.so.164", "libx265.so.199", "libreadline.so.8", "libgdbm.so.6"])

@@ -15,7 +15,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.train import hidden as hidden_tissue
 from renderer.train.frames import TrainFrame, train_frame
-from renderer.train.hidden import SLACK, _seen_shares, smooth_occluded_motion
+from renderer.train.hidden import REST, SLACK, _seen_shares, smooth_occluded_motion
 
 CONTROLS, COUNT, SIDE = 9, 12, 32
 CAMERA = Camera(40.0, 40.0, SIDE / 2, SIDE / 2, SIDE, SIDE)
@@ -71,17 +71,19 @@ def test_nothing_changes_where_every_frame_sees_all() -> None:
 
 
 def test_what_is_seen_stays_within_the_slack() -> None:
-    """The minimum is below what the curves themselves give, which is at most their roughness times SLACK."""
+    """The minimum is below what the curves themselves give: at most their roughness times SLACK, and their
+    size times REST."""
     model, shown = gaussians(np.random.default_rng(0)), frames(hidden_after=0.6, first_column=SIDE // 2)
     still, _ = smooth_occluded_motion(model, shown, near=0.1)
     assert isinstance(model.motion, SplineMotion)
     roughness = (np.diff(model.motion.color_controls, axis=1) ** 2).sum(axis=(1, 2))
+    size = (model.motion.color_controls**2).sum(axis=(1, 2))
     apart = np.zeros(COUNT)
     for frame, seen in zip(shown, list(_seen_shares(model, shown, 0.1)), strict=True):
         change = values(still, frame.time) - values(model, frame.time)
         apart += seen * (change**2).sum(axis=1)
     assert apart.max() > 0
-    assert (apart <= SLACK * roughness).all()
+    assert (apart <= SLACK * roughness + REST * size).all()
 
 
 def test_curves_rest_while_tissue_is_hidden() -> None:
@@ -89,8 +91,8 @@ def test_curves_rest_while_tissue_is_hidden() -> None:
     still, told = smooth_occluded_motion(model, frames(hidden_after=0.5, first_column=SIDE // 2), near=0.1)
     assert "motion of hidden tissue" in told[0].what
     hidden = slice(COUNT // 2 + 1, None)
-    wandered = np.abs(values(model, 1.0) - values(model, 0.8))[hidden].max()
-    assert np.abs(values(still, 1.0) - values(still, 0.8))[hidden].max() < 0.02 * wandered
+    wandered = np.abs(values(model, 1.0))[hidden].max()
+    assert np.abs(values(still, 1.0))[hidden].max() < 0.1 * wandered
     seen = slice(0, COUNT // 2 - 1)
     np.testing.assert_allclose(values(still, 1.0)[seen], values(model, 1.0)[seen], atol=0.05 * wandered)
 
@@ -113,8 +115,9 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
         near = ((root * basis) ** 2).sum(axis=0) / (basis**2).sum(axis=0)
         hidden = 1 - np.minimum(near[1:], near[:-1])
         steps = np.sqrt(SLACK) * hidden[:, None] * np.diff(np.eye(CONTROLS), axis=0)
-        left = np.vstack([root * basis, steps])
-        right = np.vstack([root * basis @ model.motion.color_controls[n], np.zeros((CONTROLS - 1, 3))])
+        rests = np.sqrt(REST) * np.diag(1 - near)
+        left = np.vstack([root * basis, steps, rests])
+        right = np.vstack([root * basis @ model.motion.color_controls[n], np.zeros((2 * CONTROLS - 1, 3))])
         expected = np.linalg.lstsq(left, right, rcond=None)[0]
         np.testing.assert_allclose(still.motion.color_controls[n], expected, atol=2e-5)
 

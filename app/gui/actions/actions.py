@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
@@ -26,6 +27,7 @@ TOAST_SECONDS = 6.0
 MOST_STEPS = 200
 """Of undo."""
 L = TypeVar("L", bound=EnhancementSettings)
+log = logging.getLogger(__name__)
 
 
 def say(state: AppState, line: str) -> None:
@@ -37,6 +39,7 @@ def fail(state: AppState, sentence: str) -> None:
     """Show what went wrong until it is dismissed."""
     state.window.banner = Banner(legible(sentence))
     say(state, sentence)
+    log.info("shown: %s", legible(sentence))
 
 
 def dismiss(state: AppState) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from app.gui.actions import (
+    about_actions,
     actions,
     batch_actions,
     camera_actions,
     clip_actions,
     edit_actions,
     export_actions,
+    guide_actions,
     presenting,
     tuning_actions,
     window_actions,
@@ -20,6 +22,8 @@ from app.gui.state.app_state import AppState
 Open = tuple[Callable[[AppState], bool], Callable[[AppState], None]]
 """Whether one kind of thing is open, and how it is left."""
 INNERMOST_FIRST: tuple[Open, ...] = (
+    (lambda s: s.about.shown, about_actions.toggle_about),
+    (lambda s: s.guide.shown, guide_actions.toggle_guide),
     (lambda s: s.window.help_open, lambda s: actions.show_help(s, False)),
     (lambda s: s.exports.shown, export_actions.toggle_export),
     (lambda s: s.batches.shown, batch_actions.toggle_batches),

@@ -34,6 +34,8 @@ class Command:
     ticked: Asks = never
     repeats: bool = False
     """A held key counts again."""
+    synonyms: tuple[str, ...] = ()
+    """Other words that people look for it by, which the palette finds."""
 
     @property
     def about(self) -> str:

@@ -23,6 +23,7 @@ from app.gui.commands import recent_commands
 from app.gui.commands.camera_commands import camera_sections
 from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu
 from app.gui.commands.edit_commands import edit_sections
+from app.gui.commands.help_commands import help_sections
 from app.gui.commands.job_commands import job_sections
 from app.gui.commands.view_commands import view_sections
 from app.gui.state.app_state import AppState
@@ -49,7 +50,7 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         *camera_sections(state),
         *edit_sections(),
         *view_sections(outside),
-        *_help(),
+        *help_sections(),
     )
 
 
@@ -63,28 +64,49 @@ def has_something(state: AppState) -> bool:
 
 def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     opening = (
-        Command("Open folder…", open_folder, ("Ctrl+O",)),
-        Command("Open image, video, session or report…", open_file, ("Ctrl+I",)),
-        Command("Open the built-in phantom", actions.open_phantom),
+        Command(
+            "Open folder…",
+            open_folder,
+            ("Ctrl+O",),
+            synonyms=("load", "case", "directory", "dataset"),
+        ),
+        Command(
+            "Open image, video, session or report…",
+            open_file,
+            ("Ctrl+I",),
+            synonyms=("load", "file", "movie", "still", "run"),
+        ),
+        Command(
+            "Try the built-in clip",
+            actions.open_phantom,
+            synonyms=("demo", "example", "sample", "phantom", "test"),
+        ),
     )
     remember = (
         Command("Remember recent files", _toggle_recent, ticked=lambda s: s.settings.remember_recent,
-                text="keep a list of opened files; turning this off clears it"),
+                text="keep a list of opened files; turning this off clears it",
+                synonyms=("history", "privacy", "forget")),
     )  # fmt: skip
     saving = (
         Command("Save image", export_actions.save_picture, ("S",), text="save an image of what is shown",
-                applies=has_something),
+                applies=has_something, synonyms=("picture", "screenshot", "snapshot", "capture", "png")),
         Command("Save the whole window", window_actions.save_window, ("F12",),
-                text="save an image of the window as it is"),
+                text="save an image of the window as it is",
+                synonyms=("screenshot", "capture", "print", "screen")),
         Command("Export…", export_actions.toggle_export, ("Ctrl+Shift+E",),
-                text="export panes, videos and measures", applies=has_something),
+                text="export panes, videos and measures", applies=has_something,
+                synonyms=("ply", "splat", "mp4", "video", "movie", "csv", "table", "png", "jpeg", "tiff",
+                          "model")),
         Command("Enhance files and folders…", batch_actions.toggle_batches, ("Ctrl+Shift+B",),
-                text="enhance many images, videos and folders with the current settings"),
+                text="enhance many images, videos and folders with the current settings",
+                synonyms=("batch", "convert", "many", "process")),
         Command("Save session", session_actions.save, ("Ctrl+S",),
                 text="save the open files, settings, views and notes; open it like a clip",
-                applies=lambda s: s.source.path is not None),
+                applies=lambda s: s.source.path is not None, synonyms=("project", "workspace", "store")),
     )  # fmt: skip
-    quitting = (Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",)),)
+    quitting = (
+        Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",), synonyms=("exit", "close", "leave", "end")),
+    )
     return (
         Section("File", opening),
         Section("File", recent_commands.opening(state), "Open recent"),
@@ -99,39 +121,50 @@ def _toggle_recent(state: AppState) -> None:
 def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
-                applies=has_clip, ticked=lambda s: s.enhancement.active),
+                applies=has_clip, ticked=lambda s: s.enhancement.active,
+                synonyms=("vessel", "enhance", "filter", "on", "off")),
         Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
-                text="white light: the frames as recorded, in all panes and the 3D view"),
+                text="white light: the frames as recorded, in all panes and the 3D view",
+                synonyms=("original", "wli", "normal", "unenhanced")),
         Command("Freeze", actions.toggle_freeze, ("F",), text="hold this frame in both panes",
-                applies=has_clip, ticked=lambda s: s.timeline.frozen_index is not None),
+                applies=has_clip, ticked=lambda s: s.timeline.frozen_index is not None,
+                synonyms=("hold", "still")),
     )  # fmt: skip
     zooms = (
-        Command("Fit", picture_actions.fit, ("0",), text="fit the whole frame", applies=has_clip),
-        Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)", applies=has_clip),
-    )
+        Command("Fit", picture_actions.fit, ("0",), text="fit the whole frame", applies=has_clip,
+                synonyms=("zoom", "out", "reset", "view")),
+        Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)", applies=has_clip,
+                synonyms=("zoom", "100%", "actual", "size", "native")),
+    )  # fmt: skip
     parameters = (
         Command(history_actions.undo_name(state), history_actions.undo, ("Ctrl+Z",),
                 text="undo the last change", repeats=True,
-                applies=lambda s: len(s.enhancement.past) > 1 and not s.editing.active),
+                applies=lambda s: len(s.enhancement.past) > 1 and not s.editing.active,
+                synonyms=("revert", "back")),
         Command(history_actions.redo_name(state), history_actions.redo, ("Ctrl+Y",),
                 text="redo the last undone change", repeats=True,
-                applies=lambda s: bool(s.enhancement.future) and not s.editing.active),
+                applies=lambda s: bool(s.enhancement.future) and not s.editing.active,
+                synonyms=("repeat", "again")),
         Command("Reset all", actions.reset_params, ("R",), applies=actions.can_reset,
-                text="all parameters, statistics and pixels to their defaults; the method stays"),
+                text="all parameters, statistics and pixels to their defaults; the method stays",
+                synonyms=("defaults", "factory", "clear")),
         Command("Tuning grid", tuning_actions.toggle_tuning, ("Ctrl+T",),
-                text="tuning grid: compare a range of settings", ticked=lambda s: s.tuning.shown),
+                text="tuning grid: compare a range of settings", ticked=lambda s: s.tuning.shown,
+                synonyms=("parameters", "sweep", "explore", "optimise", "optimize")),
     )  # fmt: skip
     return menu("Image", looks, zooms, parameters)
 
 
 def _compare() -> tuple[Section, ...]:
     sides = (
-        Command("Swap left and right", comparing.swap, ("X",), applies=has_clip),
+        Command("Swap left and right", comparing.swap, ("X",), applies=has_clip,
+                synonyms=("exchange", "sides", "flip", "panes")),
         Command("Original left, enhanced right", comparing.reset_sources, applies=has_clip),
         Command("Wipe to the left", _wipe(-1), ("Shift+[",), applies=has_clip, repeats=True),
         Command("Wipe to the right", _wipe(1), ("Shift+]",), applies=has_clip, repeats=True),
         Command("Stripes on clipped pixels", comparing.toggle_zebra, ("Z",), applies=has_clip,
-                ticked=lambda s: s.comparing.chosen.zebra),
+                ticked=lambda s: s.comparing.chosen.zebra,
+                synonyms=("zebra", "overexposed", "saturated", "exposure")),
     )  # fmt: skip
     slots = tuple(command for slot in SLOTS for command in _slot(slot))
     return menu("Compare", tuple(map(_mode, MODES)), sides, slots)
@@ -160,7 +193,7 @@ def _clip() -> tuple[Section, ...]:
     time = (
         Command("Play", actions.toggle_play, ("Space", "P", "K"), text="play or pause",
                 applies=lambda s: s.source.clip is not None and len(s.source.clip) > 1,
-                ticked=lambda s: s.timeline.playing),
+                ticked=lambda s: s.timeline.playing, synonyms=("pause", "stop", "start", "video")),
         Command("Previous frame", partial(actions.step, frames=-1), ("Left", "comma"), applies=has_clip,
                 repeats=True),
         Command("Next frame", partial(actions.step, frames=1), ("Right", "period"), applies=has_clip,
@@ -170,36 +203,27 @@ def _clip() -> tuple[Section, ...]:
         Command("Ten frames forward", partial(actions.step, frames=10), ("Shift+Right",), applies=has_clip,
                 repeats=True),
         Command("First frame", partial(actions.go_to_end, last=False), ("Home",), applies=has_clip,
-                text="first frame of the clip, or of its trimmed part"),
+                text="first frame of the clip, or of its trimmed part",
+                synonyms=("begin", "beginning", "start", "rewind")),
         Command("Last frame", partial(actions.go_to_end, last=True), ("End",), applies=has_clip,
-                text="last frame of the clip, or of its trimmed part"),
+                text="last frame of the clip, or of its trimmed part", synonyms=("end", "finish")),
     )  # fmt: skip
     parts = (
         Command("Start here", partial(clip_actions.trim_here, start=True), ("Shift+I",),
-                text="start the clip at this frame", applies=has_clip),
+                text="start the clip at this frame", applies=has_clip,
+                synonyms=("trim", "cut", "in", "point")),
         Command("End here", partial(clip_actions.trim_here, start=False), ("Shift+O",),
-                text="end the clip at this frame", applies=has_clip),
+                text="end the clip at this frame", applies=has_clip,
+                synonyms=("trim", "cut", "out", "point")),
         Command("Whole clip", clip_actions.untrim, text="from its first frame to its last",
                 applies=lambda s: s.source.part.trim is not None),
         Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),
-                text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.picture.overlay),
+                text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.picture.overlay,
+                synonyms=("mask", "overlay", "instruments", "tools")),
     )  # fmt: skip
     return menu("Clip", time, parts)
-
-
-def _help() -> tuple[Section, ...]:
-    found = (
-        Command("Find a command…", lambda s: s.window.palette.open(), ("Ctrl+Shift+P",),
-                text="find a command by its name"),
-        Command("Keys and mouse", toggle_help, ("?", "F1"), text="this help"),
-    )  # fmt: skip
-    return menu("Help", found)
 
 
 def one_to_one(state: AppState) -> None:
     """One picture pixel a pixel of the screen, also where the window counts in larger units."""
     picture_actions.one_to_one(state, 1 / imgui.get_io().display_framebuffer_scale.x)
-
-
-def toggle_help(state: AppState) -> None:
-    actions.show_help(state, not state.window.help_open)

@@ -19,7 +19,8 @@ def edit_sections() -> tuple[Section, ...]:
     """All but the first need edit mode."""
     mode = (
         Command("Edit mode", edit_actions.toggle, ("Ctrl+E",), "edit the reconstruction, or stop editing",
-                applies=lambda s: s.editing.base is not None, ticked=_active),
+                applies=lambda s: s.editing.base is not None, ticked=_active,
+                synonyms=("clean", "remove", "gaussians", "floaters", "crop")),
     )  # fmt: skip
     select = (
         Command("Select all", edit_actions.select_all, ("Ctrl+A",), applies=_active),
@@ -27,7 +28,8 @@ def edit_sections() -> tuple[Section, ...]:
         Command("Invert selection", edit_actions.invert, ("Ctrl+Shift+I",), applies=_active),
     )
     change = (
-        Command("Delete", edit_actions.delete, ("Del",), "delete the selected Gaussians", _some),
+        Command("Delete", edit_actions.delete, ("Del",), "delete the selected Gaussians", _some,
+                synonyms=("remove", "erase")),
         Command("Crop to selection", edit_actions.crop, ("Shift+Del",), "delete all other visible Gaussians",
                 _some),
         Command("Hide", edit_actions.hide, ("H",), "hide the selected Gaussians", _some),

@@ -25,7 +25,7 @@ class Found:
 
 
 def find(sections: Iterable[Section], words: str, state: AppState) -> list[Found]:
-    """Commands in which every word occurs, those that apply first, then those that a word names.
+    """Commands in which every word occurs, those that apply first, then those that the words name best.
 
     Without words: all commands.
     """
@@ -36,15 +36,24 @@ def find(sections: Iterable[Section], words: str, state: AppState) -> list[Found
         for command in section.commands
     ]
     kept = [one for one in found if all(word in _text(one) for word in wanted)]
-    return sorted(kept, key=lambda one: (not one.applies, -_named(one, wanted)))
+    return sorted(kept, key=lambda one: (not one.applies, -_fit(one, wanted)))
 
 
 def _text(found: Found) -> str:
     command = found.command
-    return legible(" ".join((found.where, found.name, command.text, *command.keys))).casefold()
+    said = (found.where, found.name, command.text, *command.synonyms, *command.keys)
+    return legible(" ".join(said)).casefold()
 
 
-def _named(found: Found, wanted: list[str]) -> int:
-    """How many of the words begin a word of the name."""
-    begins = found.name.casefold().split()
-    return sum(any(part.startswith(word) for part in begins) for word in wanted)
+def _fit(found: Found, wanted: list[str]) -> int:
+    """How well the words name it: one that begins a word of the name counts most, then a whole synonym, then
+    the beginning of one."""
+    names, synonyms = found.name.casefold().split(), found.command.synonyms
+    return sum(
+        (4 if _begins(word, names) else 0) + (3 if word in synonyms else 1 if _begins(word, synonyms) else 0)
+        for word in wanted
+    )
+
+
+def _begins(word: str, others: Iterable[str]) -> bool:
+    return any(other.startswith(word) for other in others)

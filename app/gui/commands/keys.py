@@ -35,6 +35,7 @@ SHIFT_SLASH = SHIFT + int(imgui.Key.slash)
 NAMED = {
     "F1": imgui.Key.f1, "F5": imgui.Key.f5,
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home,
+    "PageUp": imgui.Key.page_up, "PageDown": imgui.Key.page_down,
     "Tab": imgui.Key.tab, "End": imgui.Key.end, "Left": imgui.Key.left_arrow, "Right": imgui.Key.right_arrow,
     "Space": imgui.Key.space, "comma": imgui.Key.comma, "period": imgui.Key.period, "?": SHIFT_SLASH,
     "plus": imgui.Key.equal, "minus": imgui.Key.minus,
@@ -46,6 +47,8 @@ CLAIMED = (
     imgui.Key.up_arrow, imgui.Key.down_arrow, imgui.Key.tab,
 )  # fmt: skip
 """Unless claimed, they walk from control to control, and press the one in focus."""
+PAGES = (imgui.Key.page_up, imgui.Key.page_down)
+"""Claimed as well while the guide is open, whose pages they turn; else they scroll."""
 OWNER = 0x6B657973
 """Any number that no control has."""
 WALK = SHIFT | int(imgui.Key.tab)
@@ -82,7 +85,7 @@ class Keyboard:
         # While controls are walked by keyboard, these keys are of the walk, and Escape ends it.
         walks, self._walked = io.nav_visible or self._walked, io.nav_visible
         if free and not walks:
-            _claim(io.key_mods)
+            _claim(io.key_mods, CLAIMED + PAGES if state.guide.shown else CLAIMED)
             if _is_pressed(WALK, False):
                 # Shift and Tab of one frame: Tab was claimed before Shift was seen.
                 imgui.set_nav_cursor_visible(True)
@@ -99,11 +102,11 @@ class Keyboard:
         _fly(state, [way for key, way in held.items() if imgui.is_key_down(key)], io.delta_time)
 
 
-def _claim(held: int) -> None:
+def _claim(held: int, keys: Iterable[imgui.Key]) -> None:
     """Until the next frame these keys are ours alone; with Shift, Tab begins a walk."""
     if held & ~SHIFT:
         return
-    for key in CLAIMED:
+    for key in keys:
         if not (held and key == imgui.Key.tab):
             imgui.internal.set_key_owner(key, OWNER)
 
@@ -119,7 +122,7 @@ def _pressed(state: AppState, sections: Iterable[Section], modal: Keys, walks: b
         if _is_pressed(code := chord(keys), command.repeats)
         and code not in modal
         and not (flies and code in FLIGHT)
-        and not (walks and code & ~MODIFIERS in CLAIMED)
+        and not (walks and code & ~MODIFIERS in CLAIMED + PAGES)
         and command.applies(state)
     ]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from app.gui.actions import actions, path_actions, window_actions
-from app.gui.commands.command import Command, Section, WindowServices, menu
+from app.gui.commands.command import Asks, Command, Section, WindowServices, menu
 from app.gui.commands.presenting_commands import presenting_commands, second_section
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 
@@ -27,9 +27,9 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     whole = (
         Command("Images alone", window_actions.toggle_panels, ("Tab",),
                 text="hide all panels but the images, or show them again",
-                ticked=lambda s: s.window.bare),
+                ticked=lambda s: s.window.bare, synonyms=("hide", "panels", "focus")),
         Command("Full screen", window_actions.toggle_full_screen, ("F11",),
-                ticked=lambda s: s.window.full_screen),
+                ticked=lambda s: s.window.full_screen, synonyms=("fullscreen", "maximise", "maximize")),
         *presenting_commands(),
     )  # fmt: skip
     path = (
@@ -39,7 +39,8 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     )  # fmt: skip
     layout = (
         Command("Standard layout", lambda s: outside.layout(),
-                text="all panels back to their standard places"),
+                text="all panels back to their standard places",
+                synonyms=("reset", "panels", "windows", "arrange", "dock")),
     )  # fmt: skip
     others = menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
     return Section("View", whole), second_section(), *others
@@ -47,14 +48,19 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
 
 def _theme(theme: Theme) -> Command:
     choose = partial(actions.choose_theme, theme=theme)
-    return Command(f"{theme.capitalize()} theme", choose, ticked=lambda s: s.settings.theme == theme)
+    ticked: Asks = lambda s: s.settings.theme == theme  # noqa: E731
+    words = ("appearance", "colours", "mode")
+    return Command(f"{theme.capitalize()} theme", choose, ticked=ticked, synonyms=words)
 
 
 TEXT_SIZE = (
     Command("Larger text", partial(actions.resize_text, steps=1), ("Ctrl+plus", "Ctrl+keypad plus"),
-            applies=lambda s: s.settings.text_percent < TEXT_PERCENTS[-1]),
+            applies=lambda s: s.settings.text_percent < TEXT_PERCENTS[-1],
+            synonyms=("font", "size", "scale", "bigger", "zoom", "in", "interface")),
     Command("Smaller text", partial(actions.resize_text, steps=-1), ("Ctrl+minus", "Ctrl+keypad minus"),
-            applies=lambda s: s.settings.text_percent > TEXT_PERCENTS[0]),
+            applies=lambda s: s.settings.text_percent > TEXT_PERCENTS[0],
+            synonyms=("font", "size", "scale", "interface")),
     Command("Standard text size", partial(actions.resize_text, steps=0), ("Ctrl+0",),
-            applies=lambda s: s.settings.text_percent != 100),
+            applies=lambda s: s.settings.text_percent != 100,
+            synonyms=("font", "scale", "reset", "interface")),
 )  # fmt: skip

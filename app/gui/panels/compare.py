@@ -1,23 +1,21 @@
-"""The two panes: left the original by default, right the enhanced one, zoom and pan linked. Before there is a
-clip: what to do first."""
+"""The two panes: left the original by default, right the enhanced one, zoom and pan linked."""
 
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.methods import preset_of
 from app.enhancement.settable import MODES, SLOTS, SOURCES
-from app.files.legible import legible, named
+from app.files.legible import named
 from app.gui.actions import actions, comparing, laid_out, picture_actions
-from app.gui.commands.command import Act
-from app.gui.commands.commands import one_to_one, open_file, open_folder
+from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.picture_pane import draw_bar, draw_divider, draw_pane
+from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import difference_pane, fainter, pane, shown_mode, why_not
 from app.gui.style import theme
@@ -26,7 +24,6 @@ from app.gui.views.comparison import SIDES, Side, label_of
 from enhance import EnhanceParams, VesselParams
 
 MODE_LABELS = {mode: mode.capitalize() for mode in MODES}
-WELCOME_WIDTH = 17.0
 MODE_TEXT = (
     "V: side by side. W: wipe, with a line to drag. T: one pane that flips between left and "
     "right. D: where and by how much they differ."
@@ -38,13 +35,13 @@ FAINTER_TEXT = (
     "beside them. 1 is just noticeable."
 )
 VESSEL_TEXT = "Switch to the preset that darkens and reddens narrow dark structures as blood would."
-ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, blue where all are at 0."
+ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, yellow where all are at 0."
 
 
 def draw_compare(state: AppState, textures: ShowsPictures) -> None:
     """Both pictures with their tags, or what to do when there is no clip yet."""
     if state.source.clip is None:
-        draw_welcome(state)
+        draw_welcome(state, textures)
         return
     _draw_toolbar(state)
     gap = em(0.3)
@@ -157,33 +154,3 @@ def draw_fainter(state: AppState) -> None:
     if isinstance(params, EnhanceParams):
         beside("Use Vessel")
         button("Use Vessel", partial(actions.choose_method, state, VesselParams), VESSEL_TEXT)
-
-
-def draw_welcome(state: AppState) -> None:
-    """Shown in place of the pictures as long as there is no clip."""
-    space = imgui.get_content_region_avail()
-    imgui.dummy(ImVec2(0, max((space.y - em(18)) / 2.4, 0)))
-    with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
-        centered("Make blood vessels visible", theme.now().text)
-    centered("Open an endoscopic clip, or drop a folder, an image, a video or a splat file here.")
-    imgui.spacing()
-    choices: tuple[tuple[str, Act], ...] = (
-        (f"{icons.ICON_FA_FOLDER_OPEN}   Open folder…", open_folder),
-        (f"{icons.ICON_FA_FILM}   Open image or video…", open_file),
-        (f"{icons.ICON_FA_MAGIC}   Open the built-in phantom###phantom", actions.open_phantom),
-    )
-    for label, act in choices:
-        imgui.set_cursor_pos_x((imgui.get_window_width() - em(WELCOME_WIDTH)) / 2)
-        button(label, partial(act, state), width=WELCOME_WIDTH)
-    if state.source.opening is not None:
-        centered(f"Opening {state.source.opening.path.name}…", theme.now().text)
-        return
-    if state.settings.recent:
-        imgui.spacing()
-        centered("Recent")
-    for place, text in enumerate(state.settings.recent[:5]):
-        name = legible(Path(text).name)
-        imgui.set_cursor_pos_x((imgui.get_window_width() - imgui.calc_text_size(name).x) / 2)
-        if imgui.text_link(f"{name}##{place}"):
-            actions.open_path(state, Path(text))
-        explain(text)

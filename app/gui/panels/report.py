@@ -23,6 +23,8 @@ FIRST_CLICK = {
 MOST_ROWS = 12
 """That are in sight at once."""
 CHART_TEXT = "Which diagram to show. Each point is a setting; the line joins the Pareto-optimal settings."
+MARKERS = 10
+"""Shapes of ImPlot, so that colour is not the only sign."""
 MOST_BELOW = 4
 """Lines whose legend is below the diagram; that of more is beside it, to leave the diagram its height."""
 NEAR = 0.75
@@ -67,8 +69,9 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
         implot.plot_stairs(front.name, front.across, front.up, implot.Spec(line_weight=em(0.1)))
     for fit in chart.fits:
         implot.plot_line(fit.name, fit.across, fit.up, implot.Spec(line_weight=em(0.08)))
-    for line in chart.series:
-        implot.plot_scatter(line.name, line.across, line.up, implot.Spec(marker_size=em(0.25)))
+    for place, line in enumerate(chart.series):
+        mark = implot.Spec(marker=place % MARKERS, marker_size=em(0.28))
+        implot.plot_scatter(line.name, line.across, line.up, mark)
     if now is not None:
         _draw_dot(chart, now)
     _explain_nearest(chart)

@@ -16,6 +16,7 @@ from app.gui.state.presenting import Presenting, SecondWindow
 from app.gui.state.reconstruction import Runs
 from app.gui.state.scene import ShownScene
 from app.gui.state.session import KeptSession
+from app.gui.state.shipped import ShownAbout, ShownGuide, Welcome
 from app.gui.state.source import Reports, Source, Timeline
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
@@ -55,6 +56,9 @@ class AppState:
     batches: Batches = field(default_factory=Batches)
     session: KeptSession = field(default_factory=KeptSession)
     reports: Reports = field(default_factory=Reports)
+    welcome: Welcome = field(default_factory=Welcome)
+    guide: ShownGuide = field(default_factory=ShownGuide)
+    about: ShownAbout = field(default_factory=ShownAbout)
     window: WindowFrame = field(default_factory=WindowFrame)
     presenting: Presenting = field(default_factory=Presenting)
     second_window: SecondWindow = field(default_factory=SecondWindow)
@@ -160,6 +164,11 @@ class AppState:
     def is_model_alone(self) -> bool:
         """A reconstruction without pictures: splats of a file, or a run whose clip is gone."""
         return self.scene.model is not None and self.source.clip is None
+
+    @property
+    def is_empty(self) -> bool:
+        """Nothing is open: the first page is shown."""
+        return self.source.clip is None and self.scene.model is None
 
     @property
     def is_busy(self) -> bool:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from app.exports.exporting import ExportRequest
+from app.gui.work.about import ShowFolder
 from app.gui.work.presets import KeepPresets
 from app.gui.work.writing import SessionRequest, WriteRequest
 from app.kernels.progress import Preparation
@@ -17,7 +18,7 @@ Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
 Kind = Literal["folder", "file"]
-Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest
+Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest | ShowFolder
 
 
 @dataclass

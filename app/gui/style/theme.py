@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 from imgui_bundle import ImVec2, ImVec4, hello_imgui, imgui, implot
 
 from app.gui.work.settings import Theme
+from app.report.colors import COLORS
 
 FONT_SIZE = 16.0
 
@@ -113,6 +115,7 @@ def wear(theme: Theme, text_percent: int) -> None:
     for part, color in _plots(colors).items():
         plots.set_color_(part, color)
     plots.plot_padding = ImVec2(4, 4)
+    plots.colormap = _lines(colors)
 
 
 def load_fonts() -> None:
@@ -138,6 +141,18 @@ def apply_style() -> None:
     style.docking_separator_size = 3
     style.window_menu_button_position = imgui.Dir.none
     style.disabled_alpha = 0.45
+
+
+def _lines(colors: Colors) -> int:
+    """ImPlot's number of the colours of lines, which it keeps by name; ink in place of black."""
+    name = f"lines on {'light' if colors.mirrored else 'dark'}"
+    known = int(implot.get_colormap_index(name))
+    if known >= 0:
+        return known
+    parts = [[int(color[at : at + 2], 16) / 255 for at in (1, 3, 5)] for color in COLORS[:-1]]
+    ink = colors.text
+    table = np.array([*parts, [ink.x, ink.y, ink.z]], np.float32)
+    return int(implot.add_colormap(name, np.column_stack([table, np.ones(len(table), np.float32)])))
 
 
 def _roles(colors: Colors) -> dict[imgui.Col_, ImVec4]:

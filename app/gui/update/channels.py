@@ -7,16 +7,19 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Final, Generic, Literal
 
+import assets
 from app.enhancement.clip_statistics import ClipMeasurer
 from app.enhancement.frame_enhancer import PictureMaker, Pictures
 from app.exports.comparison_images import OtherMaker, heat_map
 from app.exports.exporting import ExportRequest, export
 from app.gui.actions import (
+    about_actions,
     actions,
     batch_actions,
     camera_actions,
     edit_actions,
     export_actions,
+    guide_actions,
     job_actions,
     preset_actions,
     queue_actions,
@@ -32,6 +35,7 @@ from app.gui.update import taking, wishes
 from app.gui.update.patience import Patience
 from app.gui.update.taking import told
 from app.gui.views.comparison import SIDES
+from app.gui.work.about import ShowFolder, read_about, show_folder
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
@@ -40,9 +44,11 @@ from app.gui.work.measuring import Measurer
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
+from app.gui.work.recents import find_recents
 from app.gui.work.runs import RunFinder, left_of, run_model
 from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
+from app.gui.work.shipped import read_guide, read_welcome
 from app.gui.work.strip import left_out, make_strip
 from app.gui.work.thumbnails import make_thumbnails
 from app.gui.work.tidying import clear_places, tidy
@@ -122,6 +128,9 @@ class Channels:
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
         self.kept, self.layouts = Channel(keep), Channel(seal_anew)
+        self.recents = Channel(find_recents)
+        self.welcome, self.guide = Channel(read_welcome), Channel(read_guide)
+        self.about, self.folders = Channel(read_about), Channel(show_folder)
         self.tidying, self.clearing = Channel(tidy), Channel(clear_places)
 
     @cached_property
@@ -169,6 +178,15 @@ class Channels:
                 forgets=False),
             Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), wishes.left_out_wish,
                 SECOND, forgets=False),
+            Row(self.recents, told("recent files cannot be shown", taking.take_recents, actions.say),
+                wishes.recents_wish, "apart", forgets=False),
+            Row(self.welcome, told("the first page cannot be shown", taking.take_welcome, actions.say),
+                lambda s: assets.welcome_path() if s.is_empty else None, SECOND, forgets=False),
+            Row(self.guide, told("the guide cannot be shown", guide_actions.take_guide),
+                lambda s: assets.guide_path() if s.guide.shown else None, SECOND, forgets=False),
+            Row(self.about, told("the versions cannot be listed", about_actions.take_about),
+                lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False),
+            Row(self.folders, told("the folder cannot be shown", taking.take_nothing), server="apart"),
             Row(self.tidying, taking.take_nothing, wishes.to_tidy, SECOND, forgets=False),
             Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
             Row(self.saving, export_actions.take_saved),
@@ -192,6 +210,7 @@ class Channels:
             KeepPresets: self.presets,
             SessionRequest: self.sessions,
             ExportRequest: self.saving,
+            ShowFolder: self.folders,
         }
         for wish in wishes:
             channels[type(wish)].ask(wish)

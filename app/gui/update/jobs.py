@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from app.runs.train_run import TrainRequest
 from app.runs.wall_clock import in_all
 from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
 
+log = logging.getLogger(__name__)
 MakeJob = Callable[[TrainRequest], TrainingJob]
 
 
@@ -97,4 +99,5 @@ def _hear(state: AppState, event: object) -> None:
             actions.announce(state, "reconstruction cancelled; Continue resumes from its last checkpoint")
         case Failed():
             run.status, run.failure = "failed", event.reason
+            log.error("training failed: %s\n%s", event.reason, event.details)
             actions.fail(state, f"the reconstruction failed: {event.reason}")

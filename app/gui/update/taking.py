@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from app.enhancement.clip_statistics import ClipStatistics, StatisticsRequest
@@ -18,10 +18,12 @@ from app.gui.work.baking import Baked, BakeRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest
+from app.gui.work.recents import Recents, RecentsRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
 from app.gui.work.writing import WriteRequest
 from app.scenes.drawer import View
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
+from renderer.clip import ByteImage
 
 Take = Callable[[AppState, Request, Answer | Failure], None]
 
@@ -144,6 +146,14 @@ def _baked(state: AppState, answer: Baked | Failure, view: str) -> Baked | None:
     if answer.said:
         actions.say(state, f"{view} {answer.said}")
     return answer
+
+
+def take_recents(state: AppState, request: RecentsRequest, recents: Recents) -> None:
+    state.welcome.recents = recents
+
+
+def take_welcome(state: AppState, request: Path, samples: Mapping[str, ByteImage]) -> None:
+    state.welcome.samples = samples
 
 
 def take_nothing(state: AppState, request: object, answer: object) -> None:

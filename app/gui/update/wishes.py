@@ -14,6 +14,7 @@ from app.gui.work.baking import Baked, BakeRequest, can_bake
 from app.gui.work.kept_layout import NAME, SealRequest
 from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
+from app.gui.work.recents import RecentsRequest
 from app.gui.work.strip import LeftOutRequest, StripRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tidying import OnScreen
@@ -141,6 +142,14 @@ def bake_wish(state: AppState, shown: Scene | None, baked: Baked | None) -> Bake
     if baked is None or baked.request.shown is not shown:
         return BakeRequest(shown)
     return BakeRequest(shown, baked.baker, baked.request.part + 1) if baked.keyframes is None else None
+
+
+def recents_wish(state: AppState) -> RecentsRequest | None:
+    """Images of what was opened lately, while the first page shows them. Where nothing is remembered, earlier
+    ones are forgotten at once."""
+    if state.settings.recent and not state.is_empty:
+        return None
+    return RecentsRequest(state.settings.recent, state.places.thumbnails)
 
 
 def to_keep(state: AppState) -> KeepRequest:

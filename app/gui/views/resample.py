@@ -19,7 +19,7 @@ SHARP_ZOOM = 3.0
 """From here on pixels are shown as squares."""
 STRIPE = 8
 """Screen pixels from one stripe of the zebra to the next."""
-OVER, UNDER = (255, 0, 255), (0, 190, 255)
+OVER, UNDER = (255, 0, 255), (255, 220, 0)
 """Stripes on clipped highlights and shadows: colours that tissue does not have."""
 TINT, TINT_SHARE = (40, 200, 170), 0.45
 """Over tools and what is masked."""

@@ -85,7 +85,7 @@ class Channel(Generic[Request, Answer]):
                 if self._waiting:
                     break
         except Exception as error:
-            log.debug("request failed", exc_info=True)
+            log.info("request failed", exc_info=True)
             self._put(request, Failure(error))
             on_answer()
         with self._lock:
@@ -144,7 +144,7 @@ class SteppedChannel(Channel[Request, Answer]):
         except StopIteration:
             self._under_way = None
         except Exception as error:
-            log.debug("request failed", exc_info=True)
+            log.info("request failed", exc_info=True)
             self._under_way = None
             self._put(request, Failure(error))
         on_answer()

@@ -37,7 +37,7 @@ class Places:
     def of_user(cls) -> Places:
         """The platform's own folders; VESSELSPLAT_CONFIG_DIR, _RUNS_DIR and _PICTURES_DIR override them."""
         return cls(
-            config=_folder("VESSELSPLAT_CONFIG_DIR", platformdirs.user_config_path("vesselsplat", False)),
+            config=_folder("VESSELSPLAT_CONFIG_DIR", _config()),
             runs=_folder("VESSELSPLAT_RUNS_DIR", platformdirs.user_data_path("vesselsplat", False) / "runs"),
             pictures=_folder("VESSELSPLAT_PICTURES_DIR", platformdirs.user_pictures_path() / "VesselSplat"),
         )
@@ -45,6 +45,21 @@ class Places:
     @property
     def settings_file(self) -> Path:
         return self.config / "settings.json"
+
+    @property
+    def thumbnails(self) -> Path:
+        """Of what was opened lately: in the user's cache folder; with settings elsewhere, beside these."""
+        cache = platformdirs.user_cache_path("vesselsplat", False)
+        return (cache if self.config == _config() else self.config) / "recent"
+
+    @property
+    def logs(self) -> Path:
+        """Errors, for bug reports."""
+        return self.config / "log"
+
+
+def _config() -> Path:
+    return platformdirs.user_config_path("vesselsplat", False)
 
 
 def _folder(variable: str, default: Path) -> Path:

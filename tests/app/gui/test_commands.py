@@ -176,3 +176,63 @@ def test_a_section_s_menu_stays_together(empty: AppState) -> None:
 def test_sections_are_never_empty_but_for_what_is_recent(places: Places) -> None:
     bare: list[Section] = [one for one in sections(AppState(places), outside()) if not one.commands]
     assert [one.submenu for one in bare] == ["Open recent"]
+
+
+SOUGHT = (
+    ("ply", "Export…"),
+    ("mp4", "Export…"),
+    ("full screen", "Full screen"),
+    ("fullscreen", "Full screen"),
+    ("dark", "Dark theme"),
+    ("dark mode", "Dark theme"),
+    ("theme", "Dark theme"),
+    ("light theme", "Light theme"),
+    ("save picture", "Save image"),
+    ("screenshot", "Save image"),
+    ("undo", "Undo"),
+    ("quit", "Quit"),
+    ("exit", "Quit"),
+    ("close", "Quit"),
+    ("demo", "Try the built-in clip"),
+    ("phantom", "Try the built-in clip"),
+    ("load", "Open folder…"),
+    ("batch", "Enhance files and folders…"),
+    ("train", "Reconstruct"),
+    ("3d model", "Reconstruct"),
+    ("ruler", "Measure"),
+    ("distance", "Measure"),
+    ("wli", "Plain white light"),
+    ("zoom 100%", "1:1"),
+    ("pause", "Play"),
+    ("font", "Larger text"),
+    ("shortcuts", "Keys and mouse"),
+    ("defaults", "Reset all"),
+    ("zebra", "Stripes on clipped pixels"),
+    ("presentation", "Presentation"),
+    ("projector", "Second window"),
+)
+"""What people type, and the command that they mean."""
+
+
+@pytest.mark.parametrize(("words", "label"), SOUGHT)
+def test_the_palette_finds_what_people_call_it(state: AppState, words: str, label: str) -> None:
+    """First among the commands that apply now, or first among those that do not."""
+    found = find(sections(state, outside()), words, state)
+    meant = next(one for one in found if one.name.startswith(label))
+    alike = [one.name for one in found if one.applies == meant.applies]
+    assert alike[0] == meant.name, alike[:4]
+
+
+@pytest.mark.parametrize("which", ["empty", "state", "editing"])
+def test_each_command_has_a_name_of_its_own(which: str, request: pytest.FixtureRequest) -> None:
+    """But for what was opened lately, which the same file names in two menus."""
+    state: AppState = request.getfixturevalue(which)
+    names = Counter(one.label for one in commands(state) if "##" not in one.label)
+    assert [name for name, count in names.items() if count > 1] == []
+
+
+def test_synonyms_are_words_as_they_are_compared(state: AppState) -> None:
+    """Lower case, one word each, and none twice."""
+    for command in commands(state):
+        assert all(word == word.casefold() and " " not in word for word in command.synonyms), command.label
+        assert len(set(command.synonyms)) == len(command.synonyms), command.label

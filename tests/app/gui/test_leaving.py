@@ -8,7 +8,15 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import camera_actions, clip_actions, edit_actions, presenting, window_actions
+from app.gui.actions import (
+    about_actions,
+    camera_actions,
+    clip_actions,
+    edit_actions,
+    guide_actions,
+    presenting,
+    window_actions,
+)
 from app.gui.state.app_state import AppState
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
@@ -28,6 +36,8 @@ THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
     (lambda s: s.batches.shown, lambda s: setattr(s.batches, "shown", True)),
     (lambda s: s.exports.shown, lambda s: setattr(s.exports, "shown", True)),
     (lambda s: s.window.help_open, lambda s: setattr(s.window, "help_open", True)),
+    (lambda s: s.guide.shown, guide_actions.toggle_guide),
+    (lambda s: s.about.shown, about_actions.toggle_about),
 )
 """Outermost first: whether it is open, and what opens it."""
 

@@ -20,9 +20,9 @@ from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
 from app.gui.frame.dialogs import Dialogs
 from app.gui.panels import menus, overlays
-from app.gui.panels.compare import draw_welcome
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import Settings
@@ -42,14 +42,14 @@ def test_what_utf_8_can_say_stays() -> None:
 
 def test_the_welcome_and_the_menu_show_such_names(ui: Ui, state: AppState) -> None:
     state.source.clip, state.settings = None, Settings(recent=(f"/clips/{NAME}",))
-    ui.frame(lambda: draw_welcome(state))
+    ui.frame(lambda: draw_welcome(state, Shown()))
     ui.frame(lambda: menus.draw_commands(state, recent_commands.opening(state)))
     state.window.palette.open()
     state.window.palette.type("caf")
     for _ in range(2):
         ui.frame(lambda: draw_palette(state, sections(state, outside())))
     state.source.opening = OpenRequest(Path(NAME))
-    ui.frame(lambda: draw_welcome(state))
+    ui.frame(lambda: draw_welcome(state, Shown()))
 
 
 def test_the_panels_show_such_names(ui: Ui, state: AppState, clip: Clip) -> None:

@@ -9,11 +9,11 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions, history_actions, path_actions
 from app.gui.panels.cameras import draw_cameras
-from app.gui.panels.compare import draw_welcome
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.menus import SEPARATOR, fitting
 from app.gui.panels.reconstruction import FIRST_STEP, draw_reconstruction, status_of
 from app.gui.panels.timeline import draw_timeline
+from app.gui.panels.welcome import CHOICES, draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import seconds
 from app.runs.progress_log import TrainingLog
@@ -25,17 +25,25 @@ from tests.app.gui.conftest import start_live
 from tests.app.gui.ui import Draw, Shown, Ui, compare, no_thumbnail, view3d
 
 
-def test_without_a_clip_there_is_something_to_do(ui: Ui, state: AppState) -> None:
+def test_without_a_clip_there_is_something_to_do(
+    ui: Ui, state: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The third of the buttons opens the built-in clip."""
     state.source.clip = None
     spots: list[tuple[float, float]] = []
 
-    def draw() -> None:
-        draw_welcome(state)
+    def seen(label: str, *rest: object) -> bool:
+        pressed = bool(button(label, *rest))
         low = imgui.get_item_rect_min()
-        spots[:] = [(low.x + 20, low.y + 5)]
+        spots.append((low.x + 20, low.y + 5))
+        return pressed
 
+    button = imgui.button
+    monkeypatch.setattr(imgui, "button", seen)
+    draw: Draw = lambda: draw_welcome(state, Shown())  # noqa: E731
     ui.frame(draw)
-    ui.drag(draw, spots[0], spots[0])
+    assert len(spots) == len(CHOICES)
+    ui.drag(draw, spots[2], spots[2])
     assert state.source.opening is not None
     assert state.source.opening.path == phantom_path()
 

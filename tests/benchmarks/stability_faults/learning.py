@@ -241,8 +241,8 @@ def _initialisation() -> list[Fault]:
         edit(
             "dropped",
             "the spacing",
-            "scales = config.initial_spacing * spacing",
-            "scales = 0 * spacing + pixel_sizes",
+            "config.initial_spacing * spacing, colors",
+            "0 * spacing + pixel_sizes, colors",
         ),
         edit(
             "dropped",
@@ -253,13 +253,13 @@ def _initialisation() -> list[Fault]:
         edit(
             "other",
             "pixels are drawn again",
-            "len(candidates)), replace=False",
-            "len(candidates)), replace=True",
+            "count, replace=False",
+            "count, replace=True",
         ),
         edit(
             "dropped",
             "the depth of a pixel's size",
-            "frame.depth.reshape(-1)[chosen] / np.float32",
+            "depth.reshape(-1)[chosen] / np.float32",
             "np.float32(1) / np.float32",
             quick=True,
         ),
@@ -269,8 +269,20 @@ def _initialisation() -> list[Fault]:
         edit(
             "other",
             "a length in the scene's unit",
-            "scales = config.initial_spacing * spacing",
-            "scales = spacing + 0.01",
+            "config.initial_spacing * spacing, colors",
+            "spacing + 0.01, colors",
+        ),
+        edit(
+            "dropped",
+            "what is around a pixel without depth",
+            "depth = filled_depth(frame.depth, measured)",
+            "depth = np.where(measured, frame.depth, np.float32(1))",
+        ),
+        edit(
+            "dropped",
+            "how many samples lie in a pixel",
+            "np.sqrt(len(means) * densities)",
+            "np.sqrt(len(means) * densities.mean() ** 2)",
         ),
     ]
 

@@ -113,7 +113,8 @@ def test_depth_of_8_16_bits_and_floats_is_the_same_number(folder):
         Image.fromarray(stored.astype(kind)).save(folder / f"depth/frame-{index:06d}.depth.{suffix}")
     clip = open_endonerf(folder)
     for index in range(3):
-        np.testing.assert_array_equal(clip.read_frame(index).depth, stored)
+        frame = clip.read_frame(index)
+        np.testing.assert_array_equal(frame.depth, np.where(frame.tissue_mask, stored, 0))
 
 
 def test_depth_that_is_no_number_is_no_measurement(folder):
@@ -280,9 +281,28 @@ def test_evaluation_follows_the_masks_asked_for(folder):
     options = ClipOptions(evaluation_masks="gt_masks")
     frame = open_endonerf(folder, options).read_frame(0)
     assert frame.evaluation_mask.all()
-    assert not frame.tissue_mask.all()
     shutil.rmtree(folder / "gt_masks")
     assert "gt_masks" in refusal(folder, options)
+
+
+def test_colour_counts_wherever_no_tool_is_and_depth_within_masks(folder):
+    before = open_endonerf(folder).read_frame(0)
+    for path in (folder / "gt_masks").iterdir():
+        Image.new("L", (WIDTH, HEIGHT)).save(path)
+    frame = open_endonerf(folder).read_frame(0)
+    assert frame.tissue_mask.all()
+    np.testing.assert_array_equal(frame.evaluation_mask, before.evaluation_mask)
+    assert not before.depth_mask.all()
+    np.testing.assert_array_equal(frame.depth_mask, before.depth_mask)
+
+
+def test_tools_that_cover_what_masks_call_tissue_are_not_trained_on(folder):
+    before = open_endonerf(folder).read_frame(0)
+    for path in (folder / "gt_masks").iterdir():
+        Image.fromarray(255 - np.array(Image.open(path))).save(path)
+    clip = open_endonerf(folder)
+    assert "gt_masks/ marks tissue of masks/ as tool, and is not trained on" in clip.notices
+    np.testing.assert_array_equal(clip.read_frame(0).tissue_mask, before.tissue_mask)
 
 
 def test_burned_in_rows_leave_the_supervision_only(tmp_path):

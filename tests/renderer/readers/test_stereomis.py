@@ -209,6 +209,6 @@ def test_depth_beyond_the_range_is_no_measurement(converted):
     depth = np.full((64, 80), 240, dtype=np.uint8)
     depth[0, 0] = 251
     Image.fromarray(depth).save(path)
-    read = open_clip(converted).read_frame(0).depth
-    assert read[0, 0] == 0
-    assert (read > 0).sum() == 64 * 80 - 1
+    frame = open_clip(converted).read_frame(0)
+    assert frame.depth[0, 0] == 0
+    assert (frame.depth > 0).sum() == frame.tissue_mask.sum() - 1

@@ -181,11 +181,17 @@ def test_an_empty_file_is_refused(tmp_path, decoder):
         open_video(tmp_path / "empty.mp4")
 
 
-@pytest.mark.parametrize("content", [b"not a video\n" * 40, b"\x00\x00\x00\x18ftypisom" + bytes(300)])
-def test_what_is_no_video_is_refused(tmp_path, decoder, content):
+def test_what_is_no_video_is_refused(tmp_path, decoder):
     path = tmp_path / "text.mp4"
-    path.write_bytes(content)
+    path.write_bytes(b"not a video\n" * 40)
     with pytest.raises(ClipError, match=r"neither, or a damaged one: .*text\.mp4$"):
+        open_video(path)
+
+
+def test_a_video_that_was_cut_off_is_told_apart_from_what_is_none(tmp_path, decoder):
+    path = tmp_path / "half.mp4"
+    path.write_bytes(b"\x00\x00\x00\x18ftypisom" + bytes(300))
+    with pytest.raises(ClipError, match=r"got a damaged video, or one that was cut off: .*half\.mp4$"):
         open_video(path)
 
 

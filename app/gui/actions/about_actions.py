@@ -1,0 +1,23 @@
+"""What the program is, and its log, as functions on the state."""
+
+from __future__ import annotations
+
+from app.gui.state.app_state import AppState
+from app.gui.work.about import About, ShowFolder
+
+
+def toggle_about(state: AppState) -> None:
+    state.about.shown = not state.about.shown
+
+
+def show_about(state: AppState, shown: bool) -> None:
+    state.about.shown = shown
+
+
+def take_about(state: AppState, request: str, about: About) -> None:
+    state.about.facts = about
+
+
+def open_log_folder(state: AppState) -> None:
+    """By the desktop's own program."""
+    state.window.wishes += (ShowFolder(state.places.logs),)

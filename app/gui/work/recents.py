@@ -1,0 +1,142 @@
+"""Small images of what was opened lately, for the first page: made once, then kept in the cache folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Final, Literal
+
+import cv2
+import numpy as np
+
+from app.errors import UserError
+from app.files.atomic import write_bytes
+from app.gui.session_file import SUFFIX, mended_session
+from app.gui.work.opening import VIEW_SUFFIXES
+from app.runs.run_folder import RunFolder
+from renderer.clip import ByteImage, ClipError
+from renderer.readers.clip_options import DEFAULTS
+from renderer.regular_files import read_whole
+from renderer.sources import open_clip
+from renderer.splat_files import is_named_as_splats
+
+SIDE: Final = 320
+"""Pixels of the longer side."""
+QUALITY: Final = 88
+Kind = Literal["clip", "run", "splats", "report"]
+PICTURED: Final = ("clip", "run")
+TROUBLE: Final = (OSError, UserError, ClipError, ValueError, cv2.error)
+
+
+@dataclass(frozen=True)
+class RecentsRequest:
+    """Of these paths, newest first; images of others go from the folder."""
+
+    paths: tuple[str, ...]
+    folder: Path
+
+
+@dataclass(frozen=True, eq=False)
+class Recent:
+    """One of them: what it is by its name, whether it is still there, and how it looks."""
+
+    kind: Kind
+    missing: bool = False
+    image: ByteImage | None = None
+    """None while it is made, and where there is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recents:
+    request: RecentsRequest
+    found: Mapping[str, Recent]
+
+
+def find_recents(request: RecentsRequest) -> Iterator[Recents]:
+    """First which of them are there, then one image after the other."""
+    found = {text: Recent(_kind(Path(text)), _key(Path(text)) is None) for text in request.paths}
+    yield Recents(request, dict(found))
+    names = set()
+    for text, recent in found.items():
+        key = _key(Path(text))
+        if key is None or recent.kind not in PICTURED:
+            continue
+        kept = request.folder / key
+        names.add(key)
+        image = _kept(kept)
+        if image is None:
+            image = _made(Path(text))
+            _keep(kept, image)
+        found[text] = replace(recent, image=image)
+        yield Recents(request, dict(found))
+    _forget(request.folder, names)
+
+
+def _kind(path: Path) -> Kind:
+    if is_named_as_splats(path):
+        return "splats"
+    if path.suffix.lower() in VIEW_SUFFIXES:
+        return "report"
+    return "run" if RunFolder(path).is_run else "clip"
+
+
+def _key(path: Path) -> str | None:
+    """The name of its image: another one once it has changed; None where nothing is there."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    told = f"{path}\n{found.st_mtime_ns}\n{found.st_size}"
+    return f"{sha256(told.encode(errors='replace')).hexdigest()[:32]}.jpg"
+
+
+def _made(path: Path) -> ByteImage | None:
+    """The frame in the middle: of a clip, of the clip of a run, of the source of a session."""
+    try:
+        if path.suffix == SUFFIX:
+            session, _ = mended_session(path)
+            source = session.source.found(path) if session.source else None
+            return None if source is None or source.suffix == SUFFIX else _made(source)
+        run, options = RunFolder(path), DEFAULTS
+        if run.is_run:
+            record = run.record()
+            path, options = Path(record.clip.path), record.clip.options
+        clip = open_clip(path, options)
+        return _small(clip.read_image(len(clip) // 2))
+    except TROUBLE:
+        return None
+
+
+def _small(image: ByteImage) -> ByteImage:
+    factor = min(1.0, SIDE / max(image.shape[:2]))
+    size = (max(1, round(factor * image.shape[1])), max(1, round(factor * image.shape[0])))
+    return np.ascontiguousarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+def _kept(file: Path) -> ByteImage | None:
+    """None where there is none, or not what was kept."""
+    with suppress(*TROUBLE):
+        image = cv2.imdecode(np.frombuffer(read_whole(file), np.uint8), cv2.IMREAD_COLOR)
+        if image is not None and max(image.shape[:2]) <= SIDE:
+            return np.ascontiguousarray(image[..., ::-1], dtype=np.uint8)
+    return None
+
+
+def _keep(file: Path, image: ByteImage | None) -> None:
+    """Where nothing can be written, it is made the next time, too."""
+    if image is None:
+        return
+    with suppress(*TROUBLE):
+        _, content = cv2.imencode(".jpg", image[..., ::-1], (cv2.IMWRITE_JPEG_QUALITY, QUALITY))
+        write_bytes(file, content.tobytes())
+
+
+def _forget(folder: Path, names: set[str]) -> None:
+    """Images of what is not in the list any more."""
+    with suppress(OSError):
+        for file in folder.glob("*.jpg"):
+            if file.name not in names:
+                file.unlink(missing_ok=True)

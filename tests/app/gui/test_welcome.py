@@ -1,0 +1,225 @@
+"""The first page: what was opened lately with small images, what to open, and how it fits."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+import pytest
+from imgui_bundle import ImVec2, imgui
+
+import assets
+from app.files.image_files import read_image
+from app.gui.panels.welcome import SAMPLES, draw_welcome, shortened
+from app.gui.session_file import SUFFIX, Session, SessionSource, write_session
+from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
+from app.gui.update.wishes import recents_wish
+from app.gui.work.recents import SIDE, Recents, RecentsRequest, find_recents
+from app.gui.work.settings import Places, Settings
+from assets import phantom_path
+from tests.app.gui.test_window import Driver, wait
+from tests.app.gui.ui import Draw, Shown, Ui
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "recent"
+
+
+def found(folder: Path, *paths: Path) -> Recents:
+    """When all images are there."""
+    return list(find_recents(RecentsRequest(tuple(map(str, paths)), folder)))[-1]
+
+
+def test_a_clip_has_a_small_image_that_is_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    image = found(folder, phantom_path()).found[str(phantom_path())].image
+    assert image is not None
+    assert max(image.shape[:2]) <= SIDE
+    frame = read_image(phantom_path() / "images" / "frame-000012.color.png")
+    assert abs(float(image.mean()) - float(frame[..., :3].mean())) < 3
+    (kept,) = folder.glob("*.jpg")
+    # A second time nothing is opened.
+    monkeypatch.setattr("app.gui.work.recents.open_clip", None)
+    again = found(folder, phantom_path()).found[str(phantom_path())].image
+    assert again is not None
+    assert np.abs(again.astype(int) - image).mean() < 3
+    assert [kept] == list(folder.glob("*.jpg"))
+
+
+def test_a_clip_that_has_changed_gets_another_image(folder: Path, tmp_path: Path) -> None:
+    frames, still = phantom_path() / "images", tmp_path / "still.png"
+    shutil.copy(frames / "frame-000000.color.png", still)
+    found(folder, still)
+    before = {file.name for file in folder.glob("*.jpg")}
+    still.write_bytes((frames / "frame-000009.color.png").read_bytes())
+    found(folder, still)
+    after = {file.name for file in folder.glob("*.jpg")}
+    assert len(after) == 1
+    assert after != before
+
+
+def test_runs_and_sessions_show_their_clip(folder: Path, runs: dict[str, Path], tmp_path: Path) -> None:
+    saved = tmp_path / f"case{SUFFIX}"
+    write_session(saved, replace(Session(), source=SessionSource(str(phantom_path()))))
+    (tmp_path / "notes.txt").write_text("no image")
+    table = found(folder, runs["original"], saved, tmp_path / "notes.txt").found
+    assert table[str(runs["original"])].kind == "run"
+    assert table[str(runs["original"])].image is not None
+    assert table[str(saved)].image is not None
+    assert table[str(tmp_path / "notes.txt")].image is None
+
+
+def test_what_is_gone_is_said_first_and_what_is_damaged_has_no_image(folder: Path, tmp_path: Path) -> None:
+    damaged, gone = tmp_path / "damaged.mp4", tmp_path / "gone.mp4"
+    damaged.write_bytes(b"no video")
+    first = next(iter(find_recents(RecentsRequest((str(damaged), str(gone)), folder))))
+    assert [first.found[str(path)].missing for path in (damaged, gone)] == [False, True]
+    assert found(folder, damaged, gone).found[str(damaged)].image is None
+
+
+def test_a_damaged_image_is_made_anew_and_a_full_disk_is_no_trouble(folder: Path, tmp_path: Path) -> None:
+    found(folder, phantom_path())
+    (kept,) = folder.glob("*.jpg")
+    kept.write_bytes(b"damaged")
+    assert found(folder, phantom_path()).found[str(phantom_path())].image is not None
+    assert kept.stat().st_size > 100
+    (tmp_path / "file").write_text("in the way")
+    assert found(tmp_path / "file", phantom_path()).found[str(phantom_path())].image is not None
+
+
+def test_images_of_what_is_not_remembered_go(places: Places) -> None:
+    state, channels = AppState(places, Settings(recent=(str(phantom_path()),))), Channels()
+
+    def turn() -> None:
+        update(state, channels, 1.0)
+        while channels.recents.run_waiting():
+            pass
+
+    turn()
+    assert len(list(places.thumbnails.glob("*.jpg"))) == 1
+    state.settings = state.settings.remembering(False)
+    turn()
+    assert not list(places.thumbnails.glob("*.jpg"))
+
+
+def test_they_are_wished_for_on_the_first_page_alone(state: AppState) -> None:
+    state.settings = replace(state.settings, recent=("/clips/a",))
+    assert recents_wish(state) is None  # A clip is open.
+    state.source.clip = None
+    assert recents_wish(state) == RecentsRequest(("/clips/a",), state.places.thumbnails)
+
+
+def test_what_is_gone_cannot_be_opened_and_the_rest_can(ui: Ui, state: AppState, tmp_path: Path) -> None:
+    state.source.clip = None
+    paths = (str(tmp_path / "gone.mp4"), str(phantom_path()))
+    state.settings = replace(state.settings, recent=paths)
+    state.welcome.recents = found(tmp_path / "recent", *map(Path, paths))
+    shown, spots = Shown(), {}
+
+    def draw() -> None:
+        spots.clear()
+        draw_welcome(state, shown)
+
+    for place, path in enumerate(paths):
+        ui.frame(draw)
+        at = _middle(ui, draw, f"recent {place}")
+        ui.drag(draw, at, at)
+        opening = state.source.opening
+        assert (None if opening is None else str(opening.path)) == (path if place else None)
+    assert "recent 1" in shown.images
+    assert "recent 0" not in shown.images
+
+
+def _middle(ui: Ui, draw: Draw, item: str) -> tuple[float, float]:
+    """Where an item lies, found by moving over the page."""
+    for y in range(10, 700, 24):
+        for x in range(10, 900, 40):
+            ui.io.add_mouse_pos_event(x, y)
+            ui.frame(draw)
+            if imgui.get_current_context().hovered_id_previous_frame == _id(item):
+                return float(x), float(y)
+    raise AssertionError(f"no {item}")
+
+
+def _id(item: str) -> int:
+    window = imgui.internal.find_window_by_name("panel")
+    return int(window.get_id(item))
+
+
+@pytest.mark.parametrize("size", [(1260, 700), (900, 560), (560, 400), (300, 260)])
+@pytest.mark.parametrize("recent", [0, 8])
+def test_it_fits_and_nothing_reaches_over_the_edge(
+    ui: Ui, state: AppState, size: tuple[int, int], recent: int
+) -> None:
+    """In width always; in height it scrolls where there is too little."""
+    state.source.clip = None
+    state.settings = replace(state.settings, recent=tuple(f"/cases/a long name {n}" for n in range(recent)))
+    state.welcome.samples = {name: np.zeros((30, 48, 3), np.uint8) for name, *_ in SAMPLES}
+    reached: list[tuple[float, float]] = []
+
+    def draw() -> None:
+        with_child = imgui.begin_child("middle", ImVec2(*size))
+        assert with_child
+        draw_welcome(state, Shown())
+        window = imgui.internal.get_current_window()
+        reached[:] = [(window.content_size.x, window.content_size.y)]
+        imgui.end_child()
+
+    for _ in range(3):
+        ui.frame(draw)
+    assert reached[0][0] <= size[0] + 1
+    if size[1] >= 560:
+        assert reached[0][1] <= size[1]
+
+
+def test_a_long_name_keeps_both_ends(ui: Ui) -> None:
+    texts: list[str] = []
+    ui.frame(lambda: texts.append(shortened("case 2024-11-03 right kidney 0017.mp4", 120)))
+    assert texts[0].startswith("case")
+    assert texts[0].endswith(".mp4")
+    assert "…" in texts[0]
+
+
+def test_they_lie_in_the_cache_folder_of_the_user(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of settings elsewhere lie beside these, so that neither clears the other's."""
+    for name in ("CONFIG", "RUNS", "PICTURES"):
+        monkeypatch.delenv(f"VESSELSPLAT_{name}_DIR", raising=False)
+    assert Places.of_user().thumbnails.parent == platformdirs.user_cache_path("vesselsplat", False)
+    assert places.thumbnails.parent == places.config
+
+
+def test_images_of_what_the_program_does_ship_with_it() -> None:
+    names = {path.name for path in assets.welcome_path().glob("*.jpg")}
+    assert names == {name for name, *_ in SAMPLES}
+
+
+@pytest.mark.display
+def test_the_first_page_leads_from_an_empty_window_to_the_built_in_clip(
+    places: Places, tmp_path: Path
+) -> None:
+    still = tmp_path / "still.png"
+    shutil.copy(phantom_path() / "images" / "frame-000003.color.png", still)
+    driver = Driver(places, Settings(acknowledged=True, recent=(str(still), "/gone.mp4")), [])
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: len(state.welcome.samples) == len(SAMPLES), "the images of the page")
+
+        def is_there() -> bool:
+            recents = state.welcome.recents
+            return recents is not None and recents.found[str(still)].image is not None
+
+        wait(ctx, is_there, "the image of the recent case")
+        began = time.monotonic()
+        ctx.item_click("//Pictures/**/recent 0")
+        wait(ctx, lambda: state.source.path == still, "the recent case")
+        assert time.monotonic() - began < 10
+
+    driver.run(drive)
+    assert len(list(places.thumbnails.glob("*.jpg"))) == 1

@@ -1,0 +1,184 @@
+"""The images of the guide and of the first page, from the built-in phantom alone.
+
+xvfb-run -a -s "-screen 0 1920x1080x24" python -m tests.benchmarks.guide_images RUN
+
+RUN is a finished reconstruction of the built-in phantom. Writes to assets/guide and assets/welcome.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import shutil
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from imgui_bundle.immapp import testing
+
+from app.enhancement.frame_enhancer import Pictures
+from app.gui.actions import export_actions, remembered
+from app.gui.state.app_state import AppState
+from app.gui.work.settings import Settings
+from app.runs.run_folder import RunFolder
+from app.scenes.drawer import draw_view
+from app.scenes.view_request import ViewRequest
+from assets import guide_path, phantom_path, welcome_path
+from renderer.clip import ByteImage
+from renderer.gaussians import DynamicGaussians
+from renderer.train.events import Evaluated, Started
+from tests.app.gui.conftest import FakeJob
+from tests.benchmarks.gui_pictures import UNPACED, window_in
+from tests.benchmarks.gui_soak import quieten
+from tests.benchmarks.picture_scenes import OMITTED, STEPS, progress
+from tests.benchmarks.soak_deeds import Context, K, Person
+
+SIZE = (1280, 720)
+BETWEEN = (0, 22, 1280, 602)
+"""Left, top, right and bottom of what is between the menu bar and the timeline."""
+QUALITY = (cv2.IMWRITE_JPEG_QUALITY, 88)
+SAMPLE = (480, 300)
+"""Pixels of an image of the first page."""
+SETTLED = 30
+"""Frames after which tooltips and animations have gone."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("run", type=Path)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        window = window_in(Path(folder), Settings(acknowledged=True))
+        remembered.begin(window.state)
+        # No folder of this computer is to be seen.
+        window.state.places = replace(window.state.places, pictures=Path("Pictures/VesselSplat"))
+        params = window.runner_params()
+        params.ini_disable = True
+        params.app_window_params.window_geometry.size = SIZE
+
+        def drive(ctx: Context) -> None:
+            quieten(ctx)
+            run = Path(shutil.copytree(given.run, window.state.places.runs / "phantom"))
+            _take(Shots(Person(ctx, window, phantom_path(), random.Random(0), UNPACED, run=run)))
+
+        testing.run(test_function=drive, runner_params=params, add_ons_params=window.add_ons())
+
+
+class Shots:
+    """Takes images of the window, whole or of a panel."""
+
+    def __init__(self, person: Person) -> None:
+        self.person = person
+
+    def shot(self) -> ByteImage:
+        self.person.ctx.mouse_move_to_pos((2.0, 2.0))
+        self.person.ctx.yield_(SETTLED)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "shot.png"
+            testing.capture(self.person.ctx, str(path))
+            image = cv2.imread(str(path))
+        assert image is not None
+        return np.asarray(image, np.uint8)
+
+    def guide(self, name: str, window: str = "") -> None:
+        """A window of its own, or all but the bars and the timeline."""
+        left, top, right, bottom = BETWEEN
+        if window:
+            found = self.person.ctx.window_info(window).window
+            left, top = round(found.pos.x), round(found.pos.y)
+            right, bottom = left + round(found.size.x), top + round(found.size.y)
+        cv2.imwrite(str(guide_path() / name), self.shot()[top:bottom, left:right], QUALITY)
+
+    def measured(self, name: str) -> None:
+        """The middle of the 3D view, with the distance in it."""
+        box = self.person.ctx.item_info("//3D view/view").rect_full
+        image = self.shot()
+        middle = round((box.min.x + box.max.x) / 2), round((box.min.y + box.max.y) / 2)
+        height = round(0.72 * (box.max.y - box.min.y))
+        width = height * SAMPLE[0] // SAMPLE[1]
+        left, top = middle[0] - width // 2, middle[1] - height // 2
+        _write(name, image[top : top + height, left : left + width])
+
+
+def _write(name: str, bgr: ByteImage) -> None:
+    shape = cv2.INTER_AREA if bgr.shape[1] > SAMPLE[0] else cv2.INTER_CUBIC
+    cv2.imwrite(str(welcome_path() / name), cv2.resize(bgr, SAMPLE, interpolation=shape), QUALITY)
+
+
+def _enhanced(name: str, pictures: Pictures) -> None:
+    """Left of a line the original."""
+    assert pictures.enhanced is not None
+    image, half = pictures.original.copy(), pictures.original.shape[1] // 2
+    image[:, half:] = pictures.enhanced[:, half:]
+    rows = image.shape[1] * SAMPLE[1] // SAMPLE[0]
+    top = (image.shape[0] - rows) // 2
+    large = cv2.resize(image[top : top + rows], SAMPLE, interpolation=cv2.INTER_CUBIC)
+    large[:, SAMPLE[0] // 2 - 1 : SAMPLE[0] // 2 + 1] = 235
+    _write(name, np.asarray(large[..., ::-1], np.uint8))
+
+
+def _reconstructed(name: str, state: AppState) -> None:
+    """From the side, as the 3D view shows it."""
+    model, free = state.scene.model, state.scene.viewer.free
+    assert model is not None
+    (view,) = draw_view(ViewRequest.fitted(model, 0.3, free, SAMPLE))
+    _write(name, np.asarray(view.image[..., ::-1], np.uint8))
+
+
+def _train(person: Person, model: DynamicGaussians) -> None:
+    """As it looks after a third of the steps."""
+    person.click("//Reconstruction/###start")
+    job = person.state.runs.reconstruction.job
+    assert isinstance(job, FakeJob)
+    job.inbox = [Started(0, STEPS, len(model), OMITTED), *progress(STEPS // 3), Evaluated(500, 30.2)]
+    job.model = model
+    person.ctx.yield_(3)
+    person.ctx.window_focus("//3D view")
+    person.wait(lambda: person.state.scene.view is not None, "the preview")
+
+
+def _take(shots: Shots) -> None:
+    person, state = shots.person, shots.person.state
+    person.ctx.yield_(SETTLED)
+    shots.guide("1-open.jpg", "//Pictures")
+    person.open(phantom_path())
+    person.ctx.window_focus("//Pictures")
+    person.wait(lambda: state.timeline.strip is not None and state.picture.measured is not None, "all")
+    shots.guide("2-enhance.jpg")
+    person.press(K.w)
+    person.wait(person.settled, "the wipe")
+    person.click("//Enhancement/details/Measures")
+    shots.guide("3-compare.jpg")
+    assert state.picture.pictures is not None
+    _enhanced("enhance.jpg", state.picture.pictures)
+    person.press(K.v)
+    person.ctx.window_focus("//Reconstruction")
+    person.wait(person.settled, "both panes")
+    assert person.run is not None
+    _train(person, RunFolder(person.run).model())
+    shots.guide("4-reconstruct.jpg")
+    state.runs.reconstruction.job = None
+    state.runs.reconstruction.status = "cancelled"
+    person.open(person.run)
+    person.ctx.window_focus("//3D view")
+    person.wait(lambda: state.scene.view is not None, "the view")
+    person.ctx.window_focus("//Cameras")
+    person.drag("//3D view/view", (0.5, 0.5), (0.68, 0.4))
+    person.ctx.yield_(SETTLED)
+    shots.guide("5-view.jpg")
+    _reconstructed("reconstruct.jpg", state)
+    person.press(K.m)
+    for x in (0.45, 0.55):
+        person.drag("//3D view/view", (x, 0.5), (x, 0.5))
+        person.ctx.yield_(SETTLED)
+    shots.measured("measure.jpg")
+    person.press(K.m)
+    export_actions.toggle_export(state)
+    person.ctx.yield_(SETTLED)
+    shots.guide("6-export.jpg", "//Export")
+
+
+if __name__ == "__main__":
+    main()

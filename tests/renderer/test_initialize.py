@@ -1,0 +1,58 @@
+"""Where the first Gaussians lie when some tissue is seldom seen, or has no depth."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from renderer.camera import Camera
+from renderer.clip import Frame
+from renderer.train.config import TrainConfig
+from renderer.train.initialize import EVENNESS, sampled
+
+WIDTH, HEIGHT, COUNT = 64, 48, 10
+CAMERA = Camera(60.0, 60.0, WIDTH / 2, HEIGHT / 2, WIDTH, HEIGHT)
+CONFIG = TrainConfig(n_gaussians=600)
+RIGHT = np.s_[:, WIDTH // 2 :]
+
+
+def frames(shown: int) -> list[Frame]:
+    """Frames of which the first `shown` show the right half; their colour is their number."""
+    made = []
+    for index in range(COUNT):
+        tissue, image = np.ones((HEIGHT, WIDTH), bool), np.full((HEIGHT, WIDTH, 3), index, np.uint8)
+        tissue[RIGHT] = index < shown
+        depth = np.full((HEIGHT, WIDTH), 50, np.float32)
+        made.append(Frame(index, index / COUNT, image, CAMERA, tissue, tissue, depth))
+    return made
+
+
+def test_seldom_seen_tissue_gets_half_of_an_even_share_and_half_of_its_own() -> None:
+    raw = sampled(frames(shown=1), CONFIG)
+    right = np.count_nonzero(raw.means[:, 0] > 0) / len(raw)
+    np.testing.assert_allclose(right, EVENNESS / 2 + (1 - EVENNESS) / 11, atol=0.01)
+
+
+def test_sizes_follow_from_how_dense_the_samples_lie() -> None:
+    raw = sampled(frames(shown=1), CONFIG)
+    right = raw.means[:, 0] > 0
+    pixel = 50 / CAMERA.fx
+    for half in (right, ~right):
+        spacing = np.sqrt(WIDTH * HEIGHT / 2 / np.count_nonzero(half)) * pixel
+        np.testing.assert_allclose(np.exp(raw.log_scales[half]), CONFIG.initial_spacing * spacing, rtol=0.03)
+
+
+def test_tissue_that_is_always_seen_is_sampled_alike_in_every_frame() -> None:
+    raw = sampled(frames(shown=COUNT), CONFIG)
+    numbers = np.rint(raw.colors[:, 0] * 255).astype(int)
+    np.testing.assert_array_equal(np.bincount(numbers), CONFIG.n_gaussians // COUNT)
+
+
+def test_tissue_without_depth_gets_its_gaussians_too() -> None:
+    given = frames(shown=COUNT)
+    for frame in given:
+        assert frame.depth is not None
+        frame.depth[RIGHT] = 0
+    raw = sampled(given, CONFIG)
+    right = np.count_nonzero(raw.means[:, 0] > 0) / len(raw)
+    np.testing.assert_allclose(right, 0.5, atol=0.06)
+    np.testing.assert_allclose(raw.means[:, 2], 50, rtol=1e-5)
