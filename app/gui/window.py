@@ -18,19 +18,20 @@ from app.console.log_file import logged
 from app.enhancement.methods import preset_of
 from app.errors import UserError
 from app.files.provenance import version
-from app.gui.actions import actions, preset_actions, queue_actions, remembered, session_actions
+from app.gui.actions import actions, presenting, preset_actions, queue_actions, remembered, session_actions
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
 from app.gui.drawing.chosen_viewport import ChosenViewport, SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
-from app.gui.frame import dockings, kept_layout, starting
-from app.gui.frame.bare import Bare
+from app.gui.frame import dockings, starting
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import REPORT, SPLATS, TUNING
-from app.gui.frame.full_screen import FullScreen
 from app.gui.frame.quitting import ask_before_quitting
+from app.gui.frame.screen import Screen
+from app.gui.frame.second_content import SecondContent
+from app.gui.frame.second_window import SecondWindow
 from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
 from app.gui.panels.about import draw_about
@@ -42,6 +43,7 @@ from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
 from app.gui.panels.guide import draw_guide
 from app.gui.panels.palette import draw_palette
+from app.gui.panels.presentation import draw_presentation
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
 from app.gui.panels.runs import draw_runs
@@ -55,6 +57,7 @@ from app.gui.update.channels import Channels
 from app.gui.update.jobs import MakeJob, start_due
 from app.gui.update.preparing import follow_preparation
 from app.gui.update.update import take_pictures, update
+from app.gui.work import kept_layout
 from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
@@ -113,7 +116,7 @@ class Window:
         )
         self._preparer: Preparer | None = None
         self._dialogs = Dialogs(Path.home())
-        self._bare, self._full_screen, self._ends = Bare(), FullScreen(), False
+        self._screen = Screen(self._add_timeline)
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
         self._ctx: moderngl.Context | None = None
@@ -122,6 +125,7 @@ class Window:
         self._textures: Textures | None = None
         self._viewport: Viewport | None = None
         self._second_viewport: Viewport | None = None
+        self._second_window: SecondWindow | None = None
         self._has_signal: Callable[[], bool] = lambda: False
         """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
         self._began = time.monotonic()
@@ -166,7 +170,8 @@ class Window:
         gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
         gl.use_core_profile = gl.use_forward_compat = True
         gl.glsl_version = "150"
-        params.docking_params = self._layout()
+        params.docking_params, *params.alternative_docking_layouts = dockings.layouts(self._layout)
+        params.remember_selected_alternative_layout = False
         self._connect(params)
         return params
 
@@ -201,7 +206,7 @@ class Window:
         calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
-        calls.before_swap = lambda: shoot_window(self._ctx, self.state, self._channels.saving)
+        calls.before_swap = self._end_frame
         calls.before_exit = self.close
         self._add_timeline(params)
 
@@ -222,7 +227,6 @@ class Window:
         # |__________________|_struct____|
         layout = hello_imgui.DockingParams()
         layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
-        layout.docking_splits = dockings.splits()
         layout.dockable_windows = [
             # Before the pictures, which show in the same frame what has moved here.
             _panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
@@ -248,6 +252,7 @@ class Window:
         self._textures = Textures(ctx)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
         self._second_viewport = SecondViewport(ctx, self._textures)
+        self._second_window = SecondWindow(SecondContent(ctx, self._textures, self._viewport))
         glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self.drop)  # type: ignore[arg-type]
 
     def _advance(self) -> None:
@@ -262,10 +267,8 @@ class Window:
         self._commands = sections(self.state, RUNNER)
         params = hello_imgui.get_runner_params()
         self._wear(params)
-        self._bare.follow(self.state.window.bare, params.docking_params.dockable_windows)
-        self._full_screen.follow(self.state.window.full_screen)
-        if self._ends:
-            dockings.quit_app()
+        self._screen.follow(self.state, params)
+        presenting.forget_pointer(self.state)
         dockings.follow(self.state)
         dockings.spare_ground()
         idling = params.fps_idling
@@ -281,11 +284,11 @@ class Window:
         if self._worn == chosen:
             return
         size = dockings.window_size(first=self._worn is None)
-        dockings.arrange(params.docking_params, size, chosen[1])
+        dockings.arrange(params, size, chosen[1])
         if self._worn is not None and dockings.is_low(size, chosen[1]) != dockings.is_low(
             size, self._worn[1]
         ):
-            dockings.restore()
+            dockings.restore_all()
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.
             dockings.widen(chosen[1] / self._worn[1])
@@ -315,7 +318,20 @@ class Window:
         assert self._textures is not None
         return self._textures.whole(slot, image)
 
+    def _end_frame(self) -> None:
+        """All is drawn and not yet shown."""
+        assert self._second_window is not None
+        shoot_window(self._ctx, self.state, self._channels.saving)
+        self._second_window.follow(self.state)
+
+    def _draw_presentation(self) -> None:
+        assert self._textures is not None
+        assert self._viewport is not None
+        over = partial(self._texture, "frame over view")
+        draw_presentation(self.state, self._textures, self._viewport, over)
+
     def _draw_over(self) -> None:
+        self._draw_presentation()
         assert self._textures is not None
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
@@ -335,18 +351,10 @@ class Window:
         ask_before_quitting(self.state)
         if self._has_signal():
             dockings.quit_app()
-        self._end_whole()
+        self._screen.end_whole(self.state)
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
             remembered.remember(self.state)
-
-    def _end_whole(self) -> None:
-        """The runner keeps panels and place for the next window when it ends: before, they are brought back,
-        which is done between two frames."""
-        params, frame = hello_imgui.get_runner_params(), self.state.window
-        if params.app_shall_exit and (frame.bare or frame.full_screen):
-            params.app_shall_exit, self._ends = False, True
-            frame.bare = frame.full_screen = False
 
     def close(self) -> None:
         """While OpenGL is still there: end the background work and give everything back."""
@@ -354,6 +362,8 @@ class Window:
         if not self._has_signal():
             session_actions.end(self.state)
         queue_actions.keep_now(self.state)
+        if self._second_window is not None:
+            self._second_window.close()
         for item in (self._viewport, self._second_viewport, self._textures):
             if item is not None:
                 item.release()

@@ -143,6 +143,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
         state.scene.cameras = CameraList()
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
+    state.source.content = opened.content
     state.picture.measured = None
     state.timeline.playing, state.timeline.frozen_index = False, None
     state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)

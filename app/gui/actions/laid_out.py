@@ -35,6 +35,16 @@ def drag_view(state: AppState) -> None:
     state.scene.dragged = True
 
 
+def see_tuning(state: AppState) -> None:
+    """The tuning grid is on screen."""
+    state.tuning.in_sight = True
+
+
+def place_tiles(state: AppState, columns: int) -> None:
+    """So many tiles of the tuning grid beside each other."""
+    state.tuning.columns = columns
+
+
 def list_runs(state: AppState) -> None:
     """The list of the clip's runs is on screen."""
     state.runs.is_listed = state.source.clip is not None

@@ -13,6 +13,8 @@ from app.gui.actions import (
     edit_actions,
     export_actions,
     guide_actions,
+    presenting,
+    tuning_actions,
     window_actions,
 )
 from app.gui.state.app_state import AppState
@@ -30,6 +32,8 @@ INNERMOST_FIRST: tuple[Open, ...] = (
     (lambda s: s.scene.viewer.measuring, camera_actions.toggle_measuring),
     (lambda s: s.scene.viewer.flying, camera_actions.toggle_flight),
     (lambda s: s.editing.active, edit_actions.toggle),
+    (tuning_actions.is_looking, lambda s: tuning_actions.look_at(s, None)),
+    (lambda s: s.presenting.pane is not None, presenting.leave),
     (lambda s: s.window.bare, window_actions.toggle_panels),
     (lambda s: s.window.full_screen, window_actions.toggle_full_screen),
 )

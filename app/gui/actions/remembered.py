@@ -1,4 +1,5 @@
-"""What a user works with comes back at the next start: method, statistics, pixels, comparison."""
+"""What a user works with comes back at the next start: method, statistics, pixels, comparison, and where the
+second window is."""
 
 from __future__ import annotations
 
@@ -34,6 +35,8 @@ def remember(state: AppState) -> None:
         pixels=chosen.pixels,
         mode=state.comparing.chosen.mode,
     )
+    if (second := state.second_window).shown and second.place is not None:
+        settings = replace(settings, second_place=second.place, second_full_screen=second.full_screen)
     if settings != state.settings:
         state.settings = settings
         actions.save_settings(state)

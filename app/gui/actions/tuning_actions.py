@@ -5,18 +5,24 @@ from __future__ import annotations
 from app.enhancement.contact_sheet import columns_of
 from app.enhancement.parameter_grid import Axis, Setting, settings
 from app.errors import UserError
-from app.gui.actions import actions
+from app.gui.actions import actions, presenting
 from app.gui.session_file import Choice
+from app.gui.state.amounts import spaced
 from app.gui.state.app_state import AppState
+from app.gui.state.setting_words import said
 from app.gui.views.picture_view import PictureView, Room
 from app.gui.work.background import Failure
 from app.gui.work.tuning import CellRequest, Grid, GridCell
 
+LEAST_SIZE, MOST_SIZE = 0.5, 4.0
+"""Of tiles, of the size in which all columns are in sight."""
+
 
 def toggle_tuning(state: AppState) -> None:
-    """Its panel is one of those that a bare window hides."""
-    state.tuning.shown = state.window.bare or not state.tuning.shown
-    state.window.bare = False
+    """Its panel is one of those that a bare window and a presentation hide."""
+    hidden = state.window.bare or state.presenting.pane is not None
+    presenting.leave(state)
+    state.tuning.shown, state.window.bare = hidden or not state.tuning.shown, False
 
 
 def choose_axis(state: AppState, place: int, choice: Choice) -> None:
@@ -32,7 +38,7 @@ def start_grid(state: AppState) -> None:
     if picture is None:
         return
     try:
-        axes = [_axis(state, choice) for choice in tuning.choices if choice.name]
+        axes = [_axis(state, choice) for choice in tuning.choices if _is_of_method(state, choice)]
         wanted = settings(state.enhancement.params, axes)
     except UserError as error:
         actions.fail(state, str(error).removeprefix("--vary: "))
@@ -42,10 +48,16 @@ def start_grid(state: AppState) -> None:
     tuning.cells, tuning.running, tuning.chosen, tuning.look = {}, True, None, None
 
 
+def _is_of_method(state: AppState, choice: Choice) -> bool:
+    """Else it was chosen while another method was on, and is not shown as chosen."""
+    return bool(choice.name) and hasattr(state.enhancement.params, choice.name)
+
+
 def _axis(state: AppState, choice: Choice) -> Axis:
-    """Raises UserError: chosen while another method was on."""
-    if not hasattr(state.enhancement.params, choice.name):
-        raise UserError(f"{choice.name} is not a parameter of this method: choose another one to vary")
+    """Evenly spaced as its slider shows it."""
+    values = spaced(choice.name, choice.first, choice.last, choice.count)
+    if values is not None:
+        return Axis(choice.name, values)
     return choice.axis(whole=isinstance(getattr(state.enhancement.params, choice.name), int))
 
 
@@ -55,8 +67,32 @@ def stop_grid(state: AppState) -> None:
 
 
 def look_at(state: AppState, setting: Setting | None) -> None:
-    """One cell at 100 %, or all of them again."""
-    state.tuning.chosen, state.tuning.view = setting, PictureView(zoom=1.0)
+    """One cell as large as it fits, beside the original, or all of them again."""
+    if setting is None or state.tuning.chosen is None:
+        state.tuning.view = PictureView(pixel_aspect=state.picture.view.pixel_aspect)
+    state.tuning.chosen = setting
+
+
+def is_looking(state: AppState) -> bool:
+    """One cell is on screen, alone."""
+    return state.tuning.in_sight and state.tuning.chosen is not None
+
+
+def go(state: AppState, right: int = 0, down: int = 0) -> None:
+    """From the cell that is looked at to its neighbour in the grid, where that is tried already."""
+    tuning, order = state.tuning, state.tuning.in_order
+    if tuning.chosen not in order:
+        return
+    row, column = divmod(order.index(tuning.chosen), tuning.columns)
+    column, row = column + right, row + down
+    place = row * tuning.columns + column
+    if 0 <= column < tuning.columns and 0 <= place < len(order) and order[place] in tuning.cells:
+        look_at(state, order[place])
+
+
+def resize_tiles(state: AppState, size: float) -> None:
+    """Larger ones are scrolled."""
+    state.tuning.size = min(max(size, LEAST_SIZE), MOST_SIZE)
 
 
 def sort_by(state: AppState, measure: str) -> None:
@@ -69,13 +105,30 @@ def pan_cell(state: AppState, by: tuple[float, float], picture: tuple[int, int],
     state.tuning.view = state.tuning.view.panned(by, picture, pane)
 
 
+def zoom_cell(
+    state: AppState, factor: float, at: tuple[float, float], picture: tuple[int, int], pane: Room
+) -> None:
+    """Nearer for a factor above 1, around a place in the pane; the original beside it as well."""
+    state.tuning.view = state.tuning.view.zoomed(factor, at, picture, pane)
+
+
+def fit_cell(state: AppState) -> None:
+    """As a whole."""
+    state.tuning.view = state.tuning.view.fitted()
+
+
+def one_to_one(state: AppState, zoom: float) -> None:
+    """One pixel of the frame a pixel of the screen, which `zoom` of a window's units are."""
+    state.tuning.view = state.tuning.view.one_to_one(zoom)
+
+
 def use_setting(state: AppState, setting: Setting) -> None:
     """Enhance by this setting from now on; one step of undo."""
     actions.settle_params(state)
     actions.set_params(state, setting.params)
     actions.settle_params(state)
     state.enhancement.active = True
-    actions.announce(state, f"now using {setting.label}")
+    actions.announce(state, f"now using {said(setting)}")
 
 
 def take_cell(state: AppState, request: CellRequest, answer: GridCell | Failure) -> None:

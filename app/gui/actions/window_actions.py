@@ -7,7 +7,7 @@ from dataclasses import replace
 from app.exports.exporting import ExportRequest
 from app.exports.records import PanesPicture
 from app.exports.sources import Opened
-from app.gui.actions import export_actions
+from app.gui.actions import export_actions, presenting
 from app.gui.state.app_state import AppState
 from renderer.clip import ByteImage
 
@@ -16,8 +16,11 @@ SETTLING = 3
 
 
 def toggle_panels(state: AppState) -> None:
-    """The pictures alone, or all panels around them again."""
-    state.window.bare = not state.window.bare
+    """The pictures alone, or all panels around them again, after a presentation too."""
+    if state.presenting.pane is not None:
+        presenting.leave(state)
+    else:
+        state.window.bare = not state.window.bare
 
 
 def toggle_full_screen(state: AppState) -> None:
@@ -45,3 +48,19 @@ def window_request(state: AppState, image: ByteImage) -> ExportRequest:
         stem, record, sources = shown.stem, shown.record, shown.sources
     said = replace(record, kind="window")
     return ExportRequest(state.places.pictures, f"{stem}-window", said, sources, image)
+
+
+def note_layout(state: AppState) -> None:
+    """Another layout has come, and the one before is kept."""
+    state.window.layout_changes += 1
+
+
+def is_reduced(state: AppState) -> bool:
+    """Panels are hidden, or the window is larger than it was put."""
+    return state.window.bare or state.window.full_screen or state.presenting.pane is not None
+
+
+def restore(state: AppState) -> None:
+    """All panels, and the window in its place."""
+    presenting.leave(state)
+    state.window.bare = state.window.full_screen = False

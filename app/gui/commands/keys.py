@@ -9,6 +9,7 @@ from imgui_bundle import imgui
 
 from app.gui.actions import actions, camera_actions, leaving
 from app.gui.commands.command import Command, Section
+from app.gui.commands.modes import Keys, keys_of
 from app.gui.state.app_state import AppState
 
 MODIFIERS = int(imgui.Key.mod_mask_)
@@ -32,7 +33,8 @@ MOUSE = (
 SHIFT = int(imgui.Key.mod_shift)
 SHIFT_SLASH = SHIFT + int(imgui.Key.slash)
 NAMED = {
-    "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home, "F1": imgui.Key.f1,
+    "F1": imgui.Key.f1, "F5": imgui.Key.f5,
+    "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home,
     "PageUp": imgui.Key.page_up, "PageDown": imgui.Key.page_down,
     "Tab": imgui.Key.tab, "End": imgui.Key.end, "Left": imgui.Key.left_arrow, "Right": imgui.Key.right_arrow,
     "Space": imgui.Key.space, "comma": imgui.Key.comma, "period": imgui.Key.period, "?": SHIFT_SLASH,
@@ -52,7 +54,7 @@ OWNER = 0x6B657973
 WALK = SHIFT | int(imgui.Key.tab)
 WALK_TEXT = "go through the controls by keyboard, on with Tab and arrows, Space to press; Esc ends it"
 LEAVE = int(imgui.Key.escape)
-LEAVE_TEXT = "leave the innermost: menu, dialog, tool, images alone, full screen"
+LEAVE_TEXT = "leave the innermost: menu, dialog, tool, tile, presentation, images alone, full screen"
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
 
 
@@ -90,8 +92,12 @@ class Keyboard:
         flies = state.scene.viewer.flying
         if acts and not walks and _is_pressed(LEAVE, False):
             leaving.leave_innermost(state)
-        for command in _pressed(state, sections, walks) if acts else ():
+        modal = keys_of(state) if acts and not walks else {}
+        for command in _pressed(state, sections, modal, walks) if acts else ():
             command.act(state)
+        for code, act in modal.items():
+            if _is_pressed(code, True):
+                act(state)
         held = FLIGHT if acts and flies and not io.key_mods else {}
         _fly(state, [way for key, way in held.items() if imgui.is_key_down(key)], io.delta_time)
 
@@ -105,8 +111,8 @@ def _claim(held: int, keys: Iterable[imgui.Key]) -> None:
             imgui.internal.set_key_owner(key, OWNER)
 
 
-def _pressed(state: AppState, sections: Iterable[Section], walks: bool) -> list[Command]:
-    """Commands that apply and whose keys went down; those of a flight or a walk do nothing else."""
+def _pressed(state: AppState, sections: Iterable[Section], modal: Keys, walks: bool) -> list[Command]:
+    """Commands that apply and whose keys went down; those of a mode, a flight or a walk do nothing else."""
     flies = state.scene.viewer.flying
     return [
         command
@@ -114,6 +120,7 @@ def _pressed(state: AppState, sections: Iterable[Section], walks: bool) -> list[
         for command in section.commands
         for keys in command.keys
         if _is_pressed(code := chord(keys), command.repeats)
+        and code not in modal
         and not (flies and code in FLIGHT)
         and not (walks and code & ~MODIFIERS in CLAIMED + PAGES)
         and command.applies(state)

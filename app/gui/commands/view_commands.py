@@ -6,6 +6,7 @@ from functools import partial
 
 from app.gui.actions import actions, path_actions, window_actions
 from app.gui.commands.command import Asks, Command, Section, WindowServices, menu
+from app.gui.commands.presenting_commands import presenting_commands, second_section
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 
 
@@ -26,10 +27,10 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     whole = (
         Command("Images alone", window_actions.toggle_panels, ("Tab",),
                 text="hide all panels but the images, or show them again",
-                ticked=lambda s: s.window.bare, synonyms=("hide", "panels", "presentation", "focus")),
+                ticked=lambda s: s.window.bare, synonyms=("hide", "panels", "focus")),
         Command("Full screen", window_actions.toggle_full_screen, ("F11",),
-                ticked=lambda s: s.window.full_screen,
-                synonyms=("fullscreen", "maximise", "maximize", "presentation")),
+                ticked=lambda s: s.window.full_screen, synonyms=("fullscreen", "maximise", "maximize")),
+        *presenting_commands(),
     )  # fmt: skip
     path = (
         Command("Camera path", path_actions.toggle_path_shown, text="show the camera path in the 3D view",
@@ -41,7 +42,8 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
                 text="all panels back to their standard places",
                 synonyms=("reset", "panels", "windows", "arrange", "dock")),
     )  # fmt: skip
-    return menu("View", whole, panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
+    others = menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
+    return Section("View", whole), second_section(), *others
 
 
 def _theme(theme: Theme) -> Command:

@@ -49,7 +49,7 @@ class Textures:
         self._parts: dict[str, tuple[BoolImage | None, tuple[Placement, Size, bool], OnPane | None]] = {}
 
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
-        """The texture of an (H, W, 3) image, first row first."""
+        """The texture of an (H, W, 3) or (H, W, 4) image, first row first."""
         if self._images.get(slot) is not image:
             self._write(slot, image)
             self._images[slot] = image
@@ -73,13 +73,13 @@ class Textures:
         return shown
 
     def _write(self, slot: str, pixels: ByteImage) -> moderngl.Texture:
-        size = (pixels.shape[1], pixels.shape[0])
+        height, width, channels = pixels.shape
         texture = self._textures.get(slot)
-        if texture is not None and texture.size != size:
+        if texture is not None and (*texture.size, texture.components) != (width, height, channels):
             texture.release()
             texture = None
         if texture is None:
-            texture = self._textures[slot] = self._ctx.texture(size, 3, alignment=1)
+            texture = self._textures[slot] = self._ctx.texture((width, height), channels, alignment=1)
             texture.repeat_x = texture.repeat_y = False
         texture.write(np.ascontiguousarray(pixels), alignment=1)
         return texture

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Final
+
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions
+from app.gui.actions import actions, window_actions
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
+from app.gui.work.opening import Content
 
 SPLATS = "Splats"
 """The 3D view of a model without pictures, in their place."""
@@ -24,6 +28,8 @@ BELOW = dict.fromkeys(("3D view", "Log", "Notes"), ("Below", "MainDockSpace")) |
 )
 """Panels that stand below others, and where they join these."""
 TUNING, REPORT = "Tuning", "Report"
+LAYOUTS: Final[Mapping[Content, str]] = {"clip": "Default", "stills": "Stills", "run": "Run"}
+"""By what is open, under the names that the runner keeps."""
 
 
 def toggle(name: str) -> None:
@@ -38,8 +44,14 @@ def is_shown(name: str) -> bool:
 
 
 def restore() -> None:
-    """Every panel back to where it was at the very start."""
+    """Every panel back to where it was at the very start, with this kind of content."""
     _docking().layout_reset = True
+
+
+def restore_all() -> None:
+    """With every kind of content."""
+    for docking in _all_dockings(hello_imgui.get_runner_params()):
+        docking.layout_reset = True
 
 
 def quit_app() -> None:
@@ -66,23 +78,51 @@ def _line(text_percent: int) -> float:
     return theme.FONT_SIZE * text_percent / 100 * hello_imgui.dpi_window_size_factor()
 
 
-def arrange(docking: hello_imgui.DockingParams, size: tuple[int, int], text_percent: int) -> None:
-    """Where panels are at first and after a reset; in a low window those below join those above, as tabs."""
+def layouts(make: Callable[[], hello_imgui.DockingParams]) -> list[hello_imgui.DockingParams]:
+    """One of each kind of content, which the runner keeps each for itself; that of clips is the first."""
+    made = []
+    for name in LAYOUTS.values():
+        layout = make()
+        layout.layout_name = name
+        made.append(layout)
+    return made
+
+
+def follow_content(state: AppState) -> None:
+    """The layout of what was opened: a reconstruction that begins beside a clip moves nothing."""
+    content = state.source.content
+    wanted = hello_imgui.current_layout_name() if content is None else LAYOUTS[content]
+    if wanted != hello_imgui.current_layout_name():
+        hello_imgui.switch_layout(wanted)
+        window_actions.note_layout(state)
+        # With stills it shares its place with what reconstructs, which may have been used last.
+        _docking().dockable_window_of_name("Enhancement").focus_window_at_next_frame = True
+
+
+def arrange(params: hello_imgui.RunnerParams, size: tuple[int, int], text_percent: int) -> None:
+    """Where panels are at first and after a reset; in a low window those below join those above, as tabs.
+    Stills have the enhancement over all of the side: what reconstructs is behind it."""
     low, side = is_low(size, text_percent), SIDE * _line(text_percent) / max(size[0], 1)
-    docking.docking_splits = splits(min(max(side, LEAST), MOST), low=low)
-    for panel in docking.dockable_windows:
-        if panel.label in BELOW:
-            below, above = BELOW[panel.label]
-            panel.dock_space_name = above if low else below
+    for docking in _all_dockings(params):
+        tabs = {"MainDockSpace": low, "Side": low or docking.layout_name == LAYOUTS["stills"]}
+        docking.docking_splits = splits(min(max(side, LEAST), MOST), tabs)
+        for panel in docking.dockable_windows:
+            if panel.label in BELOW:
+                below, above = BELOW[panel.label]
+                panel.dock_space_name = above if tabs[above] else below
 
 
-def splits(side: float = LEAST, *, low: bool = False) -> list[hello_imgui.DockingSplit]:
+def _all_dockings(params: hello_imgui.RunnerParams) -> tuple[hello_imgui.DockingParams, ...]:
+    return params.docking_params, *params.alternative_docking_layouts
+
+
+def splits(side: float, tabs: Mapping[str, bool]) -> list[hello_imgui.DockingSplit]:
     """How the window is divided at first: pictures, below them the 3D view, two panels at the side, which has
-    that share of the width."""
+    that share of the width; where there are `tabs`, nothing is below."""
     split, down = hello_imgui.DockingSplit, imgui.Dir.down
     column = split("MainDockSpace", "Side", imgui.Dir.right, side)
-    below = [split("Side", "SideBelow", down, 0.4), split("MainDockSpace", "Below", down, 0.52)]
-    return [column] if low else [column, *below]
+    below = split("Side", "SideBelow", down, 0.4), split("MainDockSpace", "Below", down, 0.52)
+    return [column, *(one for one in below if not tabs[one.initial_dock])]
 
 
 def widen(factor: float) -> None:
@@ -133,11 +173,13 @@ def _in_window(node: Node | None) -> bool:
 def follow(state: AppState) -> None:
     """What has nothing to show leaves its space to the other; what is asked for comes to the front."""
     panel = _docking().dockable_window_of_name
-    alone = state.is_model_alone
-    panel("3D view").is_visible = state.has_view and not alone and not state.window.bare
-    panel("Pictures").is_visible, panel(SPLATS).is_visible = not alone, alone
-    _show(panel(TUNING), state.tuning.shown and not state.window.bare)
-    _show(panel(EDIT), state.editing.active and not state.window.bare)
+    alone, presents = state.is_model_alone, state.presenting.pane is not None
+    free = not state.window.bare and not presents
+    panel("3D view").is_visible = state.has_view and not alone and free
+    panel("Pictures").is_visible = not alone and not presents
+    panel(SPLATS).is_visible = alone and not presents
+    _show(panel(TUNING), state.tuning.shown and free)
+    _show(panel(EDIT), state.editing.active and free)
     if state.source.asked and (pictures := _window("Pictures")) is not None:
         panel("Pictures").focus_window_at_next_frame = pictures.hidden
         actions.pictures_came(state)

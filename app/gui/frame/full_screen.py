@@ -1,11 +1,10 @@
-"""The window over the whole screen that it is on, and back to its place."""
+"""A window over the whole screen that it is on, and back to its place."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import glfw
-from imgui_bundle import glfw_utils
 
 Place = tuple[int, int, int, int]
 """Left, top, width and height."""
@@ -17,29 +16,33 @@ class FullScreen:
     def __init__(self) -> None:
         self._before: Place | None = None
 
-    def follow(self, wanted: bool) -> None:
+    def follow(self, window: Any, wanted: bool) -> None:
         """Go there or back, once."""
         if wanted == (self._before is not None):
             return
-        window = glfw_utils.glfw_window_hello_imgui()
         if self._before is not None:
             glfw.set_window_monitor(window, None, *self._before, glfw.DONT_CARE)  # type: ignore[arg-type]
             self._before = None
             return
-        place: Place = (*glfw.get_window_pos(window), *glfw.get_window_size(window))
-        monitor = _nearest(place)
+        place = place_of(window)
+        monitor = nearest(place)
         if monitor is None:
             return
         self._before, mode = place, glfw.get_video_mode(monitor)
         glfw.set_window_monitor(window, monitor, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
 
 
-def _nearest(place: Place) -> Any:
+def place_of(window: Any) -> Place:
+    (left, top), (width, height) = glfw.get_window_pos(window), glfw.get_window_size(window)
+    return left, top, width, height
+
+
+def nearest(place: Place) -> Any:
     """The screen under most of the window; None without any."""
-    return max(glfw.get_monitors(), key=lambda monitor: _shared(place, monitor), default=None)
+    return max(glfw.get_monitors(), key=lambda monitor: shared(place, monitor), default=None)
 
 
-def _shared(place: Place, monitor: Any) -> int:
+def shared(place: Place, monitor: Any) -> int:
     """Pixels of the window on this screen."""
     (left, top), size = glfw.get_monitor_pos(monitor), glfw.get_video_mode(monitor).size
     across = min(place[0] + place[2], left + size.width) - max(place[0], left)

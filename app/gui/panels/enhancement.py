@@ -17,6 +17,7 @@ from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measur
 from app.gui.state import scales
 from app.gui.state.amounts import Amount
 from app.gui.state.app_state import AppState
+from app.gui.state.setting_words import VESSEL_LABELS
 from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider, with_beside
 from app.gui.style.widgets import (
     NAMES,
@@ -38,10 +39,6 @@ from renderer.clip import ByteImage
 __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: dict[type[EnhancementSettings], str] = {EnhanceParams: named(PAPER), VesselParams: named(VESSEL)}
-VESSEL_SLIDERS = {
-    "radius": "Radius", "lift": "Lift", "d_factor": "Colour", "shading": "Shading",
-    "coring": "Coring", "gamma": "Gamma", "most_color": "Most colour",
-}  # fmt: skip
 Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
 LESS = 2.0
 """Em of the button that removes a window, with the gap before it."""
@@ -206,7 +203,7 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
 
 
 def _draw_vessel(params: VesselParams) -> VesselParams:
-    for name, label in VESSEL_SLIDERS.items():
+    for name, label in VESSEL_LABELS.items():
         params = slide(params, name, label, "%d px" if name == "radius" else "%.2f")
     return params
 

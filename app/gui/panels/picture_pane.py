@@ -8,12 +8,13 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import heat_scale
-from app.gui.actions import clip_actions, laid_out, picture_actions
+from app.gui.actions import clip_actions, laid_out, picture_actions, presenting
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import Pane, Tag, pixel, tinted
 from app.gui.style import theme
 from app.gui.style.widgets import Area, em, fill_around, stack_tags, tag, tag_height
+from app.gui.views.comparison import Side
 from app.gui.views.picture_view import PictureView, Placement
 from renderer.clip import ByteImage
 
@@ -27,19 +28,29 @@ Pointer = tuple[int, int]
 
 
 def draw_pane(
-    state: AppState, textures: ShowsPictures, slot: str, pane: Pane, read: Sequence[Pane], area: Area
+    state: AppState,
+    textures: ShowsPictures,
+    slot: str,
+    pane: Pane,
+    read: Sequence[Pane],
+    area: Area,
+    *,
+    labels: bool = True,
 ) -> Pointer | None:
     """One picture in the area, and the values under the pointer in those that are `read`, one or both.
 
-    Returns the picture position under the mouse if that is here.
+    Without `labels` it says only what could mislead. Returns the picture position under the mouse if that is
+    here.
     """
     pointer = _button(state, slot, pane.image, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
         _draw_image(state, textures, slot, pane.image, area)
         if pointer is None and len(read) == 1:
             _draw_cross(state, pane.image, area)
-        _draw_tags(pane.tags, area.corner, area.size.x)
-        _draw_readout(state, read, area)
+        said = pane.tags if labels else [one for one in pane.tags if one.tone == "caution"]
+        _draw_tags(said, area.corner, area.size.x)
+        if labels:
+            _draw_readout(state, read, area)
     return pointer
 
 
@@ -95,9 +106,18 @@ def _button(state: AppState, name: str, image: ByteImage, area: Area) -> Pointer
     _look_around(state, image, area)
     if not imgui.is_item_hovered():
         return None
+    presenting.point(state, _pane_at(state, name, area), clicked=imgui.is_item_clicked())
     x, y = _placement(state, image, area).picture_at(*area.mouse())
     inside = 0 <= x < image.shape[1] and 0 <= y < image.shape[0]
     return (int(x), int(y)) if inside else None
+
+
+def _pane_at(state: AppState, name: str, area: Area) -> Side:
+    """The side that is under the pointer, also where one pane is for both."""
+    now = state.comparing.chosen
+    if name == "wipe":
+        return "left" if area.mouse()[0] < now.wipe * area.size.x else "right"
+    return "left" if name == "left" or (name == "single" and now.flipped) else "right"
 
 
 def _placement(state: AppState, image: ByteImage, area: Area) -> Placement:

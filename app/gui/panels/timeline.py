@@ -15,10 +15,13 @@ from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import Area, button, em, explain
 from app.gui.views.clip_time import clock, seconds_at
+from app.gui.views.frame_scale import PADDING, FrameScale
 from app.gui.work.strip import Strip, count_for
 from renderer.clip import ByteImage, Clip
 
 STRIP_HEIGHT = 2.5
+LEFT, RIGHT = 7.8, 9.0
+"""Em that the buttons beside the strip and the slider have."""
 EMPTY = "The frames of the open clip appear here."
 SAVE_TEXT = "S: original, enhanced and 3D view side by side, with everything needed to reproduce them"
 IN_TEXT = "Shift+I: start the clip at this frame, for playback, statistics and reconstruction."
@@ -27,13 +30,38 @@ TOOL_LABELS = {"text": "Text box", "view": "View circle"}
 
 
 def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextureRef]) -> None:
-    """Two rows; greyed out without a clip."""
+    """Two rows, the strip and the slider one above the other; greyed out without a clip."""
     count = 1 if state.source.clip is None else len(state.source.clip)
-    _draw_strip(state, count, texture)
+    room, start, gap = imgui.get_content_region_avail().x, imgui.get_cursor_pos_x(), em(0.5)
+    left = round(start + em(LEFT) + gap)
+    across = round(max(room - em(LEFT + RIGHT) - 2 * gap, em(4)))
+    right = left + across + round(gap)
     imgui.begin_disabled(count < 2)
-    _draw_transport(state)
-    imgui.same_line()
-    imgui.set_next_item_width(-em(24.5))
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
+        _draw_transport(state)
+    imgui.end_disabled()
+    imgui.same_line(left)
+    _draw_strip(state, count, across, texture)
+    imgui.same_line(right)
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
+        save, enabled = partial(export_actions.save_picture, state), has_something(state)
+        button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, enabled=enabled, width=RIGHT)
+    imgui.begin_disabled(count < 2)
+    _draw_trim(state)
+    imgui.same_line(left)
+    _draw_slider(state, count, across)
+    imgui.end_disabled()
+    imgui.same_line(right)
+    _draw_mask(state)
+
+
+def _tall() -> ImVec2:
+    """Padding of buttons as high as the strip."""
+    return ImVec2(imgui.get_style().frame_padding.x, (em(STRIP_HEIGHT) - em()) / 2)
+
+
+def _draw_slider(state: AppState, count: int, across: int) -> None:
+    imgui.set_next_item_width(across)
     label = _place(state.source.clip, state.timeline.frame_index)
     now, most, flags = state.timeline.frame_index + 1, max(count, 2), imgui.SliderFlags_.always_clamp
     grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
@@ -41,14 +69,6 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
         changed, frame = imgui.slider_int("##frame", now, 1, most, label, flags)
     if changed:
         actions.seek(state, frame - 1)
-    imgui.same_line()
-    _draw_trim(state)
-    imgui.end_disabled()
-    imgui.same_line()
-    _draw_mask(state)
-    imgui.same_line()
-    save, enabled = partial(export_actions.save_picture, state), has_something(state)
-    button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, enabled=enabled, width=-1.0)
 
 
 def _place(clip: Clip | None, index: int) -> str:
@@ -81,7 +101,7 @@ def _draw_transport(state: AppState) -> None:
 
 def _draw_trim(state: AppState) -> None:
     trim = partial(clip_actions.trim_here, state)
-    button("In", partial(trim, start=True), IN_TEXT, width=2.2)
+    button("In", partial(trim, start=True), IN_TEXT, width=2.4)
     imgui.same_line(0, em(0.2))
     button("Out", partial(trim, start=False), "Shift+O: end the clip at this frame.", width=2.6)
     imgui.same_line(0, em(0.2))
@@ -93,7 +113,7 @@ def _draw_mask(state: AppState) -> None:
     tool, mask = state.picture.mask_tool, state.source.part.mask
     color, enabled = theme.switch(bool(tool), caution=True), state.source.clip is not None
     label = f"{'Drag now' if tool else 'Mask'}###mask"
-    button(label, partial(imgui.open_popup, "mask"), MASK_TEXT, enabled=enabled, color=color, width=5)
+    button(label, partial(imgui.open_popup, "mask"), MASK_TEXT, enabled=enabled, color=color, width=RIGHT)
     with imgui_ctx.begin_popup("mask") as popup:
         if not popup:
             return
@@ -110,14 +130,17 @@ def _draw_mask(state: AppState) -> None:
             clip_actions.toggle_overlay(state)
 
 
-def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgui.ImTextureRef]) -> None:
+def _draw_strip(
+    state: AppState, count: int, across: int, texture: Callable[[ByteImage], imgui.ImTextureRef]
+) -> None:
     """The clip in small; a click or drag goes to that frame."""
-    across, clip, strip = imgui.get_content_region_avail().x, state.source.clip, state.timeline.strip
-    area = Area.here(ImVec2(max(across, em(4)), em(STRIP_HEIGHT)))
+    clip, strip = state.source.clip, state.timeline.strip
+    area = Area.here(ImVec2(across, em(STRIP_HEIGHT)))
+    scale = FrameScale(area.corner.x, across, count, imgui.get_style().grab_min_size)
     laid_out.size_strip(state, 0 if clip is None else count_for(clip, *area.inside))
     imgui.invisible_button("strip", area.size)
     if imgui.is_item_active() and clip is not None:
-        actions.seek(state, int(area.mouse()[0] / area.size.x * count))
+        actions.seek(state, scale.frame_at(imgui.get_mouse_pos().x))
     explain("Thumbnails of the clip: click or drag to go to a frame.")
     draw = imgui.get_window_draw_list()
     if clip is None:
@@ -128,7 +151,7 @@ def _draw_strip(state: AppState, count: int, texture: Callable[[ByteImage], imgu
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
     if strip is not None and strip.request.clip is clip:
         _draw_small(strip, texture(strip.image), area)
-    _draw_marks(state, count, area.corner, area.size)
+    _draw_marks(state, scale, area)
     if state.opens:
         _draw_leaving(state.opens, area)
 
@@ -143,25 +166,24 @@ def _draw_leaving(text: str, area: Area) -> None:
 
 def _draw_small(strip: Strip, shown: imgui.ImTextureRef, area: Area) -> None:
     """Each of the strip's frames where it is in the clip."""
-    draw, edges = imgui.get_window_draw_list(), strip.edges(*area.inside)
+    draw, edges = imgui.get_window_draw_list(), strip.edges(area.size.x - 2 * PADDING, area.size.y)
+    corner = area.corner + ImVec2(PADDING, 0)
     for place, (left, right) in enumerate(edges):
-        ends = area.corner + ImVec2(left, 0), area.corner + ImVec2(right, area.size.y)
+        ends = corner + ImVec2(left, 0), corner + ImVec2(right, area.size.y)
         part = ImVec2(place / len(edges), 0), ImVec2((place + 1) / len(edges), 1)
         draw.add_image(shown, *ends, *part)
 
 
-def _draw_marks(state: AppState, count: int, corner: ImVec2, size: ImVec2) -> None:
-    """The present frame, and what the trim leaves out in the dark."""
-    draw, bottom = imgui.get_window_draw_list(), corner.y + size.y
-    first, last = state.source.span
-    edges = [corner.x + size.x * edge / count for edge in (0, first, last + 1, count)]
-    shade, ink = imgui.get_color_u32(theme.grey(0.05, 0.75)), imgui.get_color_u32(theme.MARK)
-    for left, right in (edges[:2], edges[2:]):
-        draw.add_rect_filled((left, corner.y), (right, bottom), shade)
+def _draw_marks(state: AppState, scale: FrameScale, area: Area) -> None:
+    """The present frame, above the slider's handle, and what the trim leaves out in the dark."""
+    draw, top, bottom = imgui.get_window_draw_list(), area.corner.y, area.end.y
+    kept = scale.ends(*state.source.span)
     if state.source.part.trim is not None:
-        for x in edges[1:3]:
-            draw.add_line((x, corner.y), (x, bottom), ink, em(0.15))
-    left = corner.x + size.x * state.timeline.frame_index / count
-    right = max(corner.x + size.x * (state.timeline.frame_index + 1) / count, left + em(0.2))
-    ink = imgui.get_color_u32(theme.INK)
-    draw.add_rect(ImVec2(left, corner.y), ImVec2(right, bottom), ink, 0, em(0.12))
+        shade, ink = imgui.get_color_u32(theme.grey(0.05, 0.75)), imgui.get_color_u32(theme.MARK)
+        for left, right in ((area.corner.x, kept[0]), (kept[1], area.end.x)):
+            draw.add_rect_filled((left, top), (right, bottom), shade)
+        for x in kept:
+            draw.add_line((x, top), (x, bottom), ink, em(0.15))
+    if scale.count > 1:
+        left, right = scale.ends(state.timeline.frame_index, state.timeline.frame_index)
+        draw.add_rect((left, top), (right, bottom), imgui.get_color_u32(theme.INK), 0, em(0.12))

@@ -1,37 +1,46 @@
-"""The tuning grid: what to vary, the images with their measures, and one of them as it is."""
+"""The tuning grid: what to vary, the images with their measures, and one of them beside the original."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import DEFINITIONS, SMALLER_IS_BETTER, Measures, Setting
 from app.enhancement.settable import MOST_VALUES
-from app.gui.actions import tuning_actions
+from app.gui.actions import laid_out, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.enhancement import VESSEL_SLIDERS
-from app.gui.panels.picture_pane import draw_part
+from app.gui.panels.picture_pane import WHEEL_STEP, draw_part
 from app.gui.session_file import Choice
+from app.gui.state.amounts import Amount
 from app.gui.state.app_state import AppState
+from app.gui.state.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.style import theme
-from app.gui.style.fields import declared
-from app.gui.style.widgets import Area, beside_of, button, centered, choose, em, explain, muted, tag
+from app.gui.style.fields import amount
+from app.gui.style.widgets import (
+    Area,
+    beside,
+    beside_of,
+    button,
+    centered,
+    choose,
+    em,
+    explain,
+    muted,
+    stack_tags,
+)
 from app.gui.work.tuning import GridCell
 from enhance import EnhanceParams, VesselParams
+from renderer.clip import ByteImage
 
 NAMES: dict[type[EnhancementSettings], tuple[str, ...]] = {
-    EnhanceParams: ("z", "p", "d_factor", "eps", "subsample"),
-    VesselParams: tuple(VESSEL_SLIDERS),
+    EnhanceParams: ("strength", "z", "p", "d_factor", "eps", "subsample"),
+    VesselParams: ("strength", *VESSEL_LABELS),
 }
-"""What can be varied, of the paper's method and of the own preset."""
-LABELS = VESSEL_SLIDERS | {
-    "z": "Brightness z", "p": "Detail P", "d_factor": "Colour d", "eps": "Smoothing", "subsample": "Subsample"
-}  # fmt: skip
-"""As the panel Enhancement names them; with a letter where the values are the paper's, as in what is kept."""
+"""What can be varied, of the paper's method and of VesselSplat's preset."""
 METRIC_LABELS = {
     "vessel_contrast": "Vessel contrast", "color_difference": "Colour difference",
     "noise_gain": "Noise gain", "chroma_noise_gain": "Chroma noise gain",
@@ -40,10 +49,14 @@ METRIC_LABELS = {
 }  # fmt: skip
 """Those that say what is seen come first, the paper's last."""
 SORT_LABELS = {"": "As varied"} | METRIC_LABELS
+SIZE_STEP = 1.25
+LEAST_TILE = 6.0
+"""Em across, unless made smaller."""
 
 
 def draw_tuning(state: AppState, textures: ShowsPictures) -> None:
-    """The grid, or one of its cells as it is."""
+    """The grid, or one of its cells beside the original."""
+    laid_out.see_tuning(state)
     if state.source.clip is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered("Open a clip, then try a range of settings on one of its frames.")
@@ -59,8 +72,7 @@ def draw_tuning(state: AppState, textures: ShowsPictures) -> None:
         imgui.dummy(ImVec2(0, em(2)))
         centered("Choose one or two parameters and their ranges, then press Try.")
         return
-    with imgui_ctx.begin_child("tiles"):
-        _draw_tiles(state, textures)
+    _draw_tiles(state, textures)
 
 
 def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
@@ -72,28 +84,35 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     if name != now:
         whole = Choice("", count=choice.count)
         if name:
-            whole = Choice(name, declared(kind, name).lo, declared(kind, name).hi, choice.count)
+            shown = amount(kind, name)
+            first, last = shown.to_parameter(shown.lo), shown.to_parameter(shown.hi)
+            whole = Choice(name, first, last, choice.count)
         tuning_actions.choose_axis(state, place, whole)
         return
     if not name:
         return
-    about = declared(kind, name)
-    explain(about.text)
-    values = []
-    for label, value in (("from", choice.first), ("to", choice.last)):
-        _before(label, em(6))
-        imgui.set_next_item_width(em(6))
-        flags = imgui.SliderFlags_.always_clamp
-        _, new = imgui.slider_float(f"##{label}{place}", value, about.lo, about.hi, "%.3g", flags)
-        explain(f"{about.text} Ctrl+click: type a value.")
-        values.append(round(new, 6))
+    explain(amount(kind, name).text)
+    shown = amount(kind, name)
+    first = _draw_end(f"from##{place}", choice.first, shown)
+    last = _draw_end(f"to##{place}", choice.last, shown)
     _before("in", em(6))
     imgui.set_next_item_width(em(6))
     _, count = imgui.slider_int(f"##count{place}", choice.count, 1, MOST_VALUES, "%d values")
     explain("Number of values, both ends included.")
-    changed = replace(choice, first=values[0], last=values[1], count=count)
+    changed = replace(choice, first=first, last=last, count=count)
     if changed != choice:
         tuning_actions.choose_axis(state, place, changed)
+
+
+def _draw_end(label: str, value: float, shown: Amount) -> float:
+    """Of a range of values: shown as an amount, given and returned as the parameter."""
+    _before(label.partition("##")[0], em(6))
+    imgui.set_next_item_width(em(6))
+    now, flags = shown.of_parameter(value), imgui.SliderFlags_.always_clamp
+    form = "%.2f" if shown.symbol else "%.3g"
+    changed, new = imgui.slider_float(f"##{label}", now, shown.lo, shown.hi, form, flags)
+    explain(f"{shown.explained(value)} Ctrl+click: type a value.")
+    return round(shown.to_parameter(round(new, 6)), 6) if changed else value
 
 
 def _before(word: str, width: float) -> None:
@@ -114,8 +133,23 @@ def _draw_buttons(state: AppState) -> None:
     _before("Order", em(10))
     tuning_actions.sort_by(state, choose("order", tuning.sort, SORT_LABELS, _why(tuning.sort), 10))
     if tuning.grid is not None:
-        imgui.same_line()
+        _draw_size(state)
+        imgui.same_line(0, em(1))
         muted(f"{len(tuning.cells)} of {len(tuning.grid.settings)}")
+
+
+def _draw_size(state: AppState) -> None:
+    size, (least, most) = state.tuning.size, (tuning_actions.LEAST_SIZE, tuning_actions.MOST_SIZE)
+    _before("Size", em(8))
+    for label, step, enabled, text in (
+        ("-", 1 / SIZE_STEP, size > least, "Smaller tiles."),
+        ("+", SIZE_STEP, size < most, "Larger tiles."),
+    ):
+        resize = partial(tuning_actions.resize_tiles, state, size * step)
+        button(f"{label}##size", resize, text, enabled=enabled, width=1.8)
+        imgui.same_line(0, em(0.2))
+    button(f"{100 * size:.0f} %###whole size", partial(tuning_actions.resize_tiles, state, 1.0),
+           "All columns in sight.", width=4)  # fmt: skip
 
 
 def _why(metric: str) -> str:
@@ -127,17 +161,39 @@ def _why(metric: str) -> str:
 
 
 def _draw_tiles(state: AppState, textures: ShowsPictures) -> None:
+    """The original stays in sight at the left while the others are scrolled."""
     tuning, gap = state.tuning, em(0.5)
     assert tuning.grid is not None
-    columns = tuning.grid.columns if not tuning.sort else max(3, min(tuning.grid.columns, 6))
-    width = max((imgui.get_content_region_avail().x - gap * (columns - 1)) / columns, em(7))
-    size = tuning.grid.picture.clip.size
-    height = width * size[1] / size[0]
-    for place, setting in enumerate(tuning.in_order):
-        if place % columns:
-            imgui.same_line(0, gap)
-        with imgui_ctx.begin_group():
-            _draw_tile(state, textures, setting, ImVec2(width, height))
+    fitting = tuning.grid.columns if not tuning.sort else max(3, min(tuning.grid.columns, 6))
+    room = imgui.get_content_region_avail().x - imgui.get_style().scrollbar_size - gap * fitting
+    width = tuning.size * max(room / (fitting + 1), em(LEAST_TILE))
+    across, down = tuning.grid.picture.clip.size
+    size = ImVec2(width, width * down / (across * state.picture.view.pixel_aspect))
+    with imgui_ctx.begin_group():
+        _draw_original(state, textures, size)
+    imgui.same_line(0, gap)
+    with imgui_ctx.begin_child("tiles", window_flags=imgui.WindowFlags_.horizontal_scrollbar):
+        whole = int((imgui.get_content_region_avail().x + gap) / (width + gap))
+        laid_out.place_tiles(state, max(whole, 1) if tuning.sort else tuning.grid.columns)
+        for place, setting in enumerate(tuning.in_order):
+            if place % tuning.columns:
+                imgui.same_line(0, gap)
+            with imgui_ctx.begin_group():
+                _draw_tile(state, textures, setting, size)
+
+
+def _draw_original(state: AppState, textures: ShowsPictures, size: ImVec2) -> None:
+    """With the first image that is tried comes the frame as recorded."""
+    area, cell = Area.here(size), next(iter(state.tuning.cells.values()), None)
+    imgui.dummy(size)
+    explain("The frame as recorded.")
+    imgui.get_window_draw_list().add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
+    if cell is not None:
+        draw = imgui.get_window_draw_list()
+        draw.add_image(textures.whole("tile original", cell.original), area.corner, area.end)
+    before = cell.before if cell is not None else None
+    measured = f"Contrast {before.vessel_contrast:.3g} · DV/BV {before.dv_bv:.3g}" if before else "…"
+    _draw_words("Original", measured, size)
 
 
 def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size: ImVec2) -> None:
@@ -145,7 +201,7 @@ def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size:
     key = "-".join(map(str, setting.places))
     if imgui.invisible_button(f"tile{key}", size) and cell is not None:
         tuning_actions.look_at(state, setting)
-    explain("Click to see it at 100 %.")
+    explain(f"Click: beside the original, as large as the panel. {in_the_paper(setting)}".rstrip())
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
     if cell is not None:
@@ -154,15 +210,14 @@ def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size:
     if marked or imgui.is_item_hovered() or imgui.is_item_focused():
         ink = imgui.get_color_u32(theme.MARK if marked else theme.INK)
         draw.add_rect(area.corner, area.end, ink, 0.0, 2.0)
+    _draw_words(said(setting), _in_words(cell.measures) if cell is not None else "…", size)
+
+
+def _draw_words(what: str, measured: str, size: ImVec2) -> None:
+    """Below a tile, no wider than that."""
     with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):
-        imgui.text_unformatted(said(setting))
-        muted(_in_words(cell.measures) if cell is not None else "…")
-
-
-def said(setting: Setting) -> str:
-    """Its values, under the names that the panels give them."""
-    values = (one.partition(" ") for one in setting.label.split(" · "))
-    return " · ".join(f"{LABELS.get(name, name)} {value}" for name, _, value in values)
+        imgui.text_unformatted(what)
+        muted(measured)
 
 
 def _in_words(measures: Measures) -> str:
@@ -173,30 +228,66 @@ def _in_words(measures: Measures) -> str:
 
 def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> None:
     back = partial(tuning_actions.look_at, state, None)
-    button(f"{icons.ICON_FA_TH}  All###back", back, "Back to the grid.", width=6)
+    button(f"{icons.ICON_FA_TH}  All###back", back, "Esc: back to the grid.", width=6)
     imgui.same_line()
     text = "Enhance with these settings from now on. Ctrl+Z undoes it."
     use = partial(tuning_actions.use_setting, state, setting)
-    button("Use these settings###use", use, text, color=theme.now().lit, width=10)
-    look = state.tuning.look if state.tuning.is_looked_at else None
-    words = f"{said(setting)}   {_in_words(look.measures) if look is not None else '…'}"
-    beside_of(imgui.calc_text_size(words).x)
+    button("Take these settings###use", use, text, color=theme.now().lit, width=11)
+    fit = f"{icons.ICON_FA_EXPAND}  Fit"
+    beside(fit, 1)
+    button(f"{fit}###fit", partial(tuning_actions.fit_cell, state), "0 or double click: fit the whole frame.")
+    beside("1:1")
+    zoom = 1 / imgui.get_io().display_framebuffer_scale.x
+    button("1:1", partial(tuning_actions.one_to_one, state, zoom), "Actual pixels (1:1).")
+    cell = state.tuning.cells.get(setting)
+    words = f"{said(setting)}   {_in_words(cell.measures) if cell is not None else '…'}"
+    beside_of(imgui.calc_text_size(words).x, 1)
     imgui.align_text_to_frame_padding()
     with imgui_ctx.push_text_wrap_pos(0):
         imgui.text_unformatted(words)
-    if look is not None:
-        _draw_whole(state, textures, look)
+    explain(f"{in_the_paper(setting)} Arrows: to its neighbours.".lstrip())
+    if state.tuning.look is not None and state.tuning.look.request.grid is state.tuning.grid:
+        _draw_pair(state, textures, state.tuning.look)
 
 
-def _draw_whole(state: AppState, textures: ShowsPictures, look: GridCell) -> None:
-    """One pixel of the picture for one of the screen; a drag moves it."""
-    space, io = imgui.get_content_region_avail(), imgui.get_io()
-    area = Area.here(ImVec2(max(space.x, em(4)), max(space.y, em(4))))
-    imgui.invisible_button("whole", area.size)
-    by, pane = (size * io.display_framebuffer_scale.x for size in (io.mouse_delta, area.size))
-    if imgui.is_item_active() and (by.x or by.y):
-        picture = (look.image.shape[1], look.image.shape[0])
-        tuning_actions.pan_cell(state, (by.x, by.y), picture, (pane.x, pane.y))
+def _draw_pair(state: AppState, textures: ShowsPictures, look: GridCell) -> None:
+    """The original and the cell, with one zoom and pan; the one before until the cell is there."""
+    space, gap = imgui.get_content_region_avail(), em(0.3)
+    size = ImVec2(max((space.x - gap) / 2, em(4)), max(space.y, em(4)))
+    tags = [("ENHANCED · TRIED", theme.TAG_ENHANCED), (said(look.request.setting), theme.TAG_ORIGINAL)]
+    if not state.tuning.is_looked_at:
+        tags.insert(0, ("UPDATING…", theme.TAG_CAUTION))
+    _draw_half(
+        state, textures, "original", look.original, [("ORIGINAL", theme.TAG_ORIGINAL)], Area.here(size)
+    )
+    imgui.same_line(0, gap)
+    _draw_half(state, textures, "tried", look.image, tags, Area.here(size))
+
+
+def _draw_half(
+    state: AppState,
+    textures: ShowsPictures,
+    name: str,
+    image: ByteImage,
+    tags: list[tuple[str, ImVec4]],
+    area: Area,
+) -> None:
+    imgui.invisible_button(name, area.size)
+    _look_around(state, (image.shape[1], image.shape[0]), area)
+    view = state.tuning.view.scaled(imgui.get_io().display_framebuffer_scale.x)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
-        draw_part(textures, "tuning", look.image, state.tuning.view, area)
-        tag("ENHANCED · TRIED, 100 %", area.corner + ImVec2(em(0.4), em(0.4)), theme.TAG_ENHANCED)
+        draw_part(textures, f"tuning {name}", image, view, area)
+        stack_tags(tags, area.corner, area.size.x)
+
+
+def _look_around(state: AppState, picture: tuple[int, int], area: Area) -> None:
+    """Wheel zooms at the pointer, drag moves, a double click fits: on either half, for both."""
+    io = imgui.get_io()
+    if imgui.is_item_hovered():
+        imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
+        if io.mouse_wheel:
+            tuning_actions.zoom_cell(state, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, area.inside)
+        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+            tuning_actions.fit_cell(state)
+    if imgui.is_item_active() and (io.mouse_delta.x or io.mouse_delta.y):
+        tuning_actions.pan_cell(state, (io.mouse_delta.x, io.mouse_delta.y), picture, area.inside)

@@ -10,7 +10,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import grouped, legible, named
-from app.gui.actions import actions, camera_actions, laid_out
+from app.gui.actions import actions, camera_actions, laid_out, presenting
 from app.gui.commands.camera_commands import second_commands
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.menus import draw_commands
@@ -76,6 +76,15 @@ def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, frame_tex
     _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), frame_texture)
 
 
+def draw_alone(
+    state: AppState, viewport: Viewport, area: Area, frame_texture: FrameTexture, *, labels: bool
+) -> None:
+    """The view and nothing else, over all of the area; without `labels` it says only what could mislead."""
+    scale = imgui.get_io().display_framebuffer_scale
+    laid_out.size_view(state, int(area.size.x * scale.x), int(area.size.y * scale.y))
+    _draw_pane(state, "view", viewport, state.plain_view_request, area, frame_texture, labels=labels)
+
+
 def _draw_pane(
     state: AppState,
     name: str,
@@ -83,15 +92,23 @@ def _draw_pane(
     seen: ViewRequest | None,
     area: Area,
     frame_texture: FrameTexture,
+    *,
+    labels: bool = True,
 ) -> None:
     """One of the views; the hand on either moves both."""
     imgui.set_cursor_screen_pos(area.corner)
     imgui.invisible_button(name, area.size, VIEW_BUTTONS)
+    if imgui.is_item_hovered():
+        presenting.point(state, "3D view", clicked=imgui.is_item_clicked())
     _move(state, area)
     if seen is not None:
         _pick(state, seen, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
-        _draw_picture(state, viewport.show(state), frame_texture, area)
+        shown = viewport.show(state)
+        _draw_picture(state, shown, frame_texture, area)
+        tags = view_tags(state, shown)
+        said = tags if labels else [one for one in tags if one[1] is theme.TAG_CAUTION]
+        stack_tags(said, area.corner, area.size.x)
 
 
 def _draw_toolbar(state: AppState) -> None:
@@ -214,7 +231,6 @@ def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameT
         draw_marks(state, shown.request, area)
         if shown.scale is not None:
             draw_color_bar(shown.scale, area)
-    stack_tags(view_tags(state, shown), area.corner, area.size.x)
 
 
 def frame_over(state: AppState) -> FrameImage | None:

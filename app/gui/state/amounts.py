@@ -56,6 +56,16 @@ class Amount:
         return f"{self.text} Now {self.symbol} {parameter:.2f} in {self.equation}."
 
 
+def spaced(name: str, first: float, last: float, count: int) -> tuple[float, ...] | None:
+    """So many values of a parameter, whose amounts are evenly spaced; None for one without amounts."""
+    if (shown := AMOUNTS.get(name)) is None:
+        return None
+    ends = shown.of_parameter(first), shown.of_parameter(last)
+    step = (ends[1] - ends[0]) / max(count - 1, 1)
+    values = (shown.to_parameter(round(ends[0] + place * step, 6)) for place in range(count))
+    return tuple(dict.fromkeys(values))
+
+
 AMOUNTS: Final[Mapping[str, Amount]] = {
     "z": Amount(
         0.0,

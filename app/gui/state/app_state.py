@@ -12,6 +12,7 @@ from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
 from app.gui.state.exports import Batches, Exports
 from app.gui.state.picture import Comparing, Picture
+from app.gui.state.presenting import Presenting, SecondWindow
 from app.gui.state.reconstruction import Runs
 from app.gui.state.scene import ShownScene
 from app.gui.state.session import KeptSession
@@ -59,6 +60,8 @@ class AppState:
     guide: ShownGuide = field(default_factory=ShownGuide)
     about: ShownAbout = field(default_factory=ShownAbout)
     window: WindowFrame = field(default_factory=WindowFrame)
+    presenting: Presenting = field(default_factory=Presenting)
+    second_window: SecondWindow = field(default_factory=SecondWindow)
 
     @property
     def chosen(self) -> SettingsSnapshot:

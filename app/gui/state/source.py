@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from app.gui.work.opening import OpenRequest
+from app.gui.work.opening import Content, OpenRequest
 from app.gui.work.reported import Reported
 from app.gui.work.strip import Strip
 from app.runs.clip_selection import WHOLE, ClipPart
@@ -24,6 +24,8 @@ class Source:
     path: Path | None = None
     """The clip, run or file of splats that was opened last."""
     clip: Clip | None = None
+    content: Content | None = None
+    """What was opened last; None before."""
     asked: bool = True
     """The panel of its pictures is to come to the front, at the start as well."""
     options: ClipOptions = DEFAULTS

@@ -15,7 +15,7 @@ class Tuning:
     """Tuning actions change it; drawing reads it."""
 
     shown: bool = False
-    choices: tuple[Choice, Choice] = (Choice("d_factor", 0.0, 2.0, 4), Choice("p", 0.0, 1.0, 3))
+    choices: tuple[Choice, Choice] = (Choice("d_factor", 3.0, 0.33, 4), Choice("p", 0.0, 1.0, 3))
     sort: str = ""
     """A measure, the best first; empty: as varied."""
     grid: Grid | None = None
@@ -26,10 +26,17 @@ class Tuning:
     look: GridCell | None = None
     """The newest cell that was made as it is."""
     view: PictureView = field(default_factory=PictureView)
+    """Of that cell and the original beside it."""
+    size: float = 1.0
+    """Of the tiles; at 1 all columns are in sight."""
+    columns: int = 1
+    """As last laid out."""
+    in_sight: bool = False
+    """The panel is drawn in this frame."""
 
     def renewed(self) -> Tuning:
         """With the same choices, for another clip."""
-        return Tuning(self.shown, self.choices, self.sort)
+        return Tuning(self.shown, self.choices, self.sort, size=self.size)
 
     @property
     def request(self) -> CellRequest | None:

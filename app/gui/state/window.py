@@ -85,6 +85,8 @@ class WindowFrame:
     bare: bool = False
     """The panels are hidden: the pictures alone."""
     full_screen: bool = False
+    layout_changes: int = 0
+    """How often another kind of content has brought its own layout."""
     palette: Palette = field(default_factory=Palette)
     closing: Closing = "no"
     choosing: Choosing | None = None

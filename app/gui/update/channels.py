@@ -39,6 +39,7 @@ from app.gui.work.about import ShowFolder, read_about, show_folder
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
+from app.gui.work.kept_layout import seal_anew
 from app.gui.work.measuring import Measurer
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
@@ -126,7 +127,7 @@ class Channels:
         self.files = Channel(write_file, depth=256)
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
-        self.kept = Channel(keep)
+        self.kept, self.layouts = Channel(keep), Channel(seal_anew)
         self.recents = Channel(find_recents)
         self.welcome, self.guide = Channel(read_welcome), Channel(read_guide)
         self.about, self.folders = Channel(read_about), Channel(show_folder)
@@ -146,6 +147,7 @@ class Channels:
                   forgets=False) for side, channel in self.others.items()),
             Row(self.kept, told("the queue cannot be saved", taking.take_nothing, actions.say),
                 wishes.to_keep, SECOND),
+            Row(self.layouts, taking.take_nothing, wishes.to_seal, SECOND, forgets=False),
             Row(self.bakes, taking.take_baked,
                 lambda s: wishes.bake_wish(s, s.scene.model, s.scene.baked)),
             Row(self.second_bakes, taking.take_second_baked,

@@ -11,6 +11,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
+from app.gui.work.kept_layout import NAME, SealRequest
 from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
 from app.gui.work.recents import RecentsRequest
@@ -154,6 +155,12 @@ def recents_wish(state: AppState) -> RecentsRequest | None:
 def to_keep(state: AppState) -> KeepRequest:
     """The queue, as the next session is to find it."""
     return KeepRequest(queue_file(state.places.config), queue_actions.to_keep(state))
+
+
+def to_seal(state: AppState) -> SealRequest | None:
+    """The layout, whenever the runner has written it."""
+    changes = state.window.layout_changes
+    return SealRequest(state.places.config / NAME, changes) if changes else None
 
 
 def clip_wish(state: AppState) -> TakeUpRequest | None:

@@ -14,6 +14,8 @@ from app.files.legible import named
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = get_args(Side)
+PaneName = Literal["left", "right", "3D view"]
+PANES: Final[tuple[PaneName, ...]] = get_args(PaneName)
 SOURCE_LABELS: Final = {
     ORIGINAL: "Original",
     ENHANCED: "Enhanced (current settings)",

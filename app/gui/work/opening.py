@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
+from app.enhancement.clip_statistics import IMAGES
 from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.session_file import SUFFIX, Session, mended_session
@@ -27,6 +28,8 @@ from renderer.splat_files import is_named_as_splats
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.view_files import Views, import_views
 
+Content = Literal["clip", "stills", "run"]
+"""Kinds of what is opened: each has its layout of the window."""
 VIEW_SUFFIXES: Final = (".json", ".txt")
 """Of reports, of views, and of cameras of other programs."""
 
@@ -77,6 +80,14 @@ class Opened:
     """Nothing else is opened with them."""
     warning: str = ""
     """What could not be opened of it."""
+
+    @property
+    def content(self) -> Content:
+        """Folders of images without depth count as stills."""
+        if self.run is not None or self.clip is None:
+            return "run"
+        is_folder = self.clip.format == IMAGES and not self.clip.has_depth
+        return "stills" if is_folder or len(self.clip) == 1 else "clip"
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:

@@ -92,6 +92,9 @@ class Settings:
     pixels: Pixels = "automatic"
     mode: Mode = "side by side"
     """As last worked with, like the three before it."""
+    second_place: tuple[int, int, int, int] | None = None
+    """Of the second window: left, top, width and height."""
+    second_full_screen: bool = False
 
     def opened(self, path: Path) -> Settings:
         """With `path` in front of the recent ones, when they are remembered at all."""

@@ -12,7 +12,7 @@ from enhance.image import BoolImage
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.clip import ByteImage
 
-THUMB_WIDTH = 320
+THUMB_WIDTH = 480
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,21 @@ class GridCell:
     image: ByteImage
     """(H, W, 3)."""
     measures: Measures
+    original: ByteImage
+    """In the same size."""
+    before: Measures
+    """Of the original."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """What all cells of a grid have in common."""
+
+    original: ByteImage
+    small: ByteImage
+    view: BoolImage
+    vessels: BoolImage
+    measures: Measures
 
 
 class CellMaker:
@@ -47,17 +62,32 @@ class CellMaker:
 
     def __init__(self) -> None:
         self._pictures = PictureMaker()
-        self._masks: tuple[ByteImage, BoolImage, BoolImage] | None = None
+        self._known: _Known | None = None
 
     def make(self, request: CellRequest) -> Iterator[GridCell]:
         """Raises ClipError or ImageError."""
         wanted = request.grid.picture.with_params(request.setting.params)
         pictures = list(self._pictures.make(wanted))[-1]
         assert pictures.enhanced is not None
-        if self._masks is None or self._masks[0] is not pictures.original:
-            view = field_of_view(pictures.original)
-            self._masks = pictures.original, view, vessel_mask(pictures.original, tissue_mask=view)
-        original, view, vessels = self._masks
-        measures = measured(pictures.enhanced, original, vessels, view, pictures.milliseconds)
-        image = pictures.enhanced if request.whole else small(pictures.enhanced, THUMB_WIDTH)
-        yield GridCell(request, image, measures)
+        if self._known is None or self._known.original is not pictures.original:
+            self._known = _known(pictures.original)
+        known = self._known
+        measures = measured(
+            pictures.enhanced, known.original, known.vessels, known.view, pictures.milliseconds
+        )
+        image, original = pictures.enhanced, known.original
+        if not request.whole:
+            image, original = small(image, THUMB_WIDTH), known.small
+        yield GridCell(request, image, measures, original, known.measures)
+
+
+def _known(original: ByteImage) -> _Known:
+    view = field_of_view(original)
+    vessels = vessel_mask(original, tissue_mask=view)
+    return _Known(
+        original,
+        small(original, THUMB_WIDTH),
+        view,
+        vessels,
+        measured(original, original, vessels, view, 0.0),
+    )

@@ -10,7 +10,8 @@ from imgui_bundle import glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
 from app.gui.actions import actions
-from app.gui.frame import dockings, kept_layout
+from app.gui.frame import dockings
+from app.gui.work import kept_layout
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from tests.app.gui.test_window import Driver, is_settled, wait

@@ -208,7 +208,8 @@ SOUGHT = (
     ("shortcuts", "Keys and mouse"),
     ("defaults", "Reset all"),
     ("zebra", "Stripes on clipped pixels"),
-    ("presentation", "Images alone"),
+    ("presentation", "Presentation"),
+    ("projector", "Second window"),
 )
 """What people type, and the command that they mean."""
 

@@ -14,6 +14,7 @@ from app.gui.actions import (
     clip_actions,
     edit_actions,
     guide_actions,
+    presenting,
     window_actions,
 )
 from app.gui.state.app_state import AppState
@@ -26,6 +27,7 @@ Asks = Callable[[AppState], bool]
 THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
     (lambda s: s.window.full_screen, window_actions.toggle_full_screen),
     (lambda s: s.window.bare, window_actions.toggle_panels),
+    (lambda s: s.presenting.pane is not None, presenting.toggle),
     (lambda s: s.editing.active, lambda s: setattr(s.editing, "active", True)),
     (lambda s: s.scene.viewer.flying, camera_actions.toggle_flight),
     (lambda s: s.scene.viewer.measuring, camera_actions.toggle_measuring),

@@ -10,9 +10,10 @@ import numpy as np
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, history_actions, job_actions
-from app.gui.panels.enhancement import UNUSED, VESSEL_SLIDERS, draw_enhancement, facts_of
+from app.gui.panels.enhancement import UNUSED, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
+from app.gui.state.setting_words import VESSEL_LABELS
 from app.gui.update.jobs import start_due
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams, measure
@@ -67,7 +68,7 @@ def test_a_reconstruction_takes_the_paper_s_method(state: AppState) -> None:
 
 
 def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -> None:
-    assert {*VESSEL_SLIDERS, "strength"} == {field.name for field in fields(VesselParams)}
+    assert {*VESSEL_LABELS, "strength"} == {field.name for field in fields(VesselParams)}
     actions.choose_method(state, VesselParams)
     for _ in range(2):
         ui.frame(lambda: draw_enhancement(state, no_thumbnail))

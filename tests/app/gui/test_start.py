@@ -14,12 +14,13 @@ from imgui_bundle import hello_imgui, imgui, immapp
 from app.commands import demo
 from app.errors import UserError
 from app.gui.actions import actions
-from app.gui.frame import dockings, kept_layout
+from app.gui.frame import dockings
 from app.gui.frame.dockings import REPORT
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.window import Window
+from app.gui.work import kept_layout
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from renderer.view_files import Views, views_json

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.enhancement.contact_sheet import small
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.parameter_grid import METRICS
 from app.gui.actions import actions, history_actions, tuning_actions
@@ -13,17 +14,20 @@ from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
+from app.gui.state.setting_words import in_the_paper, said
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, Settings
+from app.gui.work.tuning import THUMB_WIDTH
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
-from tests.app.gui.conftest import make_clip
+from tests.app.gui.conftest import image_of, make_clip
 from tests.app.gui.settling import served
+from tests.app.gui.test_keys import keyboard
 from tests.app.gui.test_window import Driver, wait
-from tests.app.gui.ui import Ui
+from tests.app.gui.ui import Shown, Ui
 
 
 @pytest.fixture
@@ -146,6 +150,94 @@ def test_another_clip_has_no_grid(state: AppState, channels: Channels, clip: Cli
     assert state.tuning.cells == {}
 
 
+def test_values_are_said_in_the_words_of_the_sliders(state: AppState) -> None:
+    state.tuning.choices = (Choice("z", 0.7, 0.1, 3), Choice("d_factor", 3.0, 1 / 3, 3))
+    tuning_actions.start_grid(state)
+    assert state.tuning.grid is not None
+    words = [said(one) for one in state.tuning.grid.settings]
+    assert words[0] == "Brightness 0.30 · Colour 0.25"
+    assert words[4] == "Brightness 0.60 · Colour 0.50"  # Evenly spaced as it is shown.
+    assert words[8] == "Brightness 0.90 · Colour 0.75"
+    assert in_the_paper(state.tuning.grid.settings[4]) == "z 0.40 · d-factor 1.00"
+    tuning_actions.use_setting(state, state.tuning.grid.settings[4])
+    assert state.window.toast is not None
+    assert "Brightness 0.60" in state.window.toast.message
+
+
+def test_the_original_is_the_first_tile_and_stands_beside_a_cell(
+    ui: Ui, state: AppState, channels: Channels
+) -> None:
+    shown = Shown()
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    ui.frame(lambda: draw_tuning(state, shown))
+    original = image_of(0)
+    np.testing.assert_array_equal(shown.images["tile original"], small(original, THUMB_WIDTH))
+    tuning_actions.look_at(state, state.tuning.in_order[0])
+    turn(state, channels)
+    turn(state, channels)
+    ui.frame(lambda: draw_tuning(state, shown))
+    np.testing.assert_array_equal(shown.images["tuning original"], original)
+    assert state.tuning.look is not None
+    assert shown.images["tuning tried"] is state.tuning.look.image
+
+
+def test_arrows_lead_to_neighbours_and_escape_back(ui: Ui, state: AppState, channels: Channels) -> None:
+    shown, keys, key = Shown(), keyboard(state), imgui.Key
+
+    def draw() -> None:
+        draw_tuning(state, shown)
+        keys()
+
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    ui.frame(draw)
+    tuning_actions.look_at(state, state.tuning.in_order[0])
+    seen = []
+    for press in (
+        key.right_arrow,
+        key.down_arrow,
+        key.left_arrow,
+        key.left_arrow,
+        key.up_arrow,
+        key.up_arrow,
+    ):
+        ui.press(draw, press)
+        assert state.tuning.chosen is not None
+        seen.append(state.tuning.chosen.places)
+    assert seen == [(0, 1), (1, 1), (1, 0), (1, 0), (0, 0), (0, 0)]
+    assert state.timeline.frame_index == 0
+    ui.press(draw, key.escape)
+    assert state.tuning.chosen is None
+    ui.press(draw, key.right_arrow)
+    assert state.timeline.frame_index == 1
+    tuning_actions.look_at(state, state.tuning.in_order[0])
+    state.tuning.in_sight = False  # Behind another tab, the keys are of the clip.
+    ui.press(keys, key.right_arrow)
+    assert state.timeline.frame_index == 2
+
+
+def test_both_halves_have_one_zoom(ui: Ui, state: AppState, channels: Channels) -> None:
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    tuning_actions.look_at(state, state.tuning.in_order[0])
+    turn(state, channels)
+    turn(state, channels)
+    draw = lambda: draw_tuning(state, Shown())  # noqa: E731
+    ui.frame(draw)
+    assert state.tuning.view.zoom is None
+    ui.scroll(draw, (200, 400), 1)
+    near = state.tuning.view.zoom
+    ui.scroll(draw, (700, 400), 1)
+    assert near is not None
+    assert state.tuning.view.zoom == pytest.approx(1.15 * near)
+    before = state.tuning.view.center
+    ui.drag(draw, (700, 400), (650, 400))
+    assert state.tuning.view.center[0] > before[0]
+    tuning_actions.go(state, right=1)
+    assert state.tuning.view.zoom == pytest.approx(1.15 * near)  # The neighbour is seen at the same place.
+
+
 class NoTextures:
     """In the place of OpenGL."""
 
@@ -188,7 +280,7 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
         wait(ctx, lambda: len(state.tuning.cells) == 12 and not state.tuning.running, "the grid")
         ctx.yield_(3)
         ctx.item_click("//Tuning/**/tile0-1")
-        wait(ctx, lambda: state.tuning.is_looked_at, "the cell at 100 %")
+        wait(ctx, lambda: state.tuning.is_looked_at, "the cell as it is")
         ctx.yield_(2)
         ctx.item_click("//Tuning/###use")
         assert state.tuning.chosen is not None
@@ -198,3 +290,34 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
 
     driver.run(drive)
     assert len(state.tuning.cells) == 12
+
+
+@pytest.mark.display
+def test_tiles_grow_and_shrink_in_the_window(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def width() -> float:
+            ctx.yield_(2)
+            return float(ctx.item_info("//Tuning/**/tile0-0").rect_full.get_width())
+
+        ctx.item_click("//Pictures/**/###phantom")
+        wait(ctx, lambda: state.picture.pictures is not None and not state.pictures_are_stale, "the phantom")
+        ctx.key_press(chord("Ctrl+T"))
+        ctx.yield_(3)
+        ctx.item_click("//Tuning/###try")
+        wait(ctx, lambda: len(state.tuning.cells) == 12, "the grid")
+        whole = width()
+        last = ctx.item_info("//Tuning/**/tile0-2").rect_full
+        panel = ctx.window_info("//Tuning").window
+        assert last.max.x <= panel.pos.x + panel.size.x  # All columns are in sight.
+        ctx.item_click("//Tuning/+##size")
+        assert width() == pytest.approx(1.25 * whole, abs=1)
+        ctx.item_click("//Tuning/-##size")
+        ctx.item_click("//Tuning/-##size")
+        assert width() == pytest.approx(0.8 * whole, abs=1)
+        ctx.item_click("//Tuning/###whole size")
+        assert width() == pytest.approx(whole, abs=1)
+
+    driver.run(drive)

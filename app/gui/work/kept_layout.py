@@ -1,13 +1,16 @@
 """The layout of the window on disk: what the runner reads there can end the process, or hang it.
 
-So it gets only what a window has left when it closed, sealed by a digest in a file beside it.
+So it gets only what it has left itself, at the end or with another kind of content, sealed by a digest in a
+file beside it.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -20,9 +23,25 @@ MOST_BYTES: Final = 1 << 20
 
 
 def seal(layout: Path) -> None:
-    """The window has closed and left its layout; without a seal the next one begins as at first."""
+    """The runner has written it; without a seal the next window begins as at first."""
     with suppress(OSError, UserError):
         write_bytes(_seal_of(layout), _digest(layout))
+
+
+@dataclass(frozen=True)
+class SealRequest:
+    """The runner has written the layout while the window is open: without a new seal, a window that ends
+    badly would lose it."""
+
+    layout: Path
+    changes: int
+    """How often so far."""
+
+
+def seal_anew(request: SealRequest) -> Iterator[Path]:
+    """Answers a SealRequest."""
+    seal(request.layout)
+    yield request.layout
 
 
 def put_aside_damaged(layout: Path) -> str:

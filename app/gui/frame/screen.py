@@ -1,0 +1,51 @@
+"""The window at large: which panels and bars it has, and whether it fills the screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from imgui_bundle import glfw_utils, hello_imgui
+
+from app.gui.actions import presenting, window_actions
+from app.gui.frame import dockings
+from app.gui.frame.bare import ALONE, Bare
+from app.gui.frame.full_screen import FullScreen
+from app.gui.state.app_state import AppState
+
+
+class Screen:
+    """`add_timeline` gives the runner the toolbar that a presentation takes away."""
+
+    def __init__(self, add_timeline: Callable[[hello_imgui.RunnerParams], None]) -> None:
+        self._add_timeline = add_timeline
+        self._bare, self._full_screen, self._ends = Bare(), FullScreen(), False
+
+    def follow(self, state: AppState, params: hello_imgui.RunnerParams) -> None:
+        """Before a frame."""
+        presenting.follow(state)
+        if self._bare.is_over and not window_actions.is_reduced(state):
+            # The runner keeps the panels of the layout before, which are all there.
+            dockings.follow_content(state)
+        presents = state.presenting.pane is not None
+        kept = () if presents else ALONE if state.window.bare else None
+        self._bare.follow(kept, params.docking_params.dockable_windows)
+        self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)
+        self._show_bars(params, shown=not presents)
+        if self._ends:
+            dockings.quit_app()
+
+    def _show_bars(self, params: hello_imgui.RunnerParams, *, shown: bool) -> None:
+        window, calls = params.imgui_window_params, params.callbacks
+        window.show_menu_bar = window.show_status_bar = shown
+        if shown and not calls.edges_toolbars:
+            self._add_timeline(params)
+        elif not shown:
+            calls.edges_toolbars = {}
+
+    def end_whole(self, state: AppState) -> None:
+        """The runner keeps panels and place for the next window when it ends: before, they are brought back,
+        which is done between two frames."""
+        params = hello_imgui.get_runner_params()
+        if params.app_shall_exit and window_actions.is_reduced(state):
+            params.app_shall_exit, self._ends = False, True
+            window_actions.restore(state)

@@ -1,0 +1,99 @@
+"""What the second window shows: the chosen pane of the first one as large as it fits, and what it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import moderngl
+from imgui_bundle import ImVec4
+
+from app.gui.drawing.label_image import label_image
+from app.gui.drawing.quads import Box, Quad
+from app.gui.drawing.textures import ShowsPictures
+from app.gui.drawing.viewport import OnScreen, Viewport
+from app.gui.panels.picture_pane import TONES
+from app.gui.panels.view3d import frame_over, view_tags
+from app.gui.state.app_state import AppState
+from app.gui.state.panes import frame_share, pane
+from app.gui.style import theme
+from app.gui.views.comparison import Side
+from app.gui.views.picture_view import PictureView
+from app.scenes.color_bar import color_bar
+from renderer.clip import ByteImage
+
+NOTHING = (("Nothing to show", theme.TAG_ORIGINAL),)
+Size = tuple[int, int]
+Labels = Sequence[tuple[str, ImVec4]]
+Drawn = tuple[tuple[Quad, ...], Labels]
+
+
+class SecondContent:
+    """Remembers the labels and the scale that it has made."""
+
+    def __init__(self, ctx: moderngl.Context, textures: ShowsPictures, viewport: Viewport) -> None:
+        self._ctx, self._textures, self._viewport = ctx, textures, viewport
+        self._made: dict[str, tuple[object, ByteImage]] = {}
+
+    def of(self, state: AppState, size: Size) -> tuple[tuple[Quad, ...], str]:
+        """For a window of `size` pixels, with its title. Without labels it says only what could mislead."""
+        name = state.second_window.pane
+        drawn, tags = self._scene(state, size) if name == "3D view" else self._picture(state, name, size)
+        cautions = [one for one in tags if one[1] is theme.TAG_CAUTION]
+        if said := tags if state.second_window.labels else cautions:
+            drawn = (*drawn, self._labels(said, size))
+        return drawn, tags[0][0]
+
+    def finish(self) -> None:
+        """Before another context reads the textures: all of them are written."""
+        self._ctx.finish()
+
+    def _picture(self, state: AppState, side: Side, size: Size) -> Drawn:
+        if state.picture.pictures is None:
+            return (), NOTHING
+        shown = pane(state, state.picture.pictures, side)
+        tags = [(one.text, TONES[one.tone]) for one in shown.tags]
+        view = PictureView(pixel_aspect=state.picture.view.pixel_aspect)
+        place = view.place((shown.image.shape[1], shown.image.shape[0]), size)
+        part = self._textures.part("second window", shown.image, place, size)
+        if part is None:
+            return (), tags
+        box = (part.x, part.y, part.x + part.width, part.y + part.height)
+        return (Quad(part.texture, box, part),), tags
+
+    def _scene(self, state: AppState, size: Size) -> Drawn:
+        """As fine as the first window draws it."""
+        shown = self._viewport.show(state) if state.scene.model is not None else None
+        if shown is None:
+            return (), NOTHING if state.scene.model is None else view_tags(state, shown)
+        camera = shown.request.camera
+        place = PictureView().place((camera.width, camera.height), size)
+        box = (*place.pane_at(0, 0), *place.pane_at(camera.width, camera.height))
+        drawn = [Quad(shown.texture, box, shown.request, (*shown.uv0, *shown.uv1))]
+        if (frame := frame_over(state)) is not None:
+            share = frame_share(state, shown.request.scene)
+            over = self._textures.whole("second window: frame", frame.image)
+            drawn.append(Quad(over, box, frame.request, share=share))
+        if shown.scale is not None:
+            drawn.append(self._bar(shown, size))
+        return tuple(drawn), view_tags(state, shown)
+
+    def _bar(self, shown: OnScreen, size: Size) -> Quad:
+        """What the colours mean, at the right edge."""
+        scale, height = shown.scale, max(size[1] // 2, 1)
+        assert scale is not None
+        image = self._once("colours", (shown.request, size), lambda: color_bar(scale, height))
+        left, top = size[0] - image.shape[1], size[1] // 4
+        beside: Box = (left, top, size[0], top + image.shape[0])
+        return Quad(self._textures.whole("second window: colours", image), beside, shown.request)
+
+    def _labels(self, said: Labels, size: Size) -> Quad:
+        what = tuple((text, color is theme.TAG_CAUTION) for text, color in said)
+        image = self._once("labels", (what, size), lambda: label_image(said, size))
+        box = (0.0, 0.0, float(image.shape[1]), float(image.shape[0]))
+        return Quad(self._textures.whole("second window: labels", image), box, what)
+
+    def _once(self, name: str, what: object, make: Callable[[], ByteImage]) -> ByteImage:
+        """The one that is made already, of the same."""
+        if name not in self._made or self._made[name][0] != what:
+            self._made[name] = what, make()
+        return self._made[name][1]

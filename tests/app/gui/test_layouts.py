@@ -1,0 +1,140 @@
+"""The layout of each kind of content: its own from the first, and remembered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from imgui_bundle import ImVec2, hello_imgui, imgui
+from imgui_bundle.immapp import testing
+
+from app.gui.actions import actions
+from app.gui.commands.keys import chord
+from app.gui.frame import dockings
+from app.gui.state.app_state import AppState
+from app.gui.work import kept_layout
+from app.gui.work.opening import Opened
+from app.gui.work.settings import Places, Settings
+from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import make_clip, start_live
+from tests.app.gui.test_bare import in_front, shown
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+@pytest.fixture
+def still(tmp_path: Path) -> Path:
+    path = tmp_path / "still.png"
+    cv2.imwrite(str(path), np.full((96, 128, 3), (60, 80, 160), np.uint8))
+    return path
+
+
+def test_the_kind_is_of_what_was_opened(places: Places, model: DynamicGaussians) -> None:
+    state, path = AppState(places), places.runs
+    assert state.source.content is None
+    for clip, kind in (
+        (make_clip(path, 1), "stills"),
+        (make_clip(path, 6, has_depth=False), "stills"),  # A folder of images.
+        (replace(make_clip(path, 6, has_depth=False), format="video"), "clip"),
+        (make_clip(path, 6), "clip"),
+    ):
+        actions.show_opened(state, path, Opened(clip))
+        assert state.source.content == kind
+    start_live(state, model)
+    assert state.source.content == "clip"  # Panels stay while one works.
+    actions.show_opened(state, path, Opened(None))
+    assert state.source.content == "run"
+
+
+def kept(places: Places, drive: Callable[[imgui.test_engine.TestContext, AppState], None]) -> None:
+    """A window that keeps its layout, unlike the others of the tests."""
+    driver = Driver(places, Settings(acknowledged=True), [])
+
+    def and_quit(ctx: imgui.test_engine.TestContext) -> None:
+        drive(ctx, driver.state)
+        ctx.key_press(chord("Ctrl+Q"))
+        ctx.yield_(10)
+
+    params = driver.window.runner_params()
+    with pytest.raises(RuntimeError, match="exited before the test finished"):
+        testing.run(test_function=and_quit, runner_params=params, add_ons_params=driver.window.add_ons())
+    kept_layout.seal(places.config / kept_layout.NAME)
+
+
+@pytest.mark.display
+def test_each_kind_of_content_has_its_layout_and_keeps_it(places: Places, still: Path) -> None:
+    widths: dict[str, float] = {}
+
+    def width(ctx: imgui.test_engine.TestContext) -> float:
+        ctx.yield_(6)
+        return float(ctx.window_info("//Enhancement").window.size.x)
+
+    def show(ctx: imgui.test_engine.TestContext, state: AppState, path: Path, name: str) -> None:
+        actions.open_path(state, path)
+        wait(ctx, lambda: state.source.path == path and is_settled(state), path.name)
+        wait(ctx, lambda: hello_imgui.current_layout_name() == name, "its layout")
+        ctx.yield_(6)
+
+    def first(ctx: imgui.test_engine.TestContext, state: AppState) -> None:
+        show(ctx, state, still, "Stills")
+        assert "Enhancement" in in_front(ctx)
+        assert "Reconstruction" not in in_front(ctx)
+        widths["Stills"] = width(ctx)
+        show(ctx, state, phantom_path(), "Default")
+        assert {"Enhancement", "Reconstruction"} <= in_front(ctx)
+        node = imgui.internal.find_window_by_name("Enhancement").dock_node.parent_node
+        imgui.internal.dock_builder_set_node_size(node.id_, ImVec2(300, node.size.y))
+        dockings.toggle("Notes")
+        widths["Default"] = width(ctx)
+        assert widths["Default"] != widths["Stills"]
+        show(ctx, state, still, "Stills")
+        assert width(ctx) == widths["Stills"]
+        assert not dockings.is_shown("Notes")
+        assert "Enhancement" in in_front(ctx)
+        layout = places.config / kept_layout.NAME
+        assert layout.is_file()  # What the runner has written meanwhile is sealed, should it end badly.
+        wait(ctx, lambda: kept_layout.put_aside_damaged(layout) == "", "the seal")
+
+    def again(ctx: imgui.test_engine.TestContext, state: AppState) -> None:
+        show(ctx, state, phantom_path(), "Default")
+        assert width(ctx) == widths["Default"]
+        assert dockings.is_shown("Notes")
+        show(ctx, state, still, "Stills")
+        assert width(ctx) == widths["Stills"]
+        assert not dockings.is_shown("Notes")
+
+    kept(places, first)
+    kept(places, again)
+
+
+@pytest.mark.display
+def test_another_layout_waits_until_all_panels_are_there(places: Places, still: Path) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(imgui.Key.tab)
+        ctx.yield_(3)
+        actions.open_path(state, still)
+        wait(ctx, lambda: state.source.content == "stills", "the still")
+        ctx.yield_(4)
+        assert hello_imgui.current_layout_name() == "Default"
+        assert in_front(ctx) == {"Pictures"}
+        ctx.key_press(imgui.Key.tab)
+        ctx.yield_(6)
+        assert hello_imgui.current_layout_name() == "Stills"
+        assert in_front(ctx) == {"Pictures", "Enhancement"}
+        before = shown()
+        actions.open_path(state, phantom_path())
+        wait(ctx, lambda: hello_imgui.current_layout_name() == "Default", "the clip")
+        ctx.yield_(6)
+        assert shown() == before
+        assert in_front(ctx) == {"Pictures", "Enhancement", "Reconstruction"}
+
+    driver.run(drive)

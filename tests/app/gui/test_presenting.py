@@ -1,0 +1,187 @@
+"""One pane alone: which, what its keys do, what it says, and that all is as before afterwards."""
+
+from __future__ import annotations
+
+import glfw
+import pytest
+from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
+
+from app.gui.actions import actions, presenting
+from app.gui.commands.keys import chord
+from app.gui.panels.presentation import draw_presentation
+from app.gui.state.app_state import AppState
+from app.gui.style import widgets
+from app.gui.work.settings import Places, Settings
+from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import start_live
+from tests.app.gui.test_bare import in_front, shown
+from tests.app.gui.test_keys import keyboard
+from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, no_texture, pictures
+
+
+def presented(state: AppState, shown: Shown) -> Draw:
+    """A frame of the presentation and the keys behind it."""
+    keys = keyboard(state)
+
+    def draw() -> None:
+        draw_presentation(state, shown, StillViewport(), no_texture)
+        keys()
+
+    return draw
+
+
+@pytest.fixture
+def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """All labels that are drawn over a pane."""
+    texts: list[str] = []
+    tag = widgets.tag
+
+    def seen(text: str, *rest: object) -> float:
+        texts.append(text)
+        return tag(text, *rest)  # type: ignore[arg-type]
+
+    for module in ("app.gui.style.widgets", "app.gui.panels.picture_pane", "app.gui.panels.presentation"):
+        monkeypatch.setattr(f"{module}.tag", seen)
+    return texts
+
+
+def test_f5_presents_the_pane_under_the_pointer_or_the_one_clicked_last(ui: Ui, opened: AppState) -> None:
+    keys, panes = keyboard(opened), compare(opened, Shown())
+
+    def draw() -> None:
+        presenting.forget_pointer(opened)
+        panes()
+        keys()
+
+    for at, pane in (((200, 400), "left"), ((700, 400), "right")):
+        ui.drag(draw, at, at)
+        ui.press(draw, imgui.Key.f5)
+        assert opened.presenting.pane == pane
+        ui.press(draw, imgui.Key.f5)
+        assert opened.presenting.pane is None
+    ui.drag(draw, (200, 400), (200, 400))
+    ui.io.add_mouse_pos_event(890, 5)
+    ui.frame(draw)
+    ui.press(draw, imgui.Key.f5)
+    assert opened.presenting.pane == "left"
+
+
+def test_keys_of_a_presentation(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    draw, key = presented(opened, Shown()), imgui.Key
+    ui.press(draw, key.f5)
+    assert (opened.presenting.pane, opened.window.full_screen) == ("right", True)
+    ui.press(draw, key._3)  # There is no model.
+    assert opened.presenting.pane == "right"
+    start_live(opened, model)
+    panes = []
+    for press in (key._1, key._3, key._2, key.down_arrow, key.down_arrow, key.up_arrow):
+        ui.press(draw, press)
+        panes.append(opened.presenting.pane)
+    assert panes == ["left", "3D view", "right", "3D view", "left", "3D view"]
+    assert opened.picture.view.zoom is None  # 1 is 1:1 elsewhere.
+    ui.press(draw, key.right_arrow)
+    assert opened.timeline.frame_index == 1
+    ui.press(draw, key.space)
+    assert opened.timeline.playing
+    ui.press(draw, key.escape)
+    assert (opened.presenting.pane, opened.window.full_screen) == (None, False)
+
+
+def test_the_original_is_there_while_o_is_held(ui: Ui, opened: AppState) -> None:
+    shown = Shown()
+    draw = presented(opened, shown)
+    ui.press(draw, imgui.Key.f5)
+    ui.frame(draw)
+    assert shown.images["right"] is pictures(opened).enhanced
+    ui.io.add_key_event(imgui.Key.o, True)
+    ui.frame(draw)
+    ui.frame(draw)
+    assert shown.images["right"] is pictures(opened).original
+    ui.io.add_key_event(imgui.Key.o, False)
+    ui.frame(draw)
+    ui.frame(draw)
+    assert shown.images["right"] is pictures(opened).enhanced
+
+
+def test_labels_come_for_two_seconds_and_on_demand(ui: Ui, opened: AppState, said: list[str]) -> None:
+    draw = presented(opened, Shown())
+
+    def labels() -> str:
+        said.clear()
+        ui.frame(draw)
+        return " | ".join(said)
+
+    ui.press(draw, imgui.Key.f5)
+    at_first = labels()
+    for part in ("ENHANCED", "1 / 6", "Research use only", "Esc: leave"):
+        assert part in at_first
+    opened.window.now += presenting.LABELS_SECONDS - 0.1
+    assert labels() == at_first
+    opened.window.now += 0.2
+    assert labels() == ""
+    actions.toggle_freeze(opened)  # What could mislead is always said.
+    assert labels() == "FROZEN · frame 1"
+    ui.press(draw, imgui.Key.l)
+    assert "ENHANCED" in labels()
+    assert "Research use only" in labels()
+    assert "Esc: leave" not in labels()
+    ui.press(draw, imgui.Key.l)
+    assert "ENHANCED" not in labels()
+
+
+def test_it_ends_with_what_it_shows(opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    presenting.show(opened, "3D view")
+    opened.scene.model = None
+    presenting.follow(opened)
+    assert opened.presenting.pane == "right"
+    opened.picture.pictures = None
+    presenting.follow(opened)
+    assert (opened.presenting.pane, opened.window.full_screen) == (None, False)
+
+
+@pytest.mark.display
+def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, key = driver.state, imgui.Key
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def is_there(name: str) -> bool:
+            found: imgui.internal.Window | None = imgui.internal.find_window_by_name(name)
+            return found is not None and found.active
+
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        state.tuning.shown = True
+        ctx.yield_(4)
+        window = glfw_utils.glfw_window_hello_imgui()
+        size, front, panels = glfw.get_window_size(window), in_front(ctx), shown()
+        width = ctx.window_info("//Tuning").window.size.x
+        assert "Tuning" in front
+        ctx.key_press(key.f5)
+        wait(ctx, lambda: bool(glfw.get_window_monitor(window)), "the screen")
+        ctx.yield_(4)
+        assert shown() == set()
+        assert not any(map(is_there, ("##MainMenuBar", "StatusBar", "Pictures")))
+        assert hello_imgui.get_runner_params().callbacks.edges_toolbars == {}
+        screen = imgui.get_main_viewport().size
+        pane = ctx.item_info("//##presentation/right")
+        assert (pane.rect_full.min, pane.rect_full.max) == (ImVec2(0, 0), screen)
+        ctx.item_click("//##presentation/right")  # It stays behind what opens over it.
+        ctx.key_press(chord("Ctrl+Shift+P"))
+        ctx.yield_(3)
+        assert state.window.palette.shown
+        ctx.key_press(key.escape)
+        ctx.yield_(3)
+        ctx.key_press(key.escape)
+        wait(ctx, lambda: glfw.get_window_size(window) == size, "the window")
+        ctx.yield_(6)
+        assert state.presenting.pane is None
+        assert (shown(), in_front(ctx)) == (panels, front)
+        assert ctx.window_info("//Tuning").window.size.x == width
+        assert all(map(is_there, ("##MainMenuBar", "StatusBar")))
+        assert len(hello_imgui.get_runner_params().callbacks.edges_toolbars) == 1
+
+    driver.run(drive)
