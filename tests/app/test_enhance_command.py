@@ -23,6 +23,7 @@ from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import ClipError
 from renderer.sources import open_clip
 from tests.app.conftest import Call, tissue
+from tests.app.files.test_video import without
 
 Cli = Callable[..., Call]
 
@@ -371,7 +372,7 @@ def test_a_video_that_breaks_off_leaves_what_was_whole(
     names = tuple(str(index) for index in range(8))
     series = Series(names, (given,) * 8, read, is_video=True, timing=Timing(12.0, like=given))
     monkeypatch.setattr("app.commands.enhance.open_series", lambda path, options: series)
-    monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
+    without(monkeypatch, "PyAV", "ffmpeg")
     assert main(["enhance", str(given), str(out), "--statistics", statistics]) == 0
     captured = capfd.readouterr()
     stopped, sound = captured.err.splitlines()
