@@ -17,9 +17,8 @@ from app.gui.actions import (
     picture_actions,
     session_actions,
     tuning_actions,
-    window_actions,
 )
-from app.gui.commands import recent_commands
+from app.gui.commands import export_commands, recent_commands
 from app.gui.commands.camera_commands import camera_sections
 from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu
 from app.gui.commands.edit_commands import edit_sections
@@ -74,21 +73,29 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     saving = (
         Command("Save image", export_actions.save_picture, ("S",), text="save an image of what is shown",
                 applies=has_something),
-        Command("Save the whole window", window_actions.save_window, ("F12",),
+        Command("Save the whole window", export_actions.save_window, ("F12",),
                 text="save an image of the window as it is"),
         Command("Export…", export_actions.toggle_export, ("Ctrl+Shift+E",),
-                text="export panes, videos and measures", applies=has_something),
+                text="export images, videos, measures and 3D models", applies=has_something),
         Command("Enhance files and folders…", batch_actions.toggle_batches, ("Ctrl+Shift+B",),
                 text="enhance many images, videos and folders with the current settings"),
         Command("Save session", session_actions.save, ("Ctrl+S",),
                 text="save the open files, settings, views and notes; open it like a clip",
                 applies=lambda s: s.source.path is not None),
+        Command("Save session as…", session_actions.save_as, ("Ctrl+Shift+S",),
+                text="save the session by another name", applies=lambda s: s.source.path is not None),
+    )  # fmt: skip
+    exported = (
+        Command("Show the last export in its folder", export_actions.reveal,
+                text="in the system's file manager", applies=lambda s: s.exports.last is not None),
     )  # fmt: skip
     quitting = (Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",)),)
     return (
         Section("File", opening),
         Section("File", recent_commands.opening(state), "Open recent"),
-        *menu("File", remember, saving, quitting),
+        *menu("File", remember, saving),
+        Section("File", export_commands.exporting(), "Export as"),
+        *menu("File", exported, quitting),
     )
 
 

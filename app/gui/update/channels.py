@@ -14,6 +14,7 @@ from app.exports.exporting import ExportRequest, export
 from app.gui.actions import (
     actions,
     batch_actions,
+    browse_actions,
     camera_actions,
     edit_actions,
     export_actions,
@@ -35,10 +36,13 @@ from app.gui.views.comparison import SIDES
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
+from app.gui.work.listing import list_folder, thumbnail_of
 from app.gui.work.measuring import Measurer
+from app.gui.work.naming import encoder_of, name_of
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
+from app.gui.work.revealing import RevealRequest, reveal
 from app.gui.work.runs import RunFinder, left_of, run_model
 from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
@@ -121,6 +125,9 @@ class Channels:
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
         self.kept = Channel(keep)
+        self.listing, self.small_files = NewestChannel(list_folder), NewestChannel(thumbnail_of)
+        self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
+        self.reveals = Channel(reveal, depth=4)
         self.tidying, self.clearing = Channel(tidy), Channel(clear_places)
 
     @cached_property
@@ -173,6 +180,12 @@ class Channels:
             Row(self.sessions, session_actions.take_written),
             Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
             Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
+            Row(self.listing, browse_actions.take_listing, browse_actions.list_wish, "apart"),
+            Row(self.small_files, browse_actions.take_thumbnail, browse_actions.thumbnail_wish, "apart"),
+            Row(self.names, export_actions.take_name, export_actions.name_wish, "apart"),
+            Row(self.encoders, export_actions.take_encoder, export_actions.encoder_wish, "apart",
+                forgets=False),
+            Row(self.reveals, export_actions.take_revealed, server="apart"),
             Row(self.files, taking.take_written, server=SECOND),
             Row(self.presets, preset_actions.take_kept, server=SECOND),
         )  # fmt: skip
@@ -190,6 +203,7 @@ class Channels:
             KeepPresets: self.presets,
             SessionRequest: self.sessions,
             ExportRequest: self.saving,
+            RevealRequest: self.reveals,
         }
         for wish in wishes:
             channels[type(wish)].ask(wish)
