@@ -86,7 +86,7 @@ def _draw_path(browsing: Browsing, *, asks: bool) -> None:
     button(f"{icons.ICON_FA_ARROW_UP}##up", partial(browse_actions.go_up, browsing), UP_TEXT)
     imgui.same_line()
     _focus(browsing.focus and asks)
-    changed, text = imgui.input_text("##path", browsing.text)
+    changed, text = imgui.input_text(f"##path {browsing.line}", browsing.text)
     if changed or imgui.is_item_clicked():
         browse_actions.type_path(browsing, text)
 
@@ -94,8 +94,6 @@ def _draw_path(browsing: Browsing, *, asks: bool) -> None:
 def _focus(wanted: bool) -> None:
     """On the line that comes next, with what is in it selected."""
     if wanted:
-        # What is typed into keeps its own text until it is let go of.
-        imgui.internal.clear_active_id()
         imgui.set_keyboard_focus_here()
     imgui.set_next_item_width(-1)
 
@@ -209,7 +207,7 @@ def _draw_name(browsing: Browsing) -> None:
     imgui.text("Name")
     imgui.same_line()
     _focus(browsing.focus)
-    changed, name = imgui.input_text("##name", browsing.name)
+    changed, name = imgui.input_text(f"##name {browsing.line}", browsing.name)
     if changed:
         browse_actions.type_name(browsing, name)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import OrderedDict
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,10 +12,15 @@ from app.files.legible import legible
 from app.gui.state.choosing import Choosing
 from app.gui.work.listing import Entry, Listing, ListRequest
 from renderer.clip import ByteImage
-from renderer.readers.pictures import natural_key
 
 Column = Literal["name", "date", "size"]
 MOST_THUMBNAILS: Final = 200
+
+
+def _by_name(name: str) -> list[tuple[bool, int, str]]:
+    """As file managers sort: numbers before letters, 2 before 10, capitals or not."""
+    parts = re.findall(r"\d+|\D+", name.casefold())
+    return [(False, int(part), "") if part.isdecimal() else (True, 0, part) for part in parts]
 
 
 @dataclass
@@ -47,6 +53,9 @@ class Browsing:
     """Newest last; None: there is nothing to see."""
     focus: bool = True
     """The line is to be typed into from the next frame on, with what is in it selected."""
+    line: int = 0
+    """Another one each time that something else than typing has filled it in: a line that is typed into keeps
+    its own text."""
     scroll: bool = False
     """The marked entry is to come into sight."""
     _shown: tuple[object, tuple[Entry, ...]] | None = None
@@ -72,7 +81,7 @@ class Browsing:
             entry for entry in found if entry.kind == "folder" or (not folders_alone and passes(entry.path))
         ]
         # Sorting is stable: what is equal stays by name.
-        kept.sort(key=lambda entry: natural_key(Path(entry.name.casefold())))
+        kept.sort(key=lambda entry: _by_name(entry.name))
         if self.column == "date":
             kept.sort(key=lambda entry: entry.modified)
         elif self.column == "size":
@@ -97,3 +106,4 @@ class Browsing:
         """The line says it, too; a file's name is the one to be written."""
         self.marked, self.text, self.typed = path, legible(str(path or self.folder)), False
         self.focus = self.scroll = True
+        self.line += 1

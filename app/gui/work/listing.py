@@ -81,7 +81,7 @@ def list_folder(request: ListRequest) -> Iterator[Listing]:
     except OSError as error:
         yield Listing(folder, trouble=f"The folder cannot be read: {error.strerror}.")
         return
-    yield Listing(folder, tuple(map(_entry, sorted(paths, key=lambda path: natural_key(path)))))
+    yield Listing(folder, tuple(map(_entry, sorted(paths))))
 
 
 def is_folder(path: Path) -> bool:
