@@ -41,8 +41,6 @@ class Browsing:
     """The folder that was left for the one above it, to be marked there."""
     listing: Listing | None = None
     """Of `folder`; None while it is read."""
-    moment: int = 0
-    """Grows when the folder is to be looked at again."""
     filter: int = 0
     """Which of the question's is in force."""
     column: Column = "name"
@@ -63,7 +61,7 @@ class Browsing:
     @property
     def request(self) -> ListRequest:
         """What is to be listed."""
-        return ListRequest(self.folder, self.moment)
+        return ListRequest(self.folder, self.choosing.kind == "save" and self.folder == self.choosing.start)
 
     @property
     def entries(self) -> tuple[Entry, ...]:

@@ -32,10 +32,11 @@ LOOKED_AT: Final = 500
 
 @dataclass(frozen=True)
 class ListRequest:
-    """A folder to look into; another `moment` looks again."""
+    """A folder to look into."""
 
     folder: Path
-    moment: int = 0
+    is_made: bool = False
+    """It is made with the file that is written into it: until then it may be missing, and is empty."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,9 @@ class Listing:
 
 def list_folder(request: ListRequest) -> Iterator[Listing]:
     """Answers a ListRequest."""
+    if request.is_made and not request.folder.exists():
+        yield Listing(request.folder)
+        return
     folder = next((one for one in (request.folder, *request.folder.parents) if is_folder(one)), None)
     if folder is None:
         raise UserError(f"the folder cannot be found: {request.folder}")

@@ -269,6 +269,13 @@ def test_a_folder_that_is_gone_gives_way_to_the_nearest_above(chooser: Chooser, 
     assert chooser.browsing.text == str(folder)
 
 
+def test_the_folder_of_a_file_to_be_written_need_not_be_there(chooser: Chooser, folder: Path) -> None:
+    chooser.ask("save", "session", folder / "new", "liver.vesselsplat")
+    assert chooser.names() == []
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "new" / "liver.vesselsplat"]
+
+
 def test_a_name_is_asked_for_and_a_file_is_replaced_only_when_that_is_said(
     chooser: Chooser, folder: Path
 ) -> None:
