@@ -27,6 +27,11 @@ class Offer:
     sees: Literal["no", "still", "time", "path"] = "no"
     """What is made of the 3D view."""
 
+    @property
+    def within(self) -> str:
+        """The label behind other words."""
+        return self.label if self.label[1].isupper() else f"{self.label[0].lower()}{self.label[1:]}"
+
 
 OFFERS: Final[dict[What, Offer]] = {
     "panes and 3D view": Offer(
@@ -67,12 +72,12 @@ OFFERS: Final[dict[What, Offer]] = {
         SIDES,
     ),
     "splats of this moment": Offer(
-        "Splats, this moment", "splats",
+        "PLY splats, this moment", "splats",
         "The reconstruction as it is now: a PLY file of Gaussian splats, for viewers and other programs.",
         "splats",
     ),
     "splats of all frames": Offer(
-        "Splats, all frames", "splat folder", "A folder with a PLY file of Gaussian splats for each frame.",
+        "PLY splats, all frames", "splat folder", "A folder with a PLY file of Gaussian splats per frame.",
         "splats",
     ),
     "cameras of the clip": Offer(

@@ -28,5 +28,5 @@ def _command(title: str, what: What) -> Command:
         return not export_actions.why_not_export(state, what)
 
     act = partial(export_actions.choose_what, what=what)
-    kind = f"export {title.lower()}: " if title != "3D model" else "export 3D model: "
-    return Command(f"{title}: {offer.label.lower()}…", act, text=f"{kind}{offer.text}", applies=applies)
+    text = f"export {title if title[1].isupper() else title.lower()}: {offer.text}"
+    return Command(f"{title}: {offer.within}…", act, text=text, applies=applies)

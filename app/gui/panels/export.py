@@ -103,9 +103,7 @@ def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
 def _draw_chosen(state: AppState) -> None:
     offer = OFFERS[state.exports.what]
     title = next(title for title, forms in GROUPS if offer.form in forms)
-    imgui.separator_text(
-        f"{title}: {offer.label[:1].lower()}{offer.label[1:]}" if title != "3D model" else offer.label
-    )
+    imgui.separator_text(f"{title}: {offer.within}")
     note(offer.text)
     imgui.spacing()
     _draw_name(state)

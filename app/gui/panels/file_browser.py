@@ -13,7 +13,7 @@ from app.gui.actions import browse_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing, Column
 from app.gui.style import theme
-from app.gui.style.widgets import button, centered, choose, em, explain, muted, within
+from app.gui.style.widgets import button, centered, choose, em, muted, within
 from app.gui.work.listing import Entry
 from renderer.clip import ByteImage
 
@@ -39,8 +39,11 @@ EMPTY = {
     "save": "No folder and no session here.",
 }
 UP_TEXT = "Backspace or Alt+Up: the folder above."
-KEYS_TEXT = "Enter opens, Backspace goes up."
-FOLDER_TEXT = "Enter goes into a folder; there, Enter once more opens it."
+HINTS = {
+    "folder": "Enter goes into a folder; there, Enter once more opens it.",
+    "file": "Enter opens, Backspace goes up, Esc cancels.",
+    "save": "Enter saves, Esc cancels.",
+}
 
 
 def draw_browser(state: AppState, texture: Texture) -> None:
@@ -232,8 +235,7 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
     if replaces:
         imgui.text_colored(theme.now().warning, f"{legible(browsing.target.name)} exists.")
     else:
-        muted(FOLDER_TEXT if browsing.choosing.kind == "folder" else KEYS_TEXT)
-        explain(KEYS_TEXT)
+        muted(HINTS[browsing.choosing.kind])
 
 
 def _take_keys(state: AppState, browsing: Browsing) -> None:
