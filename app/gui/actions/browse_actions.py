@@ -173,6 +173,16 @@ def see(browsing: Browsing, entries: list[Entry]) -> None:
     browsing.in_sight = tuple(entry.path for entry in entries if entry.may_have_thumbnail)
 
 
+def focused(browsing: Browsing) -> None:
+    """The line is typed into."""
+    browsing.focus = False
+
+
+def scrolled(browsing: Browsing) -> None:
+    """The marked entry is in sight."""
+    browsing.scroll = False
+
+
 def dated(entry: Entry) -> str:
     """When it was changed last."""
     return datetime.fromtimestamp(entry.modified).astimezone().strftime("%Y-%m-%d %H:%M")

@@ -80,7 +80,7 @@ def _draw_all(state: AppState, browsing: Browsing, texture: Texture) -> None:
         _draw_entries(state, browsing, texture)
     if saves:
         _draw_name(browsing)
-    browsing.focus = False
+    browse_actions.focused(browsing)
     _draw_choice(state, browsing)
 
 
@@ -165,7 +165,7 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
             browse_actions.opens(state, browsing)
     if marked and browsing.scroll:
         imgui.set_scroll_here_y()
-        browsing.scroll = False
+        browse_actions.scrolled(browsing)
     if in_sight:
         _draw_picture(browsing, entry, corner, partial(texture, f"file {place % MOST_ROWS}"))
     low = start.y + (height - imgui.get_text_line_height()) / 2
