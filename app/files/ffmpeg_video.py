@@ -14,6 +14,8 @@ from app.files.timing import Timing, losses
 
 QUALITY = {"libx264": ("-crf", "16", "-preset", "veryfast", "-x264-params", "mbtree=0")}
 """As `h264_video` has it."""
+PATIENCE = 10
+"""Seconds in which it ends after it has stopped reading."""
 BITS_PER_PIXEL = 0.25
 """Of encoders that are told a rate in place of a quality: much, as vessels are fine."""
 EXACT = "scale=out_color_matrix=bt709:out_range=tv:flags=bicubic+accurate_rnd+full_chroma_int+full_chroma_inp"
@@ -56,12 +58,19 @@ class FfmpegWriter:
             raise self._failed() from error
 
     def finish(self) -> None:
-        self._frames.close()
+        try:
+            self._frames.close()
+        except BrokenPipeError as error:
+            raise self._failed() from error
         if self._process.wait() != 0:
             raise self._failed()
 
     def _failed(self) -> OSError:
-        """In its last line."""
+        """In its last line, once it has ended."""
+        with suppress(BrokenPipeError):
+            self._frames.close()
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(PATIENCE)
         self._said.seek(0)
         lines = self._said.read().decode(errors="replace").strip().splitlines()
         return OSError(f"ffmpeg cannot write the video: {lines[-1] if lines else 'it ended early'}")

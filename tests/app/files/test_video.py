@@ -145,7 +145,9 @@ def test_an_ffmpeg_that_fails_is_one_line_and_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program, out = tmp_path / "ffmpeg", tmp_path / "out" / "out.mp4"
-    program.write_text("#!/bin/sh\nexec <&-\necho 'first' >&2\necho 'no space for x264' >&2\nexit 1\n")
+    program.write_text(
+        "#!/bin/sh\nexec <&-\nsleep 0.3\necho 'first' >&2\necho 'no space for x264' >&2\nexit 1\n"
+    )
     program.chmod(0o755)
     monkeypatch.setattr("app.files.video.video_encoder", lambda: VideoEncoder("ffmpeg", "libx264"))
     monkeypatch.setattr("app.files.ffmpeg_video.which", lambda name: str(program))
