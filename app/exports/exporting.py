@@ -2,21 +2,51 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
+from typing import Final, Literal
 
 from app.exports.make import make
-from app.exports.records import MeasuresTable, PanesPicture, PanesRecord, PanesVideo, SpanRecord, ViewVideo
+from app.exports.records import (
+    MeasuresTable,
+    PanesPicture,
+    PanesRecord,
+    PanesVideo,
+    SpanRecord,
+    Splats,
+    ViewVideo,
+)
 from app.exports.sources import Opened
-from app.files.atomic import filled
-from app.files.provenance import stamp, write_png
+from app.files.atomic import filled, write_bytes
+from app.files.image_files import write_image
 from app.files.records import Source
-from app.files.stepping import map_steps
+from app.files.stepping import map_steps, run_to_end
 from renderer.clip import ByteImage
 
-SUFFIXES = {"panes video": ".mp4", "view video": ".mp4", "measures": ".csv"}
+ImageSuffix = Literal[".png", ".jpg", ".tiff"]
+SUFFIXES: Final = {"panes video": ".mp4", "view video": ".mp4", "measures": ".csv", "splats": ".ply"}
 """Of all that is no picture."""
+
+
+@dataclass(frozen=True)
+class Cameras:
+    """A file that other programs read, and that is made already."""
+
+    content: bytes
+
+
+@dataclass(frozen=True)
+class SplatFolder:
+    """A folder with a model at several moments, a file each."""
+
+    files: tuple[tuple[str, Splats], ...]
+    """By name."""
+
+
+Exported = PanesPicture | PanesVideo | MeasuresTable | ViewVideo | Splats | SplatFolder | Cameras
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,18 +55,34 @@ class ExportRequest:
 
     folder: Path
     stem: str
-    record: PanesPicture | PanesVideo | MeasuresTable | ViewVideo
+    """Of the name; where that is taken, a number follows it, and what is there stays."""
+    record: Exported
     """Its clip without a digest, which takes longer than the window can wait."""
-    sources: Opened
+    sources: Opened = Opened()  # noqa: RUF009
     screen: ByteImage | None = None
     """(H, W, 3): the whole window as it was read, which nothing else makes; `record` says what was in it."""
+    image: ImageSuffix = ".png"
+    """The format of a picture."""
 
     @property
     def steps(self) -> int:
         """How often it comes up for air."""
         if isinstance(self.record, ViewVideo):
             return len(self.record.moments)
+        if isinstance(self.record, SplatFolder):
+            return len(self.record.files)
         return len(self.record.frames) if isinstance(self.record, SpanRecord) else 1
+
+    @property
+    def suffix(self) -> str:
+        """Empty for a folder."""
+        match self.record:
+            case SplatFolder():
+                return ""
+            case Cameras():
+                return ".json"
+            case record:
+                return SUFFIXES.get(record.kind, self.image)
 
 
 @dataclass(frozen=True)
@@ -50,13 +96,49 @@ class Step:
 
 def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
+    if isinstance(request.record, SplatFolder):
+        path = request.folder / free_name(request.folder, request.stem)
+        with filled(path) as staging:
+            for done, (name, record) in enumerate(request.record.files, start=1):
+                run_to_end(make(record, request.sources, staging / name))
+                yield Step(done)
+    else:
+        with filled(request.folder) as staging:
+            yield from _made(request, staging / f"{request.stem}{request.suffix}")
+            path = request.folder / _renamed(staging, request)
+    yield Step(request.steps, path)
+
+
+def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
     record, clip = request.record, request.sources.own
+    if isinstance(record, Cameras):
+        write_bytes(target, record.content)
+        return
+    assert not isinstance(record, SplatFolder)
     if isinstance(record, PanesRecord) and record.panes and clip is not None:
         record = replace(record, source=Source.of(clip.path))
-    name = f"{request.stem}-{stamp()}{SUFFIXES.get(record.kind, '.png')}"
-    with filled(request.folder) as staging:
-        if request.screen is not None:
-            write_png(staging / name, request.screen, record.signed)
-        else:
-            yield from map_steps(make(record, request.sources, staging / name), Step)
-    yield Step(request.steps, request.folder / name)
+    if request.screen is not None and isinstance(record, PanesPicture):
+        write_image(target, request.screen, record.signed, record.quality)
+    else:
+        yield from map_steps(make(record, request.sources, target), Step)
+
+
+def _renamed(staging: Path, request: ExportRequest) -> str:
+    """What was made, and lies beside it, by the name that is free now: another export may have ended
+    meanwhile."""
+    made = [item.name for item in staging.iterdir()]
+    name = f"{request.stem}{request.suffix}"
+    free = free_name(
+        request.folder, request.stem, request.suffix, beside=[item[len(name) :] for item in made]
+    )
+    for item in made if free != name else ():
+        (staging / item).rename(staging / (free + item[len(name) :]))
+    return free
+
+
+def free_name(folder: Path, stem: str, suffix: str = "", beside: list[str] | None = None) -> str:
+    """The name, or with the first number from 2 on by which nothing is there, nor `beside` with more behind
+    its suffix."""
+    tried = chain((f"{stem}{suffix}",), (f"{stem}-{number}{suffix}" for number in count(2)))
+    ends = ("", *(beside or ()))
+    return next(name for name in tried if not any(os.path.lexists(folder / (name + end)) for end in ends))

@@ -278,7 +278,7 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
         views.append(replace(one, renderer=drawer.name))
     if not panels:
         raise UserError("expected panes or a 3D view, got neither")
-    write_png(target, sheet(panels), replace(record, views=tuple(views)).signed)
+    write_image(target, sheet(panels), replace(record, views=tuple(views)).signed, record.quality)
 
 
 def _panes_video(record: PanesVideo, sources: Sources, target: Path) -> Steps:

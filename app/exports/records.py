@@ -123,6 +123,8 @@ class PanesPicture(PanesRecord):
 
     kind: Literal["panes", "window"] = "panes"
     views: tuple[ViewRecord, ...] = ()
+    quality: Annotated[int, Interval(ge=1, le=100)] | None = None
+    """Of a JPEG, which then keeps all of its colour's resolution."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -15,7 +15,8 @@ from PIL import ExifTags, Image, UnidentifiedImageError
 
 from app.errors import UserError
 from app.files.atomic import together, write_bytes
-from app.files.provenance import encode_png, write_sidecar
+from app.files.embedded import CARRIERS, carrying
+from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
@@ -26,6 +27,7 @@ from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, 
 ArrayImage = NDArray[Any]
 
 TIFF = frozenset({".tif", ".tiff"})
+JPEGS = frozenset({".jpg", ".jpeg"})
 JPEG = b"\xff\xd8"
 """How such a file begins, whatever its name."""
 UPRIGHT = 1
@@ -151,22 +153,25 @@ def _read_array(path: Path) -> ArrayImage:
         raise UserError(f"expected one numpy array, {error}") from error
 
 
-def write_image(path: Path, image: ArrayImage, facts: dict[str, Any]) -> None:
-    """Write atomically in the format of the suffix; PNG carries `facts`, other files have them beside them.
+def write_image(path: Path, image: ArrayImage, facts: dict[str, Any], quality: int | None = None) -> None:
+    """Write atomically in the format of the suffix; PNG, JPEG and TIFF carry `facts`, other files have them
+    beside them.
+
+    `quality` is that of a JPEG, 1 to 100, which then keeps all of its colour's resolution.
 
     Raises:
         UserError: a suffix that is unknown or cannot hold this type of image.
     """
-    content = _encoded(path, image, facts)
-    if path.suffix.lower() == ".png":
-        write_bytes(path, content)
+    content, suffix = _encoded(path, image, facts, quality), path.suffix.lower()
+    if suffix in CARRIERS:
+        write_bytes(path, content if suffix == ".png" else carrying(suffix, content, ascii_json(facts)))
         return
     with together(path) as place:
         write_bytes(place, content)
         write_sidecar(place, facts)
 
 
-def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any]) -> bytes:
+def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any], quality: int | None) -> bytes:
     suffix = path.suffix.lower()
     if suffix == ".npy":
         buffer = io.BytesIO()
@@ -180,7 +185,15 @@ def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any]) -> bytes:
         return encode_png(image, facts)
     order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
     stored = cv2.cvtColor(image, order[image.shape[2]]) if image.ndim == 3 else image
-    done, encoded = cv2.imencode(suffix, stored)
+    done, encoded = cv2.imencode(suffix, stored, _settings(suffix, quality))
     if not done:
         raise UserError(f"{suffix} cannot hold an image of shape {image.shape}: {path}")
     return encoded.tobytes()
+
+
+def _settings(suffix: str, quality: int | None) -> list[int]:
+    """Of the encoder; empty for its own defaults."""
+    if quality is None or suffix not in JPEGS:
+        return []
+    whole = cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444
+    return [cv2.IMWRITE_JPEG_QUALITY, quality, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, whole]

@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 
 from app.files.image_files import ArrayImage
-from app.files.timing import Timing
+from app.files.timing import Timing, losses
 
 BT709, BT601 = 1, 6
 """Codes of ITU-T H.273."""
@@ -35,10 +35,7 @@ class Mpeg4Writer:
         self._writer = cv2.VideoWriter(place, codec, timing.frames_per_second, size)
         if not self._writer.isOpened():
             raise OSError(f"no encoder for {path}")
-        lost = [] if timing.like is None else ["sound is"]
-        lost += [] if timing.frame_times is None else ["uneven frame times are"]
-        missing = "not kept: this needs PyAV, which is not installed"
-        self.notices = tuple(f"{what} {missing}" for what in lost)
+        self.notices = losses(timing)
 
     def write(self, frame: ArrayImage, seconds: float | None) -> None:
         self._writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))

@@ -1,4 +1,4 @@
-"""Where an image comes from, written into it: PNG with an iTXt chunk "vesselsplat" that holds JSON.
+"""Where a file comes from: JSON inside images and splat files, or beside what carries none.
 
 No absolute path and no user name: a source is named by its base name and its SHA-256.
 """
@@ -9,8 +9,6 @@ import hashlib
 import json
 import os
 import platform
-import struct
-import zlib
 from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
 from functools import cache
@@ -26,6 +24,7 @@ from pydantic_core import to_jsonable_python
 
 from app.errors import UserError
 from app.files.atomic import write_bytes
+from app.files.embedded import KEYWORD, carried, carrying
 from app.files.former_digests import former_files
 from renderer.json_files import parsed
 from renderer.layouts import layout_of
@@ -34,10 +33,8 @@ from renderer.readers.clip_files import files_in
 from renderer.regular_files import read_whole, require_regular
 
 NOTICE = "Research use only. Not a medical device."
-KEYWORD = "vesselsplat"
 SCHEMA = 1
 PIXEL_LIBRARIES = ("numpy", "numba", "opencv-contrib-python-headless", "pillow", "av")
-PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
@@ -62,7 +59,12 @@ def plain(value: object) -> Any:
 
 def comments(facts: object) -> tuple[str, ...]:
     """Short lines of ASCII for a PLY file, which takes no other text."""
-    return split(KEYWORD, json.dumps(parsed(strict_json(facts))))
+    return split(KEYWORD, ascii_json(facts))
+
+
+def ascii_json(facts: object) -> str:
+    """For formats that take no other text."""
+    return json.dumps(parsed(strict_json(facts)))
 
 
 def _plain(value: Any) -> Any:
@@ -169,29 +171,15 @@ def encode_png(image: Image, facts: dict[str, Any]) -> bytes:
     stored = cv2.cvtColor(image, order[image.shape[2]]) if image.ndim == 3 else image
     done, encoded = cv2.imencode(".png", stored)
     assert done
-    plain = encoded.tobytes()
-    header_end = len(PNG_SIGNATURE) + 25
-    text = KEYWORD.encode() + b"\0\0\0\0\0" + strict_json(facts).encode()
-    # sRGB rendering intent 0: perceptual.
-    return plain[:header_end] + _chunk(b"sRGB", b"\0") + _chunk(b"iTXt", text) + plain[header_end:]
-
-
-def _chunk(kind: bytes, content: bytes) -> bytes:
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+    return carrying(".png", encoded.tobytes(), strict_json(facts))
 
 
 def read_provenance(path: Path) -> dict[str, Any]:
-    """The facts inside a PNG of ours. Raises UserError when there are none."""
-    content = read_whole(path)
-    prefix = KEYWORD.encode() + b"\0\0\0\0\0"
-    position = len(PNG_SIGNATURE)
-    while content.startswith(PNG_SIGNATURE) and position + 12 <= len(content):
-        (length,) = struct.unpack_from(">I", content, position)
-        body = content[position + 8 : position + 8 + length]
-        if content[position + 4 : position + 8] == b"iTXt" and body.startswith(prefix):
-            return facts_of(body.removeprefix(prefix), path)
-        position += 12 + length
-    raise UserError(f"expected a PNG written by VesselSplat, found no provenance in {path.name}")
+    """The facts inside an image of ours. Raises UserError when there are none."""
+    text = carried(read_whole(path))
+    if text is None:
+        raise UserError(f"expected an image written by VesselSplat, found no provenance in {path.name}")
+    return facts_of(text, path)
 
 
 def facts_of(text: str | bytes, path: Path) -> dict[str, Any]:

@@ -1,10 +1,9 @@
-"""Video files as .mp4: H.264 by PyAV, as all players show; without PyAV MPEG-4 part 2 by OpenCV."""
+"""Video files as .mp4: H.264 by PyAV or FFmpeg, as all players show, or else MPEG-4 part 2 by OpenCV."""
 
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from itertools import chain, repeat
 from pathlib import Path
 from typing import Protocol
@@ -17,6 +16,7 @@ from app.files.image_files import ArrayImage
 from app.files.legible import require_utf8
 from app.files.stepping import run_to_end
 from app.files.timing import Timing
+from app.files.video_encoder import video_encoder
 
 
 @dataclass(frozen=True)
@@ -99,10 +99,15 @@ def _stored(frame: ArrayImage, path: Path) -> ArrayImage:
 
 def _writer(path: Path, place: Path, size: tuple[int, int], timing: Timing) -> Writer:
     """Raises UserError, naming `path`, when nothing on this machine can write a video."""
-    if find_spec("av") is not None:
+    encoder = video_encoder()
+    if encoder.program == "PyAV":
         from app.files.h264_video import H264Writer
 
         return H264Writer(place, size, timing)
+    if encoder.program == "ffmpeg":
+        from app.files.ffmpeg_video import FfmpegWriter
+
+        return FfmpegWriter(place, size, timing, encoder.name)
     from app.files.mpeg4_video import Mpeg4Writer
 
     try:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from dataclasses import field, fields
+from dataclasses import field, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
@@ -174,7 +174,18 @@ class Session:
     sort: Annotated[str, one_of(("", *METRICS))] = ""
     notes: Notes = ""
 
+    @property
+    def substance(self) -> Session:
+        """What a person would miss: without where one looks, steps of undo, and the folders of sources."""
+        run = None if self.run is None else replace(self.run, path=Path(self.run.path).name, sha256=None)
+        kept = {name: getattr(self, name) for name in SUBSTANCE}
+        return Session(run=run, **kept)
 
+
+SUBSTANCE: Final = (
+    "part", "edits", "params", "scope", "pixels", "enhancing", "stored", "comparison", "views", "config",
+    "input", "d_factor", "run_name", "varied", "notes",
+)  # fmt: skip
 SESSION = TypeAdapter(Session)
 
 

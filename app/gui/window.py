@@ -32,6 +32,7 @@ from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.screen import Screen
 from app.gui.frame.second_content import SecondContent
 from app.gui.frame.second_window import SecondWindow
+from app.gui.frame.title import NAME, Title
 from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
 from app.gui.panels.about import draw_about
@@ -41,6 +42,7 @@ from app.gui.panels.compare import draw_compare
 from app.gui.panels.editing import PANEL, draw_edit_tools, draw_editing, draw_question
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
+from app.gui.panels.file_browser import draw_browser
 from app.gui.panels.guide import draw_guide
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.presentation import draw_presentation
@@ -115,7 +117,7 @@ class Window:
             *(Apart(channel, hello_imgui.request_refresh) for channel in self._channels.of("apart")),
         )
         self._preparer: Preparer | None = None
-        self._dialogs = Dialogs(Path.home())
+        self._dialogs, self._title = Dialogs(), Title()
         self._screen = Screen(self._add_timeline)
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
@@ -153,7 +155,7 @@ class Window:
     def runner_params(self) -> hello_imgui.RunnerParams:
         """Everything the runner needs; the test engine takes the same."""
         params = hello_imgui.RunnerParams()
-        params.app_window_params.window_title = "VesselSplat"
+        params.app_window_params.window_title = NAME
         params.app_window_params.window_geometry.size = SIZE
         params.app_window_params.restore_previous_geometry = True
         window = params.imgui_window_params
@@ -270,6 +272,7 @@ class Window:
         self._screen.follow(self.state, params)
         presenting.forget_pointer(self.state)
         dockings.follow(self.state)
+        self._title.follow(self.state)
         dockings.spare_ground()
         idling = params.fps_idling
         moves = (
@@ -343,9 +346,8 @@ class Window:
         draw_guide(self.state, self._textures)
         draw_about(self.state, imgui.set_clipboard_text)
         overlays.draw_recovery(self.state)
-        if (choosing := actions.taken_choice(self.state)) is not None:
-            self._dialogs.ask(choosing.kind, choosing.then)
-        self._dialogs.draw()
+        self._dialogs.follow(self.state)
+        draw_browser(self.state, self._texture)
         draw_palette(self.state, self._commands)
         self._keyboard.handle(self.state, self._commands)
         ask_before_quitting(self.state)

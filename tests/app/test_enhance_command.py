@@ -23,6 +23,7 @@ from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import ClipError
 from renderer.sources import open_clip
 from tests.app.conftest import Call, tissue
+from tests.app.files.test_video import without
 
 Cli = Callable[..., Call]
 
@@ -41,7 +42,19 @@ def test_a_picture_is_what_the_library_makes_of_it(folder: Path, tmp_path: Path,
     assert summary["pictures"][0]["statistics"] == facts["statistics"]
 
 
-@pytest.mark.parametrize("suffix", [".jpg", ".tiff", ".webp", ".npy"])
+@pytest.mark.parametrize("suffix", [".jpg", ".tiff"])
+def test_jpeg_and_tiff_carry_their_provenance(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, suffix: str
+) -> None:
+    out = tmp_path / "out" / f"1{suffix}"
+    assert vesselsplat("enhance", folder / "1.png", out, "--z", "0.3").code == 0
+    assert [path.name for path in out.parent.iterdir()] == [out.name]
+    facts = read_provenance(out)
+    assert facts["source"] == {"name": "1.png", "sha256": digest(folder / "1.png")}
+    assert (facts["params"]["z"], facts["notice"]) == (0.3, NOTICE)
+
+
+@pytest.mark.parametrize("suffix", [".webp", ".npy"])
 def test_what_carries_no_provenance_has_it_beside_it(
     folder: Path, tmp_path: Path, vesselsplat: Cli, suffix: str
 ) -> None:
@@ -52,11 +65,13 @@ def test_what_carries_no_provenance_has_it_beside_it(
     assert (facts["params"]["z"], facts["notice"]) == (0.3, NOTICE)
 
 
-def test_floats_of_a_folder_have_their_provenance_beside_them(tmp_path: Path, vesselsplat: Cli) -> None:
+def test_floats_of_a_folder_carry_their_provenance(tmp_path: Path, vesselsplat: Cli) -> None:
     (tmp_path / "in").mkdir()
     np.save(tmp_path / "in" / "1.npy", tissue(1) / np.float32(255))
     assert vesselsplat("enhance", tmp_path / "in", tmp_path / "out").code == 0
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"1.tiff", "1.tiff.json"}
+    (path,) = (tmp_path / "out").iterdir()
+    assert read_provenance(path)["source"]["name"] == "1.npy"
+    assert read_image(path).dtype == np.float32
 
 
 @pytest.mark.parametrize("name", ["out.v1", "2024.05.01"])
@@ -357,7 +372,7 @@ def test_a_video_that_breaks_off_leaves_what_was_whole(
     names = tuple(str(index) for index in range(8))
     series = Series(names, (given,) * 8, read, is_video=True, timing=Timing(12.0, like=given))
     monkeypatch.setattr("app.commands.enhance.open_series", lambda path, options: series)
-    monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
+    without(monkeypatch, "PyAV", "ffmpeg")
     assert main(["enhance", str(given), str(out), "--statistics", statistics]) == 0
     captured = capfd.readouterr()
     stopped, sound = captured.err.splitlines()

@@ -20,7 +20,7 @@ import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from app.files.provenance import KEYWORD
+from app.files.embedded import KEYWORD
 from app.gui.work.presets import load_presets
 from app.gui.work.settings import load_settings
 from app.report.section import read_report

@@ -176,7 +176,7 @@ def test_splats_and_exports_say_what_they_were_made_from(
     assert facts["model"]["gaussians"] > 0
     assert facts["run"]["name"] == "original"
     (tmp_path / "made").mkdir()
-    for suffix in ("png", "jpg"):
+    for suffix in ("png", "jpg", "webp"):
         assert vesselsplat("enhance", folder / "1.png", tmp_path / f"made/out.{suffix}").code == 0
         facts = told(tmp_path / f"made/out.{suffix}")
         assert facts["what"] == {"kind": "export"}
@@ -184,7 +184,7 @@ def test_splats_and_exports_say_what_they_were_made_from(
         assert facts["source"]["name"] == "1.png"
         assert len(facts["source"]["sha256"]) == 64
         assert facts["next"][0] == f"vesselsplat replay {tmp_path / 'made'}/out.{suffix}"
-    assert told(tmp_path / "made/out.jpg.json")["what"] == {"kind": "provenance"}
+    assert told(tmp_path / "made/out.webp.json")["what"] == {"kind": "provenance"}
 
 
 def test_a_session_also_one_whose_source_is_gone(

@@ -74,7 +74,7 @@ def drive(ctx):
     actions.open_path(driver.state, phantom_path())
     wait(ctx, lambda: is_settled(driver.state), "the phantom")
     export_actions.save_picture(driver.state)
-    session_actions.save(driver.state)
+    session_actions.save_to(driver.state, driver.state.places.pictures / "a.vesselsplat")
     wait(ctx, lambda: driver.state.window.toast is not None, "the saved files")
 
 

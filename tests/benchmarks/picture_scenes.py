@@ -297,7 +297,8 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.press(chord("Ctrl+Shift+E"))
     yield "export"
     state.exports.supersampling = FACTORS[-1]
-    person.click("//Export/###video through time")
+    person.click("//Export/**/###video through time")
+    person.click("//Export/**/###start")
     person.wait(lambda: state.exports.under_way is not None and state.exports.done > 0, "a frame")
     yield "export under way"
     export_actions.cancelled(person.state)

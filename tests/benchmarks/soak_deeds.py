@@ -11,7 +11,15 @@ from pathlib import Path
 
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, edit_actions, export_actions, job_actions, second_actions, tuning_actions
+from app.gui.actions import (
+    actions,
+    edit_actions,
+    export_actions,
+    job_actions,
+    second_actions,
+    session_actions,
+    tuning_actions,
+)
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.session_file import Choice
@@ -304,9 +312,11 @@ def export(person: Person) -> None:
     person.press(K.s)
     person.press(chord("Ctrl+Shift+E"))
     for what in person.rng.sample(["left pane", "right pane", "both panes"], 2):
-        person.click(f"//Export/###{what}")
+        person.click(f"//Export/**/###{what}")
+        person.click("//Export/**/###start")
         person.wait(lambda: person.state.exports.under_way is None, "the export")
-    person.click("//Export/###video of both panes")
+    person.click("//Export/**/###video of both panes")
+    person.click("//Export/**/###start")
     exports = person.state.exports
     person.wait(lambda: exports.under_way is None or exports.done > 3, "a few frames")
     export_actions.cancelled(person.state)
@@ -347,7 +357,10 @@ def go_elsewhere(person: Person) -> None:
 def keep_session(person: Person) -> None:
     state = person.state
     state.session.notes = f"after {person.acts} acts"
-    person.press(chord("Ctrl+S"))
+    if state.session.path is None:
+        session_actions.save_to(state, state.places.pictures / "soak.vesselsplat")
+    else:
+        person.press(chord("Ctrl+S"))
     person.wait(lambda: state.session.path is not None and state.session.path.is_file(), "the session")
     assert state.session.path is not None
     person.open(state.session.path)

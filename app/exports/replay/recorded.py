@@ -1,4 +1,4 @@
-"""The provenance of an exported file: inside a PNG or PLY file, beside any other."""
+"""The provenance of an exported file: inside an image or a PLY file, beside any other."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
-from app.files.provenance import KEYWORD, facts_of, read_provenance
+from app.files.embedded import CARRIERS, KEYWORD, carried
+from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
 from renderer.regular_files import read_whole
@@ -18,9 +19,14 @@ def recorded(path: Path) -> Facts:
     """Raises UserError: no such file, or nothing that VesselSplat wrote about it."""
     if not path.is_file():
         raise UserError(f"expected a file that VesselSplat wrote, got no such file: {path}")
-    if path.suffix.lower() == ".png":
+    suffix = path.suffix.lower()
+    if suffix == ".png":
         return read_provenance(path)
-    return _in_comment(path) if path.suffix.lower() == ".ply" else _beside(path)
+    if suffix == ".ply":
+        return _in_comment(path)
+    # Before 0.2.0, JPEG and TIFF had it beside them.
+    inside = carried(read_whole(path)) if suffix in CARRIERS else None
+    return _beside(path) if inside is None else facts_of(inside, path)
 
 
 def _in_comment(path: Path) -> Facts:

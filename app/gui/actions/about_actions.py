@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from app.gui.state.app_state import AppState
-from app.gui.work.about import About, ShowFolder
+from app.gui.work.about import About
+from app.gui.work.revealing import RevealRequest
 
 
 def toggle_about(state: AppState) -> None:
@@ -20,4 +21,4 @@ def take_about(state: AppState, request: str, about: About) -> None:
 
 def open_log_folder(state: AppState) -> None:
     """By the desktop's own program."""
-    state.window.wishes += (ShowFolder(state.places.logs),)
+    state.window.wishes += (RevealRequest(state.places.logs),)

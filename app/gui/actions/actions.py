@@ -13,9 +13,10 @@ from typing import TypeVar
 from app.enhancement.methods import EnhancementSettings
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
+from app.gui.state.choosing import Choosing, Kind, Purpose
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.scene import CameraList, Second, Viewer
-from app.gui.state.window import Banner, Choosing, Kind, Toast
+from app.gui.state.window import Banner, Toast
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
 from app.gui.work.settings import Theme, settings_content
@@ -89,9 +90,27 @@ def save_settings(state: AppState) -> None:
 # ---- clip and time
 
 
-def choose_path(state: AppState, kind: Kind, take: Callable[[AppState, Path], object]) -> None:
-    """Let a person choose a folder or a file, for `take`."""
-    state.window.choosing = Choosing(kind, partial(take, state))
+def choose_path(
+    state: AppState,
+    kind: Kind,
+    take: Callable[[AppState, Path], object],
+    purpose: Purpose | None = None,
+    name: str = "",
+) -> None:
+    """Let a person choose a folder or a file for `take`, from where one was last for this purpose: to open
+    it, unless another is named. `name` is proposed for a file to be written."""
+    wanted = purpose or ("folder" if kind == "folder" else "file")
+    start = state.folder_of(wanted) or _first_folder(state, wanted)
+    state.window.choosing = Choosing(kind, partial(take, state), wanted, start, name)
+
+
+def _first_folder(state: AppState, purpose: Purpose) -> Path:
+    """Where a dialog begins that was never open."""
+    if purpose == "run":
+        return state.places.runs
+    if purpose in ("export", "results", "session"):
+        return state.places.pictures
+    return state.folder_of("file") or state.folder_of("folder") or Path.home()
 
 
 def taken_choice(state: AppState) -> Choosing | None:
@@ -139,6 +158,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         say(state, f"opened {path.name}")
         return
     state.source.opening, state.source.path, state.session.path = None, opened.path or path, None
+    state.session.is_unsaved = False
     state.source.asked = True
     if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
         state.scene.cameras = CameraList()

@@ -60,7 +60,7 @@ def choose_folder(state: AppState, path: Path) -> None:
 
 def results_folder(state: AppState) -> Path:
     """Where the folder of the next results is made."""
-    return state.batches.folder or state.places.pictures
+    return state.batches.folder or state.folder_of("results") or state.places.pictures
 
 
 def summary(state: AppState) -> str:

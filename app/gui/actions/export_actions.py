@@ -2,108 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Literal
+from pathlib import Path
 
-from app.enhancement.frame_enhancer import PictureRequest
-from app.enhancement.settable import ENHANCED
-from app.exports.exporting import ExportRequest, Step
-from app.exports.make import Views
-from app.exports.panes import pane_record
-from app.exports.records import (
-    MEASURES,
-    Arrangement,
-    FrameRecord,
-    MeasuresTable,
-    PaneRecord,
-    PanesPicture,
-    PanesRecord,
-    PanesVideo,
-    ViewVideo,
-)
+from app.exports.exporting import SUFFIXES, ExportRequest, ImageSuffix, Step
 from app.exports.sizing import Sizing
-from app.exports.sources import Opened
 from app.files.legible import located
-from app.files.records import extended
+from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions
+from app.gui.actions.export_names import default_name, why_not_name
+from app.gui.actions.export_offers import OFFERS, Offer
+from app.gui.actions.export_records import request_of, sized
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import other_request, shown_mode, why_not
-from app.gui.views.comparison import SIDES, Side, label_of
+from app.gui.state.exports import What
+from app.gui.state.panes import why_not
 from app.gui.work.background import Failure
-from app.scenes.cpu_rendering import ON_CPU
-from app.scenes.scene import Scene
-from app.scenes.view_request import FrameRequest, ViewRequest, drawn_record, moment_record, view_record
-from app.scenes.view_selection import FRAMES_PER_SECOND
+from app.gui.work.naming import NameRequest
+from app.gui.work.revealing import RevealRequest
 
-What = Literal[
-    "panes and 3D view",
-    "panes as shown",
-    "left pane",
-    "right pane",
-    "both panes",
-    "3D view",
-    "video of the panes",
-    "video of both panes",
-    "video through time",
-    "video along the path",
-    "measures of both panes",
-]
-
-Form = Literal["picture", "panes video", "view video", "measures"]
 MOST_DRAWN = 2**25
 """Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
-
-
-@dataclass(frozen=True)
-class Offer:
-    """One kind of export, in words."""
-
-    label: str
-    form: Form
-    text: str
-    sides: tuple[Side, ...] = ()
-    as_shown: bool = False
-    """The panes as the mode of comparison sets them against each other."""
-    sees: Literal["no", "still", "time", "path"] = "no"
-    """What is made of the 3D view."""
-
-
-OFFERS: dict[What, Offer] = {
-    "panes and 3D view": Offer(
-        "All as shown", "picture", "S: the panes as shown and the 3D view, on one page.",
-        SIDES, True, "still",
-    ),
-    "panes as shown": Offer(
-        "Panes as shown", "picture", "Side by side, wipe, one pane, or the difference.", SIDES, True
-    ),
-    "left pane": Offer("Left pane", "picture", "What the left side shows.", ("left",)),
-    "right pane": Offer("Right pane", "picture", "What the right side shows.", ("right",)),
-    "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", SIDES),
-    "3D view": Offer("3D view", "picture", "The 3D view as shown, with the second one.", sees="still"),
-    "video of the panes": Offer(
-        "Panes as shown", "panes video", "Every frame from In to Out, compared as on screen.", SIDES, True
-    ),
-    "video of both panes": Offer(
-        "Both panes", "panes video", "Every frame from In to Out, side by side.", SIDES
-    ),
-    "video through time": Offer(
-        "3D through time", "view video", "The 3D view as shown, and the second one, through the clip.",
-        sees="time",
-    ),
-    "video along the path": Offer(
-        "3D along the path", "view video", "The 3D view, and the second one, along the camera path.",
-        sees="path",
-    ),
-    "measures of both panes": Offer(
-        "Table of both panes", "measures", "DV/BV, contrast, noise and more, from In to Out: CSV, JSON.",
-        SIDES,
-    ),
-}  # fmt: skip
+SETTLING = 3
+"""Frames after which the menu or the panel that was clicked has gone."""
 
 
 def toggle_export(state: AppState) -> None:
     state.exports.shown = not state.exports.shown
+
+
+def choose_what(state: AppState, what: What) -> None:
+    """The next export is of this, in the panel, by its own name."""
+    if what != state.exports.what:
+        state.exports.what, state.exports.name = what, ""
+    state.exports.shown = True
 
 
 def why_not_export(state: AppState, what: What) -> str:
@@ -114,6 +44,8 @@ def why_not_export(state: AppState, what: What) -> str:
 
 
 def _lacks(state: AppState, offer: Offer) -> str:
+    if offer.form in ("splats", "splat folder", "cameras"):
+        return _lacks_model(state, offer)
     needs_view = offer.sees != "no" and not (offer.sides and state.source.clip is not None)
     if needs_view and state.plain_view_request is None:
         return "There is no 3D view yet."
@@ -148,144 +80,100 @@ def _too_large(state: AppState) -> str:
     return f"{size} at {factor}× needs {drawn / 1e6:.0f} million pixels; the limit is {MOST_DRAWN / 1e6:.0f}."
 
 
-def export_request(state: AppState, what: What) -> ExportRequest | None:
-    """The export as things stand now, which is then under way; None where `why_not_export` says why."""
+def _lacks_model(state: AppState, offer: Offer) -> str:
+    if state.scene.model is None:
+        return "There is no 3D model yet: reconstruct the clip or open a run."
+    if offer.form != "cameras" and state.scene.model.live:
+        return "The reconstruction is not finished: wait for it or continue it."
+    if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
+        return "There is no camera path yet: create one in the Cameras panel."
+    return ""
+
+
+def stem_of(state: AppState) -> str:
+    """The name in the panel, without suffix."""
+    return state.exports.name.strip() or default_name(state, state.exports.what)
+
+
+def suffix_of(state: AppState) -> str:
+    """Of what is chosen in the panel; empty for a folder."""
+    form = OFFERS[state.exports.what].form
+    if form in ("splat folder", "cameras"):
+        return ".json" if form == "cameras" else ""
+    return SUFFIXES.get(form, state.exports.image)
+
+
+def why_not_start(state: AppState) -> str:
+    """What the export that is chosen in the panel still lacks."""
+    return why_not_export(state, state.exports.what) or why_not_name(stem_of(state))
+
+
+def start(state: AppState) -> None:
+    """What is chosen in the panel, by the name there."""
+    if not why_not_start(state):
+        export_request(state, state.exports.what, stem_of(state))
+
+
+def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest | None:
+    """The export as things stand now, which is then under way; None where `why_not_export` says why, and for
+    the window, which is saved when it is as it should be seen."""
     if why_not_export(state, what):
         return None
-    request = _request(state, OFFERS[what])
+    if what == "window":
+        save_window(state)
+        return None
+    request = request_of(state, what, stem or default_name(state, what))
     state.exports.under_way, state.exports.done = request, 0
     return request
 
 
 def save_picture(state: AppState) -> None:
     """A PNG of what is shown, written in the background beside whatever is exported."""
-    offer = OFFERS["panes and 3D view"]
-    if reason := _lacks(state, offer):
+    if reason := _lacks(state, OFFERS["panes and 3D view"]):
         actions.fail(state, f"the image was not saved: {reason}")
-    else:
-        state.window.wishes += (_request(state, offer),)
+    elif (request := shown_request(state)) is not None:
+        state.window.wishes += (request,)
+
+
+def save_window(state: AppState) -> None:
+    """Ask for the window as it is once what was clicked has gone."""
+    state.exports.settling = SETTLING
 
 
 def shown_request(state: AppState) -> ExportRequest | None:
-    """What there is to see of panes and 3D view; None where there is neither."""
-    seen = state.source.clip is not None or state.plain_view_request is not None
-    return _request(state, OFFERS["panes and 3D view"]) if seen else None
+    """What there is to see of panes and 3D view, as PNG; None where there is neither."""
+    what: What = "panes and 3D view"
+    if state.source.clip is None and state.plain_view_request is None:
+        return None
+    return request_of(state, what, default_name(state, what), image=".png")
 
 
-def _request(state: AppState, offer: Offer) -> ExportRequest:
-    clip, moments = state.source.clip, _moments(state, offer)
-    views = tuple(view for views in moments for view in views)
-    panes = _panes(state, offer)
-    stem = clip.path.stem if clip is not None and panes.panes else views[0].scene.name
-    rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
-    record = _record(state, offer.form, panes, moments, rate or FRAMES_PER_SECOND)
-    opened = Opened(views, clip, state.scene.model, measured=state.picture.of_clip)
-    return ExportRequest(state.places.pictures, stem, record, opened)
+def name_wish(state: AppState) -> NameRequest | None:
+    """Whether the name in the panel is free, while it is shown."""
+    if not state.exports.shown or why_not_name(stem_of(state)):
+        return None
+    return NameRequest(state.export_folder, stem_of(state), suffix_of(state), state.exports.count)
 
 
-def _record(
-    state: AppState, form: Form, panes: PanesRecord, moments: tuple[Views, ...], rate: float
-) -> PanesPicture | PanesVideo | MeasuresTable | ViewVideo:
-    if form == "picture":
-        seen = tuple(view_record(view, ON_CPU) for views in moments for view in views)
-        return extended(PanesPicture, panes, views=seen)
-    if form == "view video":
-        return ViewVideo(
-            views=tuple(drawn_record(view, ON_CPU) for view in moments[0]),
-            moments=tuple(moment_record(views[0]) for views in moments),
-            frames_per_second=rate,
-        )
-    first, last = state.source.span
-    if form == "measures":
-        return extended(MeasuresTable, panes, first_frame=first, last_frame=last, measures=MEASURES)
-    return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
+def take_name(state: AppState, request: NameRequest, answer: str | Failure) -> None:
+    if isinstance(answer, str):
+        state.exports.named = request, answer
 
 
-def _panes(state: AppState, offer: Offer) -> PanesRecord:
-    """What the sides show, one of them where both show the same, and how they are laid out."""
-    picture, sides = state.picture_request, offer.sides
-    if picture is None or not sides:
-        return PanesRecord()
-    mode = shown_mode(state) if offer.as_shown else "side by side"
-    if mode == "flip":
-        sides, mode = ("left" if state.comparing.chosen.flipped else "right",), "side by side"
-    return PanesRecord(
-        clip_options=state.source.options,
-        frame=FrameRecord(index=picture.frame_index, label=picture.clip.labels[picture.frame_index]),
-        **vars(state.exports.sizing),
-        arrangement=Arrangement(mode, state.comparing.wiped),
-        panes=tuple(dict.fromkeys(_pane(state, side, picture) for side in sides)),
-    )
+def other_name(state: AppState) -> str:
+    """By which the next export is written since the name in the panel is taken; empty where it is free."""
+    asked, wanted = state.exports.named, name_wish(state)
+    return asked[1] if asked is not None and asked[0] == wanted and asked[1] != asked[0].name else ""
 
 
-def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
-    """What a side shows; in white light and while the original is peeked at the frame, whatever is chosen."""
-    source, original = state.comparing.chosen.source(side), replace(picture, params=None)
-    active = state.enhancement.active and not state.enhancement.peeking
-    if active and source == ENHANCED:
-        return pane_record("Enhanced", original, picture.params)
-    request = other_request(state, side) if active else None
-    # As on screen, the original also where there is nothing else to show.
-    if request is None:
-        return pane_record("Original", original)
-    frames = request.by.record.trained_on if isinstance(request.by, Scene) else ""
-    title = f"{label_of(source)}   from {frames}" if frames else label_of(source)
-    return pane_record(title, request.original, request.by)
+def encoder_wish(state: AppState) -> str | None:
+    """What writes videos, once the panel is shown."""
+    return "video encoder" if state.exports.shown else None
 
 
-def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
-    """The 3D view once, or once a frame of its video; each time with the second one, where there is one."""
-    view = state.plain_view_request
-    if view is None or offer.sees == "no":
-        return ()
-    if offer.sees == "still":
-        return (_with_second(state, view),)
-    moving = _through_time(state, view.scene) if offer.sees == "time" else _along_path(state, view.scene)
-    return tuple(_with_second(state, first) for first in moving)
-
-
-def _with_second(state: AppState, first: ViewRequest) -> Views:
-    both = (first, state.scene.beside(first))
-    return tuple(_as_chosen(state, one) for one in both if one is not None)
-
-
-def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
-    """In the size and with the averaging that are chosen."""
-    return replace(sized(view, state.exports.view_size), supersampling=state.exports.supersampling)
-
-
-def _through_time(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
-    """Every frame of the clip, from here or through its own cameras, where a difference is to its frame."""
-    clip = state.source.clip if state.has_frames else None
-    for frame in range(len(scene.cameras)):
-        if state.scene.viewer.snapped:
-            reference = FrameRequest(clip, scene.start + frame) if clip is not None else None
-            yield ViewRequest.of_frame(scene, frame).of_kind(state.scene.kind, reference)
-        else:
-            view = ViewRequest.fitted(scene, scene.time(frame), state.scene.viewer.free, state.scene.size)
-            yield view.of_kind(state.scene.kind)
-
-
-def _along_path(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
-    """As `vesselsplat export --path` goes along it."""
-    for key in state.scene.cameras.views.path.moments(FRAMES_PER_SECOND):
-        yield ViewRequest(scene, key.time, key.camera.fitted(*state.scene.size)).of_kind(state.scene.kind)
-
-
-def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
-    """With so many pixels; without a size in its own shape, no smaller than the clip's frames.
-
-    A difference keeps the frame's shape, within the size.
-    """
-    camera, clip_camera = view.camera, view.scene.cameras[0]
-    if size is None:
-        scale = max(1.0, clip_camera.width / camera.width, clip_camera.height / camera.height)
-    elif view.kind == "difference":
-        scale = min(size[0] / camera.width, size[1] / camera.height)
-    else:
-        return replace(view, camera=camera.fitted(*size))
-    width, height = max(1, round(scale * camera.width)), max(1, round(scale * camera.height))
-    return replace(view, camera=camera.resized(width, height))
+def take_encoder(state: AppState, request: object, answer: VideoEncoder | Failure) -> None:
+    if isinstance(answer, VideoEncoder):
+        state.exports.encoder = answer
 
 
 def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -> None:
@@ -297,7 +185,7 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         actions.fail(state, f"the export failed: {answer.message}")
     elif answer.path is not None:
         state.exports.under_way = None
-        actions.announce(state, f"exported {answer.path.name} in {located(answer.path.parent)}")
+        _written(state, "exported", answer.path)
     else:
         state.exports.done = answer.done
 
@@ -307,7 +195,23 @@ def take_saved(state: AppState, request: object, answer: Step | Failure) -> None
     if isinstance(answer, Failure):
         actions.fail(state, f"the image was not saved: {answer.message}")
     elif answer.path is not None:
-        actions.announce(state, f"saved {answer.path.name} in {located(answer.path.parent)}")
+        _written(state, "saved", answer.path)
+
+
+def _written(state: AppState, how: str, path: Path) -> None:
+    state.exports.last, state.exports.count = path, state.exports.count + 1
+    actions.announce(state, f"{how} {path.name} in {located(path.parent)}")
+
+
+def reveal(state: AppState) -> None:
+    """The newest exported file in the system's file manager."""
+    if state.exports.last is not None:
+        state.window.wishes += (RevealRequest(state.exports.last),)
+
+
+def take_revealed(state: AppState, request: RevealRequest, answer: Path | Failure) -> None:
+    if isinstance(answer, Failure):
+        actions.fail(state, answer.message)
 
 
 def cancelled(state: AppState) -> None:
@@ -334,3 +238,23 @@ def choose_view_size(state: AppState, size: tuple[int, int] | None) -> None:
 def choose_supersampling(state: AppState, factor: int) -> None:
     """How often finer the 3D view is drawn, one of FACTORS."""
     state.exports.supersampling = factor
+
+
+def type_name(state: AppState, name: str) -> None:
+    """Of the next export; the suffix is known without being typed."""
+    state.exports.name = name.removesuffix(suffix_of(state)) if suffix_of(state) else name
+
+
+def choose_image(state: AppState, image: ImageSuffix) -> None:
+    """The format of images."""
+    state.exports.image = image
+
+
+def choose_quality(state: AppState, quality: int) -> None:
+    """Of JPEG images."""
+    state.exports.quality = min(max(quality, 1), 100)
+
+
+def choose_degree(state: AppState, degree: int | None) -> None:
+    """Of the harmonics in splat files; None: the model's."""
+    state.exports.sh_degree = degree

@@ -205,30 +205,27 @@ def save_views(state: AppState) -> None:
     _write(state, OUR_FORMAT, views_json(state.scene.cameras.views))
 
 
-def export_clip_cameras(state: AppState) -> None:
+def clip_cameras(state: AppState) -> bytes:
     """Those of the clip as cameras.json, for other programs."""
-    model = state.scene.model
-    if model is not None:
-        named = [NamedCamera(f"frame-{index:06d}", camera) for index, camera in enumerate(model.cameras)]
-        _write_cameras(state, named)
+    cameras = state.scene.model.cameras if state.scene.model is not None else ()
+    return _cameras_json(state, [NamedCamera(f"frame-{at:06d}", one) for at, one in enumerate(cameras)])
 
 
-def export_path_cameras(state: AppState) -> None:
-    """Those along the path as cameras.json."""
+def path_cameras(state: AppState) -> bytes:
+    """Those along the path, in the same way."""
     path = state.scene.cameras.views.path
     keys = path.moments(EXPORT_RATE) if path.keyframes else ()
-    named = [NamedCamera(f"path-{index:06d}", key.camera) for index, key in enumerate(keys)]
-    _write_cameras(state, named)
+    return _cameras_json(state, [NamedCamera(f"path-{at:06d}", key.camera) for at, key in enumerate(keys)])
 
 
-def _write_cameras(state: AppState, named: Sequence[NamedCamera]) -> None:
-    _write(state, THEIR_FORMAT, splatting_json(named))
+def _cameras_json(state: AppState, named: Sequence[NamedCamera]) -> bytes:
     if notice := off_center(named):
         actions.say(state, notice)
+    return splatting_json(named)
 
 
 def _write(state: AppState, kind: str, content: bytes) -> None:
-    """A JSON file among the saved pictures, named after what is open and the time."""
+    """A JSON file among the exports, named after what is open and the time."""
     name = Path(state.scene.model.name).stem if state.scene.model is not None else "vesselsplat"
-    path = state.places.pictures / f"{name}-{kind}-{stamp()}.json"
+    path = state.export_folder / f"{name}-{kind}-{stamp()}.json"
     state.window.wishes += (WriteRequest(path, content, "the cameras were not saved", announced=True),)

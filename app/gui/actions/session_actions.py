@@ -121,7 +121,7 @@ def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
         actions.fail(state, f"unsaved edits in the session were not restored: {error}")
         return
     edit_actions.bring_back(state, edits)
-    actions.announce(state, "unsaved edits of the model were restored: Ctrl+Shift+S saves them")
+    actions.announce(state, "unsaved edits of the model were restored: Ctrl+Shift+K saves them")
 
 
 def _restore_views(state: AppState, session: Session) -> None:
@@ -140,15 +140,26 @@ def write_notes(state: AppState, text: str) -> None:
 
 
 def save(state: AppState) -> None:
-    """A session file of what is open and how it is set, written in the background: among the pictures, or
-    where it was opened or saved before."""
-    if state.source.path is None:
-        return
+    """A session file of what is open and how it is set, written in the background: again where it was opened
+    or saved before, else by a name that is asked for."""
     if state.session.path is None:
-        stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
-        state.session.path = state.places.pictures / f"{state.source.path.stem}-{stamp}{SUFFIX}"
-    path = state.session.path
-    state.window.wishes += (SessionRequest(path, snapshot(state, path.parent), in_passing=False),)
+        save_as(state)
+    elif state.source.path is not None:
+        path = state.session.path
+        state.window.wishes += (SessionRequest(path, snapshot(state, path.parent), in_passing=False),)
+
+
+def save_as(state: AppState) -> None:
+    """The same by another name, which later ones go to."""
+    if state.source.path is not None:
+        name = state.session.path.stem if state.session.path is not None else state.source.path.stem
+        actions.choose_path(state, "save", save_to, "session", f"{name}{SUFFIX}")
+
+
+def save_to(state: AppState, path: Path) -> None:
+    """From now on in this file."""
+    state.session.path = path
+    save(state)
 
 
 def autosave_request(state: AppState) -> SessionRequest | None:
@@ -158,6 +169,7 @@ def autosave_request(state: AppState) -> SessionRequest | None:
     state.session.autosaved_at = state.window.now
     path = autosave_path(state.places.config)
     session = snapshot(state, path.parent)
+    state.session.is_unsaved = state.session.path is not None and session.substance != state.session.saved
     if session == state.session.autosaved:
         return None
     state.session.autosaved = session
@@ -170,7 +182,11 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
         if request.in_passing:
             state.session.autosave_trouble = ""
         else:
+            if answer == state.session.path:
+                state.session.saved, state.session.is_unsaved = request.session.substance, False
             actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")
+            state.settings = state.settings.opened(answer)
+            actions.save_settings(state)
     elif not request.in_passing:
         actions.fail(state, f"the session was not saved: {answer.message}")
     else:
@@ -214,7 +230,7 @@ def taken_up(state: AppState, path: Path) -> None:
         with suppress(OSError):
             os.replace(path, autosave_path(state.places.config))
     else:
-        state.session.path = path
+        state.session.path, state.session.saved = path, snapshot(state, path.parent).substance
 
 
 def end(state: AppState) -> None:

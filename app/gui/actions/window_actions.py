@@ -8,11 +8,9 @@ from app.exports.exporting import ExportRequest
 from app.exports.records import PanesPicture
 from app.exports.sources import Opened
 from app.gui.actions import export_actions, presenting
+from app.gui.actions.export_names import default_name
 from app.gui.state.app_state import AppState
 from renderer.clip import ByteImage
-
-SETTLING = 3
-"""Frames after which the menu or the panel that was clicked has gone."""
 
 
 def toggle_panels(state: AppState) -> None:
@@ -27,11 +25,6 @@ def toggle_full_screen(state: AppState) -> None:
     state.window.full_screen = not state.window.full_screen
 
 
-def save_window(state: AppState) -> None:
-    """Ask for the window as it is once what was clicked has gone."""
-    state.exports.settling = SETTLING
-
-
 def is_due(state: AppState) -> bool:
     """Called once a frame when it is drawn: whether this is the frame to save."""
     if state.exports.settling == 0:
@@ -43,11 +36,15 @@ def is_due(state: AppState) -> bool:
 def window_request(state: AppState, image: ByteImage) -> ExportRequest:
     """The picture (H, W, 3) that was read, with what there was to see of panes and 3D view."""
     shown = export_actions.shown_request(state)
-    stem, record, sources = "vesselsplat", PanesPicture(), Opened()
+    record, sources = PanesPicture(), Opened()
     if shown is not None and isinstance(shown.record, PanesPicture):
-        stem, record, sources = shown.stem, shown.record, shown.sources
-    said = replace(record, kind="window")
-    return ExportRequest(state.places.pictures, f"{stem}-window", said, sources, image)
+        record, sources = shown.record, shown.sources
+    exports = state.exports
+    quality = exports.quality if exports.image == ".jpg" else None
+    chosen = exports.shown and exports.what == "window"
+    stem = export_actions.stem_of(state) if chosen else default_name(state, "window")
+    said = replace(record, kind="window", quality=quality)
+    return ExportRequest(state.export_folder, stem, said, sources, image, exports.image)
 
 
 def note_layout(state: AppState) -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import actions, camera_actions, path_actions, second_actions
+from app.gui.actions import actions, camera_actions, export_actions, path_actions, second_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.command import Command, Section, menu
 from app.gui.state.app_state import AppState
 
 BLEND_STEP = 0.1
-import_views = partial(actions.choose_path, kind="file", take=actions.open_path)
+import_views = partial(actions.choose_path, kind="file", take=actions.open_path, purpose="views")
+export_cameras = partial(export_actions.choose_what, what="cameras of the clip")
+export_path = partial(export_actions.choose_what, what="cameras of the path")
 
 
 def camera_sections(state: AppState) -> tuple[Section, ...]:
@@ -53,8 +55,8 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
         Command("Import views…", import_views, applies=_has_model),
         Command("Save views and path", path_actions.save_views,
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes or s.scene.cameras.views.named)),
-        Command("Export the clip's cameras", path_actions.export_clip_cameras, applies=_has_model),
-        Command("Export the path's cameras", path_actions.export_path_cameras,
+        Command("Export the clip's cameras…", export_cameras, applies=_has_model),
+        Command("Export the path's cameras…", export_path,
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes)),
     )  # fmt: skip
     return *menu("Camera", views, path, files), Section("Camera", second_commands(state), "Second view")
@@ -64,8 +66,8 @@ def second_commands(state: AppState) -> tuple[Command, ...]:
     """What to see beside the first 3D view."""
     choose = partial(actions.choose_path, take=second_actions.open_second)
     return (
-        Command("Run folder beside…", partial(choose, kind="folder"), applies=_has_model),
-        Command("Splat file beside…", partial(choose, kind="file"), applies=_has_model),
+        Command("Run folder beside…", partial(choose, kind="folder", purpose="run"), applies=_has_model),
+        Command("Splat file beside…", partial(choose, kind="file", purpose="splats"), applies=_has_model),
         *recent_commands.beside(state),
         Command("Close the second view", second_actions.close_second,
                 applies=lambda s: s.scene.second.shown is not None),

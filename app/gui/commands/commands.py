@@ -17,9 +17,8 @@ from app.gui.actions import (
     picture_actions,
     session_actions,
     tuning_actions,
-    window_actions,
 )
-from app.gui.commands import recent_commands
+from app.gui.commands import export_commands, recent_commands
 from app.gui.commands.camera_commands import camera_sections
 from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu
 from app.gui.commands.edit_commands import edit_sections
@@ -90,11 +89,11 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     saving = (
         Command("Save image", export_actions.save_picture, ("S",), text="save an image of what is shown",
                 applies=has_something, synonyms=("picture", "screenshot", "snapshot", "capture", "png")),
-        Command("Save the whole window", window_actions.save_window, ("F12",),
+        Command("Save the whole window", export_actions.save_window, ("F12",),
                 text="save an image of the window as it is",
                 synonyms=("screenshot", "capture", "print", "screen")),
         Command("Export…", export_actions.toggle_export, ("Ctrl+Shift+E",),
-                text="export panes, videos and measures", applies=has_something,
+                text="export images, videos, measures and 3D models", applies=has_something,
                 synonyms=("ply", "splat", "mp4", "video", "movie", "csv", "table", "png", "jpeg", "tiff",
                           "model")),
         Command("Enhance files and folders…", batch_actions.toggle_batches, ("Ctrl+Shift+B",),
@@ -103,6 +102,12 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         Command("Save session", session_actions.save, ("Ctrl+S",),
                 text="save the open files, settings, views and notes; open it like a clip",
                 applies=lambda s: s.source.path is not None, synonyms=("project", "workspace", "store")),
+        Command("Save session as…", session_actions.save_as, ("Ctrl+Shift+S",),
+                text="save the session by another name", applies=lambda s: s.source.path is not None),
+    )  # fmt: skip
+    exported = (
+        Command("Show the last export in its folder", export_actions.reveal,
+                text="in the system's file manager", applies=lambda s: s.exports.last is not None),
     )  # fmt: skip
     quitting = (
         Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",), synonyms=("exit", "close", "leave", "end")),
@@ -110,7 +115,9 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     return (
         Section("File", opening),
         Section("File", recent_commands.opening(state), "Open recent"),
-        *menu("File", remember, saving, quitting),
+        *menu("File", remember, saving),
+        Section("File", export_commands.exporting(), "Export as"),
+        *menu("File", exported, quitting),
     )
 
 

@@ -38,7 +38,7 @@ def edit_sections() -> tuple[Section, ...]:
     keep = (
         Command("Undo edit", edit_actions.undo, ("Ctrl+Z",), applies=_can_undo, repeats=True),
         Command("Redo edit", edit_actions.redo, ("Ctrl+Y",), applies=_can_redo, repeats=True),
-        Command("Save edits", edit_actions.save, ("Ctrl+Shift+S",), applies=lambda s: s.editing.is_unsaved),
+        Command("Save edits", edit_actions.save, ("Ctrl+Shift+K",), applies=lambda s: s.editing.is_unsaved),
     )
     tools = Section("Edit", tuple(map(_tool, TOOL_KEYS)), "Tool")
     return Section("Edit", mode), tools, *menu("Edit", select, change, keep)

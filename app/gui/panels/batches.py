@@ -11,7 +11,7 @@ from app.enhancement.batch import Failed
 from app.files.legible import legible
 from app.gui.actions import actions, batch_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.window import Kind
+from app.gui.state.choosing import Kind
 from app.gui.style import theme
 from app.gui.style.widgets import button, em, explain, floating, muted, note, row
 
@@ -51,7 +51,7 @@ def draw_batches(state: AppState) -> None:
 
 
 def _draw_adding(state: AppState) -> None:
-    add = partial(actions.choose_path, state, take=batch_actions.add_input)
+    add = partial(actions.choose_path, state, take=batch_actions.add_input, purpose="inputs")
     for kind, text in KINDS.items():
         button(f"{icons.ICON_FA_PLUS}  {kind.capitalize()}…###add {kind}", partial(add, kind), text, width=8)
         imgui.same_line()
@@ -79,7 +79,7 @@ def _draw_choices(state: AppState) -> None:
     row("Settings", "Set in the Enhancement panel. Masks drawn on a clip apply to that clip only.")
     imgui.text_unformatted(batch_actions.summary(state))
     row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
-    choose = partial(actions.choose_path, state, "folder", batch_actions.choose_folder)
+    choose = partial(actions.choose_path, state, "folder", batch_actions.choose_folder, "results")
     button("Choose…###target", choose, "Choose another folder for the results.")
     imgui.same_line()
     folder = batch_actions.results_folder(state)

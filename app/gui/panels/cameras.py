@@ -10,7 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
 from app.gui.actions import path_actions
-from app.gui.commands.camera_commands import import_views
+from app.gui.commands.camera_commands import export_cameras, export_path, import_views
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import button, em, explain, note
 from app.scenes.scene import Scene
@@ -54,10 +54,10 @@ def _draw_files(state: AppState) -> None:
     button("Export…###export", open_menu, "Export the poses as cameras.json for other programs.")
     with imgui_ctx.begin_popup("export") as popup:
         if popup:
-            if imgui.menu_item_simple("The clip's cameras"):
-                path_actions.export_clip_cameras(state)
-            if imgui.menu_item_simple("The path's cameras", enabled=bool(views.path.keyframes)):
-                path_actions.export_path_cameras(state)
+            if imgui.menu_item_simple("The clip's cameras…"):
+                export_cameras(state)
+            if imgui.menu_item_simple("The path's cameras…", enabled=bool(views.path.keyframes)):
+                export_path(state)
 
 
 def _draw_view(state: AppState, index: int, one: NamedCamera) -> None:

@@ -112,7 +112,7 @@ def _draw_changes(state: AppState, editing: Editing) -> None:
         (
             ("Undo", edit_actions.undo, bool(history.past), UNDO_TEXT),
             ("Redo", edit_actions.redo, bool(history.future), REDO_TEXT),
-            ("Save", edit_actions.save, editing.is_unsaved, f"Ctrl+Shift+S: save the edits {kept}."),
+            ("Save", edit_actions.save, editing.is_unsaved, f"Ctrl+Shift+K: save the edits {kept}."),
             ("Done", edit_actions.toggle, True, "Ctrl+E: leave edit mode. Edits stay, saved or not."),
         ),
     )

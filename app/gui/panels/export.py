@@ -1,18 +1,21 @@
-"""What to export, how large, how far it has come."""
+"""What to export, by what name and where, how large, how far it has come."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.exports.exporting import ImageSuffix
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
-from app.files.legible import legible
-from app.gui.actions import export_actions, window_actions
-from app.gui.actions.export_actions import OFFERS
+from app.files.legible import legible, located
+from app.gui.actions import actions, export_actions
+from app.gui.actions.export_offers import GROUPS, OFFERS, VIDEOS, Offer
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note
+from app.gui.state.exports import What
+from app.gui.style import theme
+from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, row
 from app.scenes.supersampling import FACTORS
 
 OTHER_WIDTH, OTHER_SIZE = Sizing(width=1024), (1024, 1024)
@@ -30,16 +33,27 @@ FACTOR_TEXT = (
     "Supersampling: rendered with this many times the pixels along each axis, then averaged. "
     "Smoother edges, slower."
 )
-WINDOW_TEXT = "F12: the whole window as it is on screen. It cannot be replayed."
-GROUPS = (("Images", ("picture",)), ("Videos", ("panes video", "view video")), ("Measures", ("measures",)))
+FORMATS: dict[ImageSuffix, str] = {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"}
+FORMAT_TEXT = "Each format holds how the image was made. JPEG files are smaller, and lose detail."
+QUALITY_TEXT = "Of 100: higher keeps more detail, in larger files."
+DEGREES = {None: "As the model has", 3: "3, for the original viewer"}
+DEGREE_TEXT = (
+    "Degree of the spherical harmonics, filled up with zeros: the original viewer of 3D Gaussian Splatting "
+    "reads degree 3 only."
+)
+NAME_TEXT = "Name of the file; an existing file is never replaced."
+FOLDER_TEXT = "Choose another folder; it is remembered."
+SHOW_TEXT = "Show the file in the system's file manager."
 REPLAY = "Each file records how it was made: vesselsplat replay FILE reproduces it."
+LIST = 11.5
+"""Text heights across of the list of what can be exported."""
 
 
 def draw_export(state: AppState) -> None:
     """A window of its own."""
     if not state.exports.shown:
         return
-    beside = floating(42)
+    beside = floating(46)
     # Not in a picture of the window that is about to be taken.
     alpha = 0.0 if state.exports.settling else imgui.get_style().alpha
     with (
@@ -49,27 +63,111 @@ def draw_export(state: AppState) -> None:
         export_actions.show_exports(state, bool(window.opened))
         if not window:
             return
+        height = _list_height()
+        with imgui_ctx.begin_child("what", ImVec2(em(LIST), height)):
+            _draw_list(state)
+        imgui.same_line(0, em(1))
+        with imgui_ctx.begin_child("how", ImVec2(0, height)):
+            _draw_chosen(state)
+
+
+def _list_height() -> float:
+    """As many lines as there are, or as there is room for."""
+    style = imgui.get_style()
+    lines = len(OFFERS) * (imgui.get_text_line_height() + style.item_spacing.y)
+    heads = len(GROUPS) * (
+        imgui.get_text_line_height() + 2 * style.separator_text_padding.y + style.item_spacing.y
+    )
+    return min(lines + heads + em(0.5), imgui.get_main_viewport().work_size.y - em(7))
+
+
+def _draw_list(state: AppState) -> None:
+    for title, forms in GROUPS:
+        imgui.separator_text(title)
+        for what, offer in OFFERS.items():
+            if offer.form in forms:
+                _draw_offer(state, what, offer)
+
+
+def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
+    """Quiet where something is lacking, which its tooltip and the right side say."""
+    reason = export_actions.why_not_export(state, what) if state.exports.under_way is None else ""
+    color = theme.now().muted if reason else theme.now().text
+    with imgui_ctx.push_style_color(imgui.Col_.text, color):
+        clicked, _ = imgui.selectable(f"{offer.label}###{what}", state.exports.what == what)
+    explain(reason, below=False)
+    if clicked:
+        export_actions.choose_what(state, what)
+
+
+def _draw_chosen(state: AppState) -> None:
+    offer = OFFERS[state.exports.what]
+    title = next(title for title, forms in GROUPS if offer.form in forms)
+    imgui.separator_text(f"{title}: {offer.within}")
+    note(offer.text)
+    imgui.spacing()
+    _draw_name(state)
+    _draw_folder(state)
+    if offer.form == "picture":
+        _draw_format(state)
+    if offer.sides and offer.form != "measures":
         _draw_picture_size(state)
+    if offer.sees != "no" and offer.form != "cameras" and state.scene.model is not None:
         _draw_view_size(state)
-        imgui.spacing()
-        _draw_progress(state)
-        for title, forms in GROUPS:
-            imgui.separator_text(title)
-            for what, offer in OFFERS.items():
-                if offer.form in forms:
-                    start = partial(export_actions.export_request, state, what)
-                    reason = export_actions.why_not_export(state, what)
-                    _draw_row(f"{offer.label}###{what}", offer.text, start, reason)
-            if "picture" in forms:
-                _draw_row("Window###window", WINDOW_TEXT, lambda: window_actions.save_window(state))
+    if offer.form in ("splats", "splat folder"):
+        degree = choose_row("Harmonics", state.exports.sh_degree, DEGREES, DEGREE_TEXT, 14)
+        export_actions.choose_degree(state, degree)
+    if offer.form in VIDEOS:
+        _draw_encoder(state)
+    imgui.spacing()
+    _draw_progress(state)
+    _draw_last(state)
 
 
-def _draw_row(label: str, text: str, act: Callable[[], object], reason: str = "") -> None:
-    """A button and what it does; greyed for a `reason`."""
-    button(label, act, reason=reason, width=10)
+def _draw_name(state: AppState) -> None:
+    suffix = export_actions.suffix_of(state) or "/"
+    row("Name", NAME_TEXT)
+    imgui.set_next_item_width(-imgui.calc_text_size(suffix).x - em(0.6))
+    changed, name = imgui.input_text("##name", export_actions.stem_of(state))
+    explain(NAME_TEXT)
+    if changed:
+        export_actions.type_name(state, name)
+    imgui.same_line(0, em(0.2))
+    muted(suffix)
+
+
+def _draw_folder(state: AppState) -> None:
+    row("Folder", FOLDER_TEXT)
+    button("Change…###folder", partial(choose_folder, state), FOLDER_TEXT, width=5.5)
     imgui.same_line()
     imgui.align_text_to_frame_padding()
-    note(text)
+    folder = located(state.export_folder).rstrip("/") or "Home folder"
+    muted(_fitting(legible(folder), imgui.get_content_region_avail().x))
+    explain(legible(str(state.export_folder)))
+
+
+def choose_folder(state: AppState) -> None:
+    """Where exports go from now on."""
+    actions.choose_path(state, "folder", lambda state, path: None, "export")
+
+
+def _fitting(path: str, room: float) -> str:
+    """Its end, which tells most."""
+    if imgui.calc_text_size(path).x <= room:
+        return path
+    ends = (f"…{path[at:]}" for at in range(1, len(path)))
+    return next((end for end in ends if imgui.calc_text_size(end).x <= room), "…")
+
+
+def _draw_format(state: AppState) -> None:
+    image = choose_row("Format", state.exports.image, FORMATS, FORMAT_TEXT, 8)
+    export_actions.choose_image(state, image)
+    if image == ".jpg":
+        imgui.same_line()
+        imgui.set_next_item_width(em(8))
+        _, quality = imgui.slider_int("##quality", state.exports.quality, 50, 100, "quality %d")
+        explain(QUALITY_TEXT)
+        export_actions.choose_quality(state, quality)
 
 
 def _draw_picture_size(state: AppState) -> None:
@@ -100,8 +198,8 @@ def _draw_view_size(state: AppState) -> None:
         imgui.same_line()
         height = _pixels("##view height", size[1], "Height in pixels.")
         export_actions.choose_view_size(state, (width, height))
-    imgui.same_line()
-    factor = choose("supersampling", state.exports.supersampling, SAMPLINGS, FACTOR_TEXT, 10)
+    row("", "")
+    factor = choose("supersampling", state.exports.supersampling, SAMPLINGS, FACTOR_TEXT, 11)
     export_actions.choose_supersampling(state, factor)
 
 
@@ -113,15 +211,54 @@ def _pixels(label: str, value: int, text: str) -> int:
     return min(max(typed, LEAST_WIDTH), MOST_WIDTH)
 
 
+def _draw_encoder(state: AppState) -> None:
+    """Before a video is made: who can play it, and what helps."""
+    encoder = state.exports.encoder
+    if encoder is None:
+        note("Looking for a video encoder…")
+        return
+    row("Video", "What encodes the video on this computer.")
+    if encoder.plays_in_browsers:
+        note(encoder.said)
+    else:
+        note(f"{icons.ICON_FA_EXCLAMATION_TRIANGLE}  {encoder.said} {encoder.way_out}", theme.now().warning)
+
+
 def _draw_progress(state: AppState) -> None:
     under_way = state.exports.under_way
     if under_way is None:
-        note(f"Saved to {legible(str(state.places.pictures))}")
-        note(REPLAY)
+        reason, color = export_actions.why_not_start(state), theme.now().lit
+        button(
+            "Export###start",
+            partial(export_actions.start, state),
+            REPLAY,
+            reason=reason,
+            color=color,
+            width=10,
+        )
+        if said := reason or _other_name(state):
+            imgui.same_line()
+            imgui.align_text_to_frame_padding()
+            note(said)
         return
     total, done = max(under_way.steps, 1), state.exports.done
-    imgui.progress_bar(done / total, ImVec2(-em(7), 0), f"{done} of {total}")
+    button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=10)
     imgui.same_line()
-    button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=6)
-    # As high as the two lines in its place, so that no button moves away from the pointer.
-    imgui.dummy(ImVec2(0, 2 * imgui.get_text_line_height() - imgui.get_frame_height()))
+    imgui.progress_bar(done / total, ImVec2(-0.1, 0), f"{done} of {total}")
+
+
+def _other_name(state: AppState) -> str:
+    """Beside the button, which stays where it is."""
+    other = export_actions.other_name(state)
+    label = "Name taken: saves"
+    room = imgui.get_content_region_avail().x - em(11) - imgui.calc_text_size(f"{label}  ").x
+    return f"{label} {_fitting(legible(other), room)}" if other else ""
+
+
+def _draw_last(state: AppState) -> None:
+    """What was written, and the way to it."""
+    if state.exports.last is None or state.exports.under_way is not None:
+        return
+    imgui.spacing()
+    note(f"Saved {legible(state.exports.last.name)}")
+    button("Show in folder###reveal", partial(export_actions.reveal, state), SHOW_TEXT, width=10)

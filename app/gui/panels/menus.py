@@ -85,6 +85,8 @@ def _facts(state: AppState) -> list[str]:
     if state.source.clip is not None:
         width, height = state.source.clip.size
         facts.append(f"{legible(state.source.clip.name)}  {width}×{height}")
+    if state.session.is_unsaved and state.session.path is not None:
+        facts.append(f"unsaved changes in {legible(state.session.path.name)}")
     if state.picture.pictures is not None and state.picture.pictures.enhanced is not None:
         facts.append(f"enhanced in {_while(state.picture.pictures.milliseconds)}")
     if state.scene.model is not None and not state.scene.processor_draws:

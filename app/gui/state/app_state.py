@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from app.enhancement.clip_statistics import OfClip
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import preset_of
 from app.files.legible import legible
+from app.gui.state.choosing import Purpose
 from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
 from app.gui.state.exports import Batches, Exports
@@ -182,6 +184,16 @@ class AppState:
             or self.exports.is_busy
             or self.batches.under_way is not None
         )
+
+    @property
+    def export_folder(self) -> Path:
+        """Where images, videos and other exports go."""
+        return self.folder_of("export") or self.places.pictures
+
+    def folder_of(self, purpose: Purpose) -> Path | None:
+        """Where a person was last for this purpose of a dialog."""
+        known = self.settings.folders.get(purpose)
+        return self.window.folders.get(purpose) or (Path(known) if known else None)
 
     @property
     def view_request(self) -> ViewRequest | None:

@@ -5,10 +5,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
-from app.exports.exporting import ExportRequest
+from app.exports.exporting import ExportRequest, ImageSuffix
 from app.exports.sizing import Sizing
+from app.files.video_encoder import VideoEncoder
 from app.gui.work.batching import BatchRequest, Progressed
+from app.gui.work.naming import NameRequest
+
+What = Literal[
+    "panes and 3D view",
+    "panes as shown",
+    "left pane",
+    "right pane",
+    "both panes",
+    "3D view",
+    "window",
+    "video of the panes",
+    "video of both panes",
+    "video through time",
+    "video along the path",
+    "measures of both panes",
+    "splats of this moment",
+    "splats of all frames",
+    "cameras of the clip",
+    "cameras of the path",
+]
 
 
 @dataclass
@@ -17,6 +39,14 @@ class Exports:
 
     shown: bool = False
     """Its panel."""
+    what: What = "panes and 3D view"
+    name: str = ""
+    """As a person has typed it, without suffix; empty: what it is of says it."""
+    image: ImageSuffix = ".png"
+    quality: int = 95
+    """Of JPEG images, 1 to 100."""
+    sh_degree: int | None = None
+    """To which colours by direction are filled up in splat files; None: as the model has them."""
     sizing: Sizing = field(default_factory=Sizing)
     """Of the panes."""
     view_size: tuple[int, int] | None = None
@@ -28,6 +58,14 @@ class Exports:
     under_way: ExportRequest | None = None
     done: int = 0
     """Steps of it."""
+    count: int = 0
+    """Files that were written."""
+    last: Path | None = None
+    """The newest of them, or a folder."""
+    named: tuple[NameRequest, str] | None = None
+    """The newest question for a free name, and the answer."""
+    encoder: VideoEncoder | None = None
+    """What writes videos here, once that is known."""
 
     @property
     def is_busy(self) -> bool:

@@ -15,6 +15,10 @@ class KeptSession:
     notes: str = ""
     path: Path | None = None
     """Where the session was opened from or saved to."""
+    saved: Session | None = None
+    """The substance of it, as it is in that file."""
+    is_unsaved: bool = False
+    """Something has changed since, in a session that has a file."""
     recoverable: Path | None = None
     """A session that ended unexpectedly, until it is restored or declined."""
     recoverable_since: str = ""

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from app.exports.exporting import ExportRequest
-from app.gui.work.about import ShowFolder
+from app.gui.state.browsing import Browsing
+from app.gui.state.choosing import Choosing
 from app.gui.work.presets import KeepPresets
+from app.gui.work.revealing import RevealRequest
 from app.gui.work.writing import SessionRequest, WriteRequest
 from app.kernels.progress import Preparation
 
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
-Kind = Literal["folder", "file"]
-Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest | ShowFolder
+Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest | RevealRequest
 
 
 @dataclass
@@ -64,14 +65,6 @@ class Toast:
     """On the window's clock, seconds."""
 
 
-@dataclass(frozen=True, eq=False)
-class Choosing:
-    """A folder or a file that a person is to choose, and what is done with it."""
-
-    kind: Kind
-    then: Callable[[Path], object]
-
-
 @dataclass
 class WindowFrame:
     """Actions change it; drawing reads it."""
@@ -91,6 +84,10 @@ class WindowFrame:
     closing: Closing = "no"
     choosing: Choosing | None = None
     """Until the next frame asks for it."""
+    browsing: Browsing | None = None
+    """The file dialog inside the window."""
+    folders: Mapping[str, Path] = field(default_factory=dict)
+    """Where a person was for each purpose of a dialog, in this session."""
     preparation: Preparation | None = None
     """The one-time preparation that is under way."""
     wishes: tuple[Wish, ...] = ()

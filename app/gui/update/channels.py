@@ -16,6 +16,7 @@ from app.gui.actions import (
     about_actions,
     actions,
     batch_actions,
+    browse_actions,
     camera_actions,
     edit_actions,
     export_actions,
@@ -35,16 +36,19 @@ from app.gui.update import taking, wishes
 from app.gui.update.patience import Patience
 from app.gui.update.taking import told
 from app.gui.views.comparison import SIDES
-from app.gui.work.about import ShowFolder, read_about, show_folder
+from app.gui.work.about import read_about
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
 from app.gui.work.kept_layout import seal_anew
+from app.gui.work.listing import list_folder, thumbnail_of
 from app.gui.work.measuring import Measurer
+from app.gui.work.naming import encoder_of, name_of
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
 from app.gui.work.recents import find_recents
+from app.gui.work.revealing import RevealRequest, reveal
 from app.gui.work.runs import RunFinder, left_of, run_model
 from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
@@ -130,7 +134,11 @@ class Channels:
         self.kept, self.layouts = Channel(keep), Channel(seal_anew)
         self.recents = Channel(find_recents)
         self.welcome, self.guide = Channel(read_welcome), Channel(read_guide)
-        self.about, self.folders = Channel(read_about), Channel(show_folder)
+        self.about = Channel(read_about)
+        self.kept = Channel(keep)
+        self.listing, self.small_files = NewestChannel(list_folder), NewestChannel(thumbnail_of)
+        self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
+        self.reveals = Channel(reveal, depth=4)
         self.tidying, self.clearing = Channel(tidy), Channel(clear_places)
 
     @cached_property
@@ -186,13 +194,18 @@ class Channels:
                 lambda s: assets.guide_path() if s.guide.shown else None, SECOND, forgets=False),
             Row(self.about, told("the versions cannot be listed", about_actions.take_about),
                 lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False),
-            Row(self.folders, told("the folder cannot be shown", taking.take_nothing), server="apart"),
             Row(self.tidying, taking.take_nothing, wishes.to_tidy, SECOND, forgets=False),
             Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
             Row(self.saving, export_actions.take_saved),
             Row(self.sessions, session_actions.take_written),
             Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
             Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
+            Row(self.listing, browse_actions.take_listing, browse_actions.list_wish, "apart"),
+            Row(self.small_files, browse_actions.take_thumbnail, browse_actions.thumbnail_wish, "apart"),
+            Row(self.names, export_actions.take_name, export_actions.name_wish, "apart"),
+            Row(self.encoders, export_actions.take_encoder, export_actions.encoder_wish, "apart",
+                forgets=False),
+            Row(self.reveals, export_actions.take_revealed, server="apart"),
             Row(self.files, taking.take_written, server=SECOND),
             Row(self.presets, preset_actions.take_kept, server=SECOND),
         )  # fmt: skip
@@ -210,7 +223,7 @@ class Channels:
             KeepPresets: self.presets,
             SessionRequest: self.sessions,
             ExportRequest: self.saving,
-            ShowFolder: self.folders,
+            RevealRequest: self.reveals,
         }
         for wish in wishes:
             channels[type(wish)].ask(wish)

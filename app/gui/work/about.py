@@ -1,20 +1,13 @@
-"""What the program and its packages are, for licences and bug reports; folders for the desktop to show."""
+"""What the program and its packages are, for licences and bug reports."""
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import Distribution, PackageNotFoundError, distribution, metadata
-from pathlib import Path
 from typing import Final
 
-from app.errors import UserError
-from app.files.atomic import make_folder
 from app.runs.system_info import basics
 
 NAME: Final = "vesselsplat"
@@ -85,23 +78,3 @@ def licence_of(package: Distribution) -> str:
     if words and "\n" not in words and len(words) <= LONGEST:
         return words
     return ", ".join(classified) or "see its own files"
-
-
-@dataclass(frozen=True, eq=False)
-class ShowFolder:
-    """To be shown by the desktop's own program."""
-
-    path: Path
-
-
-def show_folder(request: ShowFolder) -> Iterator[Path]:
-    """Made where it is not there yet. Raises OSError or UserError."""
-    make_folder(request.path)
-    if sys.platform == "win32":
-        os.startfile(request.path)
-    else:
-        opener = shutil.which("open" if sys.platform == "darwin" else "xdg-open")
-        if opener is None:
-            raise UserError(f"expected a desktop with xdg-open; the folder is {request.path}")
-        subprocess.Popen([opener, request.path], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    yield request.path

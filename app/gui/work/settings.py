@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,12 +14,13 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, Ty
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
 from app.enhancement.methods import VESSEL, Preset
-from app.enhancement.settable import Mode, PathText, Pixels, Scope, at_most
+from app.enhancement.settable import Mode, Name, PathText, Pixels, Scope, at_most
 from app.files.mended import mended_file
 from app.files.provenance import strict_json
 from app.runs.clip_selection import WHOLE, ClipPart
 
 RECENT_LIMIT = 8
+MOST_FOLDERS = 32
 Theme = Literal["dark", "light"]
 TEXT_PERCENTS = (80, 90, 100, 110, 125, 150, 175, 200)
 """Sizes of all text, of what the theme says."""
@@ -95,6 +96,8 @@ class Settings:
     second_place: tuple[int, int, int, int] | None = None
     """Of the second window: left, top, width and height."""
     second_full_screen: bool = False
+    folders: Annotated[dict[Name, PathText], at_most(MOST_FOLDERS)] = field(default_factory=dict)
+    """Where a person was last, by purpose of the dialog."""
 
     def opened(self, path: Path) -> Settings:
         """With `path` in front of the recent ones, when they are remembered at all."""
@@ -103,14 +106,22 @@ class Settings:
         others = tuple(item for item in self.recent if item != str(path))
         return replace(self, recent=(str(path), *others)[:RECENT_LIMIT])
 
+    def visited(self, purpose: str, folder: Path) -> Settings:
+        """With the folder as the one for this purpose, when paths are remembered at all."""
+        if not self.remember_recent:
+            return self
+        return replace(self, folders={**self.folders, purpose: str(folder)})
+
     def resized(self, steps: int) -> Settings:
         """With larger or smaller text, that many of TEXT_PERCENTS on, as far as they go."""
         place = TEXT_PERCENTS.index(self.text_percent) + steps
         return replace(self, text_percent=TEXT_PERCENTS[min(max(place, 0), len(TEXT_PERCENTS) - 1)])
 
     def remembering(self, remember: bool) -> Settings:
-        """Switching the list off also forgets it."""
-        return replace(self, remember_recent=remember, recent=self.recent if remember else ())
+        """Switching the list off also forgets it, and the folders."""
+        if remember:
+            return replace(self, remember_recent=True)
+        return replace(self, remember_recent=False, recent=(), folders={})
 
 
 SETTINGS = TypeAdapter(Settings)

@@ -17,7 +17,7 @@ from app.enhancement.settable import Scope
 from app.exports.replay import replay
 from app.exports.replay.difference import difference
 from app.files.image_files import read_image
-from app.files.provenance import read_provenance, write_png
+from app.files.provenance import read_provenance, write_png, write_sidecar
 from app.gui.work.opening import OpenRequest, open_path
 from app.scenes.free_camera import FreeView
 from app.scenes.view_request import ViewRequest
@@ -60,14 +60,29 @@ def test_enhanced_pictures_come_again(
 
 
 @pytest.mark.parametrize("suffix", [".tiff", ".jpg", ".npy"])
-def test_other_formats_come_again_by_the_file_beside_them(
-    folder: Path, tmp_path: Path, vesselsplat: Cli, suffix: str
-) -> None:
+def test_other_formats_come_again(folder: Path, tmp_path: Path, vesselsplat: Cli, suffix: str) -> None:
     out, again = folder / f"out{suffix}", tmp_path / f"again{suffix}"
     assert vesselsplat("enhance", folder / "1.png", out).code == 0
     assert vesselsplat("replay", out, "--out", again).code == 0
     assert np.array_equal(read_image(again), read_image(out))
     assert vesselsplat("replay", again, "--source", folder).code == 0
+
+
+@pytest.mark.parametrize("suffix", [".tiff", ".jpg"])
+def test_files_of_before_come_again_by_the_file_beside_them(
+    folder: Path, vesselsplat: Cli, suffix: str
+) -> None:
+    """JPEG and TIFF did not carry their provenance themselves."""
+    out = folder / f"out{suffix}"
+    assert vesselsplat("enhance", folder / "1.png", out).code == 0
+    write_sidecar(out, read_provenance(out))
+    out.write_bytes(cv2.imencode(suffix, cv2.imread(str(out)), [cv2.IMWRITE_JPEG_QUALITY, 100])[1].tobytes())
+    call = vesselsplat("replay", out, "--json")
+    assert json.loads(call.out)["replayed"]["kind"] == "enhanced picture"
+    assert call.code == (0 if suffix == ".tiff" else 2)  # A JPEG that was encoded twice has changed.
+    out.with_name(f"{out.name}.json").unlink()
+    call = vesselsplat("replay", out)
+    assert f"{out.name}.json" in call.error
 
 
 def test_an_enhanced_video_comes_again(folder: Path, vesselsplat: Cli) -> None:

@@ -20,6 +20,7 @@ from app.files.image_series import open_series
 from app.files.mpeg4_video import tag_colors
 from app.files.timing import Timing
 from app.files.video import write_video
+from app.files.video_encoder import VideoEncoder, video_encoder
 from renderer.sources import open_clip
 from tests.app.conftest import Call
 from tests.renderer.readers.numbered import INTERLACED, encoded, turned, woven
@@ -28,10 +29,22 @@ RED = (200, 60, 50)
 Cli = Callable[..., Call]
 
 
-@pytest.fixture(params=["PyAV", "OpenCV alone"])
+def without(monkeypatch: pytest.MonkeyPatch, *programs: str) -> None:
+    """As on a machine that has none of them."""
+    if "PyAV" in programs:
+        monkeypatch.setattr("app.files.video_encoder.find_spec", lambda name: None)
+    if "ffmpeg" in programs:
+        monkeypatch.setattr("app.files.video_encoder.which", lambda name: None)
+
+
+@pytest.fixture(params=["PyAV", "ffmpeg", "OpenCV"])
 def encoder(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
-    if request.param == "OpenCV alone":
-        monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
+    if request.param != "PyAV":
+        without(monkeypatch, "PyAV")
+    if request.param == "OpenCV":
+        without(monkeypatch, "ffmpeg")
+    if video_encoder().program != request.param:
+        pytest.skip(f"{request.param} is not on this machine")
     return str(request.param)
 
 
@@ -100,8 +113,51 @@ def test_what_no_video_holds_is_refused_and_nothing_written(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_encoder_is_told_before_anything_is_written(
+    tmp_path: Path, encoder: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = video_encoder()
+    written = write_video(tmp_path / "out.mp4", iter(frames(3)), Timing(25.0))
+    assert written.encoding.startswith(told.said.split(",")[0])
+    with av.open(str(tmp_path / "out.mp4")) as container:
+        assert container.streams.video[0].codec_context.name == ("mpeg4" if encoder == "OpenCV" else "h264")
+    assert bool(told.way_out) == (encoder == "OpenCV")
+
+
+def test_an_ffmpeg_without_h264_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    without(monkeypatch, "PyAV")
+    program = tmp_path / "ffmpeg"
+    for body, name in (
+        ("echo ' V..... libopenh264 x'", "libopenh264"),
+        ("echo ' V..... mpeg4 x'", "mp4v"),
+        ("exit 1", "mp4v"),
+    ):
+        program.write_text(f"#!/bin/sh\n{body}\n")
+        program.chmod(0o755)
+        monkeypatch.setattr("app.files.video_encoder.which", lambda name: str(program))
+        assert video_encoder().name == name
+    monkeypatch.setattr("app.files.video_encoder._pyav_has", lambda name: False)
+    monkeypatch.setattr("app.files.video_encoder.find_spec", lambda name: object())
+    assert video_encoder() == VideoEncoder("OpenCV", "mp4v")
+
+
+def test_an_ffmpeg_that_fails_is_one_line_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program, out = tmp_path / "ffmpeg", tmp_path / "out" / "out.mp4"
+    program.write_text(
+        "#!/bin/sh\nexec <&-\nsleep 0.3\necho 'first' >&2\necho 'no space for x264' >&2\nexit 1\n"
+    )
+    program.chmod(0o755)
+    monkeypatch.setattr("app.files.video.video_encoder", lambda: VideoEncoder("ffmpeg", "libx264"))
+    monkeypatch.setattr("app.files.ffmpeg_video.which", lambda name: str(program))
+    with pytest.raises(OSError, match="no space for x264"):
+        write_video(out, iter(frames(40, 480, 640)), Timing(25.0))
+    assert list(out.parent.iterdir()) == []
+
+
 def test_the_tag_says_what_opencv_wrote(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
+    without(monkeypatch, "PyAV", "ffmpeg")
     path = tmp_path / "out.mp4"
     assert "BT.601" in write_video(path, iter(frames(3)), Timing(25.0)).encoding
     content = path.read_bytes()
@@ -204,7 +260,7 @@ def test_sound_is_kept(tmp_path: Path, name: str) -> None:
 
 def test_sound_that_is_lost_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     series = open_series(encoded(tmp_path / "in.mp4", frames(3), sound="aac"))
-    monkeypatch.setattr("app.files.video.find_spec", lambda name: None)
+    without(monkeypatch, "PyAV", "ffmpeg")
     written = write_video(tmp_path / "out.mp4", (series.read(index) for index in range(3)), series.timing)
     assert written.notices[0].startswith("sound is not kept")
 
@@ -269,6 +325,7 @@ import cv2
 import numpy as np
 from app.files.timing import Timing
 from app.files.video import write_video
+from app.files.video_encoder import VideoEncoder, video_encoder
 rough = np.random.default_rng(0).integers(0, 255, (37, 82, 3), np.uint8)
 picture = cv2.resize(rough, (648, 290), interpolation=cv2.INTER_CUBIC)
 write_video(Path(sys.argv[1]), (np.roll(picture, 3 * shift, 1) for shift in range(24)), Timing(15.0))

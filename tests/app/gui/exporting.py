@@ -10,8 +10,8 @@ import cv2
 
 from app.exports.replay import replay
 from app.gui.actions import actions, export_actions
-from app.gui.actions.export_actions import What
 from app.gui.state.app_state import AppState
+from app.gui.state.exports import What
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings

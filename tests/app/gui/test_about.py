@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 from imgui_bundle import imgui
 
-from app.errors import UserError
 from app.files.provenance import version
+from app.gui.actions.about_actions import open_log_folder
 from app.gui.panels.about import COPY, LOGS, draw_about
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
-from app.gui.work import about
-from app.gui.work.about import About, ShowFolder, licence_of, read_about, show_folder
+from app.gui.work.about import About, licence_of, read_about
+from app.gui.work.revealing import RevealRequest
 from app.gui.work.settings import Places, Settings
 from tests.app.gui.test_window import Driver, wait
 from tests.app.gui.ui import Ui
@@ -69,23 +69,11 @@ def test_of_a_package_that_is_there_the_licence_is_known() -> None:
     assert "BSD" in licence_of(distribution("numpy"))
 
 
-def test_the_folder_of_the_log_is_made_and_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    started: list[list[object]] = []
-    monkeypatch.setattr(about.sys, "platform", "linux")
-    monkeypatch.setattr(about.shutil, "which", lambda name: f"/usr/bin/{name}")
-    monkeypatch.setattr(about.subprocess, "Popen", lambda words, **streams: started.append(words))
-    assert list(show_folder(ShowFolder(tmp_path / "log"))) == [tmp_path / "log"]
-    assert started == [["/usr/bin/xdg-open", tmp_path / "log"]]
-    assert (tmp_path / "log").is_dir()
-
-
-def test_where_no_desktop_can_show_it_its_place_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(about.sys, "platform", "linux")
-    monkeypatch.setattr(about.shutil, "which", lambda name: None)
-    with pytest.raises(UserError, match=str(tmp_path)):
-        list(show_folder(ShowFolder(tmp_path)))
+def test_the_folder_of_the_log_is_shown_by_the_desktop(state: AppState) -> None:
+    open_log_folder(state)
+    (wish,) = state.window.wishes
+    assert isinstance(wish, RevealRequest)
+    assert wish.path == state.places.logs
 
 
 def test_it_is_drawn_and_copied_and_left(ui: Ui, state: AppState, facts: About) -> None:

@@ -15,9 +15,9 @@ from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, batch_actions, queue_actions
 from app.gui.commands.keys import chord
-from app.gui.frame.dialogs import TITLES
 from app.gui.panels.batches import draw_batches
 from app.gui.state.app_state import AppState
+from app.gui.state.choosing import QUESTIONS
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.background import Worker
@@ -191,11 +191,11 @@ def test_from_the_key_to_the_files(places: Places, case: Path, monkeypatch: pyte
         ctx.key_press(chord("Ctrl+Shift+B"))
         ctx.yield_(2)
         ctx.item_click("//Enhance files and folders/###add folder")
-        wait(ctx, lambda: driver.window._dialogs.browser is not None, "the dialog")
+        wait(ctx, lambda: state.window.browsing is not None, "the dialog")
         ctx.yield_(3)
         ctx.key_chars_replace(str(case))
         ctx.yield_(2)
-        ctx.item_click(f"//{TITLES['folder']}/Open")
+        ctx.item_click(f"//{QUESTIONS['inputs'].title}/###choose")
         wait(ctx, lambda: state.batches.inputs == (case,), "the chosen folder")
         batch_actions.add_input(state, case / "scope.avi")
         ctx.yield_(2)

@@ -1,15 +1,34 @@
+"""The file dialog: the desktop's where there is one, else the window's, by keyboard and by mouse."""
+
 from __future__ import annotations
 
 import os
 import shutil
 import sys
+import time
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.frame.dialogs import Dialogs, has_desktop_dialogs, kind_of, listing
+from app.errors import UserError
+from app.gui.actions import actions, browse_actions
+from app.gui.frame import dialogs
+from app.gui.frame.dialogs import Dialogs, has_desktop_dialogs
+from app.gui.panels.file_browser import draw_browser
+from app.gui.state.app_state import AppState
+from app.gui.state.browsing import Browsing
+from app.gui.state.choosing import QUESTIONS, Kind, Purpose
+from app.gui.update.channels import Channels
+from app.gui.work.listing import SIDE, Listing, ListRequest, list_folder, thumbnail_of
+from app.gui.work.settings import Places, Settings, load_settings
+from renderer.clip import ByteImage
+from tests.app.gui.settling import keep_all
 from tests.app.gui.ui import Ui
+
+K = imgui.Key
 
 
 @pytest.fixture(autouse=True)
@@ -21,93 +40,275 @@ def no_desktop(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
+    inside = tmp_path / "case"
     for name in ("b clip", "A clip", ".hidden"):
-        (tmp_path / name).mkdir()
-    for name in ("2.png", "1.png", ".DS_Store"):
-        (tmp_path / name).write_text("")
-    return tmp_path
+        (inside / name).mkdir(parents=True)
+    for name in ("10.png", "2.png", "notes.txt", ".DS_Store", "scope.mp4"):
+        (inside / name).write_text("")
+    return inside
 
 
-def test_folders_come_first_and_hidden_things_never(folder: Path) -> None:
-    assert [entry.name for entry in listing(folder, "file")] == ["A clip", "b clip", "1.png", "2.png"]
-    assert [entry.name for entry in listing(folder, "folder")] == ["A clip", "b clip"]
+class Chooser:
+    """The dialog of a window, with its background work done between frames."""
+
+    def __init__(self, ui: Ui, state: AppState) -> None:
+        self.ui, self.state = ui, state
+        self.channels, self.dialogs = Channels(), Dialogs()
+        self.chosen: list[Path] = []
+        self.shown: dict[str, ByteImage] = {}
+
+    def ask(self, kind: Kind, purpose: Purpose, folder: Path, name: str = "") -> None:
+        self.state.window.folders = {purpose: folder}
+        actions.choose_path(self.state, kind, lambda state, path: self.chosen.append(path), purpose, name)
+        self.frames(4)
+
+    @property
+    def browsing(self) -> Browsing:
+        assert self.state.window.browsing is not None
+        return self.state.window.browsing
+
+    def draw(self) -> None:
+        imgui.button("below")
+        self.dialogs.follow(self.state)
+        draw_browser(self.state, self.texture)
+
+    def texture(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
+        self.shown[slot] = image
+        return imgui.ImTextureRef(1)
+
+    def frames(self, count: int = 3) -> None:
+        for _ in range(count):
+            for row in self.channels.rows:
+                if row.channel in (self.channels.listing, self.channels.small_files):
+                    row.ask(self.state)
+                    row.channel.run_waiting()
+                    row.answer(self.state)
+            self.ui.frame(self.draw)
+
+    def press(self, *keys: imgui.Key) -> None:
+        for down in (True, False):
+            for key in keys:
+                self.ui.io.add_key_event(key, down)
+            self.frames(1)
+        self.frames(3)
+
+    def type(self, text: str) -> None:
+        self.ui.io.add_input_characters_utf8(text)
+        self.frames(2)
+
+    def names(self) -> list[str]:
+        return [entry.name for entry in self.browsing.entries]
 
 
-def test_a_folder_that_cannot_be_listed_is_empty(tmp_path: Path) -> None:
-    assert listing(tmp_path / "nothing", "file") == []
+@pytest.fixture
+def chooser(ui: Ui, places: Places) -> Chooser:
+    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
+    return Chooser(ui, AppState(places, Settings(acknowledged=True)))
+
+
+def listed(folder: Path) -> Listing:
+    (found,) = list_folder(ListRequest(folder))
+    return found
 
 
 def test_on_linux_a_missing_dialog_program_is_not_taken_for_a_cancel(
-    monkeypatch: pytest.MonkeyPatch, folder: Path
+    monkeypatch: pytest.MonkeyPatch, chooser: Chooser, folder: Path
 ) -> None:
     assert not has_desktop_dialogs()
-    dialogs = Dialogs(folder)
-    dialogs.ask("folder", lambda path: None)
-    assert dialogs.browser is not None
-    assert dialogs.browser.folder == folder
+    chooser.ask("folder", "folder", folder)
+    assert chooser.browsing.folder == folder
     monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}" if name == "kdialog" else None)
     assert has_desktop_dialogs()
 
 
-@pytest.fixture
-def plain(folder: Path) -> Dialogs:
-    """The dialog inside the window, open in `folder`."""
-    dialogs = Dialogs(folder)
-    dialogs.ask("file", lambda path: None)
-    return dialogs
+def test_folders_come_first_in_natural_order_and_hidden_things_never(chooser: Chooser, folder: Path) -> None:
+    chooser.ask("file", "file", folder)
+    assert chooser.names() == ["A clip", "b clip", "2.png", "10.png", "notes.txt", "scope.mp4"]
+    browse_actions.choose_filter(chooser.browsing, 2)
+    assert QUESTIONS["file"].filters[2].label == "Videos"
+    assert chooser.names() == ["A clip", "b clip", "scope.mp4"]
+    browse_actions.cancel(chooser.state)
+    chooser.ask("folder", "folder", folder)
+    assert chooser.names() == ["A clip", "b clip"]
 
 
-def test_enter_opens_what_is_typed_but_not_what_the_dialog_begins_with(folder: Path, ui: Ui) -> None:
-    chosen: list[Path] = []
-    dialogs = Dialogs(folder)
-    dialogs.ask("folder", chosen.append)
-    ui.press(dialogs.draw, imgui.Key.enter)
-    assert chosen == []
-    dialogs.browser = None
-    dialogs.ask("file", chosen.append)
-    ui.frame(dialogs.draw)
-    ui.frame(dialogs.draw)
-    ui.io.add_input_characters_utf8("1.png")
-    ui.frame(dialogs.draw)
-    assert chosen == []
-    ui.press(dialogs.draw, imgui.Key.enter)
-    assert chosen == [folder / "1.png"]
-    assert dialogs.browser is None
+def test_the_list_is_sorted_by_date_and_size(chooser: Chooser, folder: Path) -> None:
+    (folder / "10.png").write_bytes(b"12345")
+    for age, name in enumerate(("2.png", "scope.mp4", "10.png", "notes.txt")):
+        os.utime(folder / name, (time.time() - 1000 * age,) * 2)
+    chooser.ask("file", "file", folder)
+    browse_actions.sort(chooser.browsing, "date", descending=True)
+    assert chooser.names()[2:] == ["2.png", "scope.mp4", "10.png", "notes.txt"]
+    browse_actions.sort(chooser.browsing, "size", descending=True)
+    assert chooser.names()[:3] == ["b clip", "A clip", "10.png"]
 
 
-def test_after_enter_no_control_below_is_in_focus(folder: Path, ui: Ui) -> None:
-    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
-    dialogs = Dialogs(folder)
+def test_enter_opens_what_is_typed_but_not_what_the_dialog_begins_with(
+    chooser: Chooser, folder: Path
+) -> None:
+    state = chooser.state
+    state.window.folders = {"folder": folder}
+    chooser.ui.io.add_key_event(K.enter, True)
+    actions.choose_path(state, "folder", lambda state, path: chooser.chosen.append(path))
+    chooser.frames(1)
+    chooser.ui.io.add_key_event(K.enter, False)
+    chooser.frames(3)
+    assert chooser.chosen == []
+    browse_actions.cancel(state)
+    chooser.frames(2)
+    chooser.ask("file", "file", folder)
+    chooser.type("2.png")
+    assert chooser.chosen == []
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "2.png"]
+    assert state.window.browsing is None
 
-    def draw() -> None:
-        imgui.button("below")
-        dialogs.draw()
 
-    ui.frame(draw)
-    dialogs.ask("file", lambda path: None)
-    ui.frame(draw)
-    ui.frame(draw)
-    ui.io.add_input_characters_utf8("1.png")
-    ui.frame(draw)
-    ui.press(draw, imgui.Key.enter)
-    for _ in range(3):
-        ui.frame(draw)
-    assert dialogs.browser is None
-    assert not ui.io.nav_visible
+def test_arrows_mark_and_enter_goes_in_or_opens(chooser: Chooser, folder: Path) -> None:
+    (folder / "b clip" / "x.png").write_text("")
+    chooser.ask("file", "file", folder)
+    chooser.press(K.down_arrow)
+    chooser.press(K.down_arrow)
+    assert chooser.browsing.marked == folder / "b clip"
+    chooser.press(K.enter)
+    assert chooser.browsing.folder == folder / "b clip"
+    assert chooser.browsing.marked is None
+    chooser.press(K.enter)  # The folder itself is no file.
+    assert chooser.chosen == []
+    chooser.press(K.up_arrow)
+    assert chooser.browsing.marked == folder / "b clip" / "x.png"
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "b clip" / "x.png"]
+
+
+def test_backspace_and_alt_up_go_to_the_folder_above_and_mark_where_one_was(
+    chooser: Chooser, folder: Path
+) -> None:
+    chooser.ask("file", "file", folder / "b clip")
+    chooser.press(K.backspace)
+    assert (chooser.browsing.folder, chooser.browsing.marked) == (folder, folder / "b clip")
+    chooser.press(K.left_alt, K.mod_alt, K.up_arrow)
+    assert (chooser.browsing.folder, chooser.browsing.marked) == (folder.parent, folder)
+    # In what is typed it deletes a letter.
+    chooser.type("case/2.pngx")
+    chooser.press(K.backspace)
+    assert chooser.browsing.folder == folder.parent
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "2.png"]
+
+
+def test_a_folder_is_gone_into_and_then_chosen(chooser: Chooser, folder: Path) -> None:
+    chooser.ask("folder", "folder", folder)
+    chooser.type("A clip")
+    chooser.press(K.enter)
+    assert (chooser.browsing.folder, chooser.chosen) == (folder / "A clip", [])
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "A clip"]
+
+
+def test_a_click_marks_and_a_double_click_opens(chooser: Chooser, folder: Path) -> None:
+    chooser.ask("file", "file", folder)
+    io, place = chooser.ui.io, 2
+    table = next(
+        window
+        for window in imgui.get_current_context().windows
+        if "files" in window.name and window.active and window.parent_window is not None
+    )
+    row = 2.6 * imgui.get_style().font_size_base
+    y = table.inner_rect.min.y + 1.4 * imgui.get_style().font_size_base + (place + 0.7) * row
+    io.add_mouse_pos_event(table.pos.x + 120, y)
+    chooser.frames(2)
+
+    def click() -> None:
+        for down in (True, False):
+            io.add_mouse_button_event(0, down)
+            chooser.frames(1)
+
+    click()
+    assert chooser.browsing.marked == folder / "2.png"
+    click()
+    assert chooser.chosen == [folder / "2.png"]
+
+
+def test_escape_cancels_and_no_control_below_is_in_focus(chooser: Chooser, folder: Path) -> None:
+    chooser.ask("file", "file", folder)
+    chooser.press(K.down_arrow)
+    chooser.press(K.escape)
+    assert (chooser.state.window.browsing, chooser.chosen) == (None, [])
+    chooser.ask("file", "file", folder)
+    chooser.type("2.png")
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "2.png"]
+    assert not chooser.ui.io.nav_visible
+
+
+def test_each_purpose_begins_where_it_was_also_after_a_restart(
+    chooser: Chooser, folder: Path, places: Places
+) -> None:
+    chooser.ask("file", "file", folder)
+    chooser.type("2.png")
+    chooser.press(K.enter)
+    chooser.ask("folder", "export", folder.parent)
+    chooser.type("case/A clip")
+    chooser.press(K.enter)
+    chooser.press(K.enter)
+    assert chooser.chosen[1] == folder / "A clip"
+    assert chooser.state.export_folder == folder / "A clip"
+    keep_all(chooser.state)
+    again = AppState(places, load_settings(places.settings_file))
+    assert (again.folder_of("file"), again.export_folder) == (folder, folder / "A clip")
+    actions.choose_path(again, "file", lambda state, path: None)
+    assert again.window.choosing is not None
+    assert again.window.choosing.start == folder
+    assert again.folder_of("run") is None
+
+
+def test_a_folder_that_is_gone_gives_way_to_the_nearest_above(chooser: Chooser, folder: Path) -> None:
+    chooser.ask("file", "file", folder / "gone" / "deeper")
+    assert chooser.browsing.folder == folder
+    assert chooser.browsing.text == str(folder)
+
+
+def test_the_folder_of_a_file_to_be_written_need_not_be_there(chooser: Chooser, folder: Path) -> None:
+    chooser.ask("save", "session", folder / "new", "liver.vesselsplat")
+    assert chooser.names() == []
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "new" / "liver.vesselsplat"]
+
+
+def test_a_name_is_asked_for_and_a_file_is_replaced_only_when_that_is_said(
+    chooser: Chooser, folder: Path
+) -> None:
+    (folder / "old.vesselsplat").write_text("")
+    chooser.ask("save", "session", folder, "liver.vesselsplat")
+    assert chooser.names() == ["A clip", "b clip", "old.vesselsplat"]
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "liver.vesselsplat"]
+    chooser.ask("save", "session", folder, "liver.vesselsplat")
+    chooser.type("old")
+    assert chooser.browsing.target == folder / "old.vesselsplat"
+    chooser.press(K.enter)
+    assert len(chooser.chosen) == 1
+    chooser.press(K.tab)  # To the button, which says Replace.
+    chooser.press(K.space)
+    assert chooser.chosen[1] == folder / "old.vesselsplat"
+    chooser.ask("save", "session", folder, "a/b")
+    assert "/" in browse_actions.why_not(chooser.browsing)
+    browse_actions.type_name(chooser.browsing, " ")
+    assert "name" in browse_actions.why_not(chooser.browsing)
 
 
 @pytest.mark.parametrize("text", ["~nobody-of-this-name", "x" * 300, "/" + "y" * 5000, "", "a\0b"])
-def test_nothing_that_can_be_typed_breaks_the_dialog(plain: Dialogs, folder: Path, text: str) -> None:
-    assert plain.browser is not None
-    plain.browser.type(text)
-    assert kind_of(plain.browser.path) in (None, "folder")
-    assert plain.browser.folder == folder
-    plain.browser.type("A clip")
-    assert plain.browser.folder == folder / "A clip"
-    assert plain.browser.path == folder / "A clip"
+def test_nothing_that_can_be_typed_breaks_the_dialog(chooser: Chooser, folder: Path, text: str) -> None:
+    chooser.ask("file", "file", folder)
+    browse_actions.type_path(chooser.browsing, text)
+    browse_actions.opens(chooser.state, chooser.browsing)
+    chooser.frames(2)
+    assert chooser.chosen == []
+    assert chooser.browsing.folder == folder
 
 
-def test_entries_that_may_not_be_looked_at_are_listed_and_cannot_be_chosen(
+def test_entries_that_may_not_be_looked_at_cannot_be_chosen(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     look = Path.stat
@@ -118,18 +319,120 @@ def test_entries_that_may_not_be_looked_at_are_listed_and_cannot_be_chosen(
         return look(path, **how)
 
     monkeypatch.setattr(Path, "stat", stat)
-    entries = {entry.name: entry.kind for entry in listing(folder, "file")}
-    assert entries == {"b clip": "folder", "1.png": "file", "2.png": "file", "A clip": None}
-    assert "A clip" not in [entry.name for entry in listing(folder, "folder")]
+    kinds = {entry.name: entry.kind for entry in listed(folder).entries}
+    assert (kinds["A clip"], kinds["b clip"], kinds["2.png"]) == (None, "folder", "file")
+
+
+def test_a_folder_that_cannot_be_read_says_so(
+    chooser: Chooser, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: object) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr("app.gui.work.listing.os.scandir", refused)
+    chooser.ask("file", "file", folder)
+    assert chooser.browsing.listing is not None
+    assert "Permission denied" in chooser.browsing.listing.trouble
+    assert chooser.names() == []
+    monkeypatch.setattr("app.gui.work.listing.is_folder", lambda path: False)
+    with pytest.raises(UserError, match="nowhere"):
+        list(list_folder(ListRequest(Path("nowhere"))))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are Unicode")
-def test_a_name_that_is_not_utf_8_is_shown_and_still_opens_its_file(folder: Path, plain: Dialogs) -> None:
+def test_a_name_that_is_not_utf_8_is_shown_and_still_opens_its_file(chooser: Chooser, folder: Path) -> None:
     path = Path(os.fsdecode(os.fsencode(folder) + b"/caf\xe9.png"))
     path.write_text("")
-    entry = listing(folder, "file")[-1]
-    assert (entry.name, entry.path) == ("caf?.png", path)
-    assert plain.browser is not None
-    plain.browser.mark(entry.path)
-    assert plain.browser.text.encode().endswith(b"caf?.png")
-    assert kind_of(plain.browser.path) == "file"
+    chooser.ask("file", "file", folder)
+    entry = next(one for one in chooser.browsing.entries if one.path == path)
+    assert entry.name == "caf?.png"
+    browse_actions.mark(chooser.browsing, entry)
+    chooser.frames(2)
+    assert chooser.browsing.text.endswith("caf?.png")
+    chooser.press(K.enter)
+    assert chooser.chosen == [path]
+
+
+def test_images_videos_and_clips_have_thumbnails_and_damaged_files_an_icon(
+    chooser: Chooser, folder: Path
+) -> None:
+    red = np.full((60, 320, 3), (0, 0, 200), np.uint8)
+    cv2.imwrite(str(folder / "2.png"), red)
+    cv2.imwrite(str(folder / "A clip" / "mask.png"), np.zeros_like(red))
+    (folder / "A clip" / "img_left").mkdir()
+    cv2.imwrite(str(folder / "A clip" / "img_left" / "0.jpg"), red)
+    cv2.imwrite(str(folder / "deep.png"), np.full((40, 80), 60000, np.uint16))
+    writer = cv2.VideoWriter(str(folder / "scope.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
+    for frame in range(20):
+        writer.write(np.full((48, 64, 3), (0, 0, 200 if frame else 0), np.uint8))
+    writer.release()
+    chooser.ask("file", "file", folder)
+    chooser.frames(10)
+    found = {path.name: image for path, image in chooser.browsing.thumbnails.items()}
+    assert found["10.png"] is None  # It is empty.
+    assert found["b clip"] is None
+    for name in ("2.png", "A clip", "scope.mp4"):
+        image = found[name]
+        assert image is not None
+        assert max(image.shape) <= SIDE
+        assert np.abs(image.reshape(-1, 3).mean(axis=0) - (200, 0, 0)).max() < 12, name
+    assert found["deep.png"] is not None
+    assert found["deep.png"].min() > 200
+    assert "notes.txt" not in found
+    assert any(image is found["2.png"] for image in chooser.shown.values())
+
+
+def test_a_video_has_a_thumbnail_without_pyav(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.gui.work.listing.find_spec", lambda name: None)
+    writer = cv2.VideoWriter(str(folder / "scope.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
+    for _ in range(5):
+        writer.write(np.full((48, 64, 3), (0, 0, 200), np.uint8))
+    writer.release()
+    (image,) = thumbnail_of(folder / "scope.mp4")
+    assert image is not None
+    assert np.abs(image.reshape(-1, 3).mean(axis=0) - (200, 0, 0)).max() < 12
+
+
+class FakeDesktop:
+    """A dialog of the desktop that has been answered."""
+
+    asked: list[tuple[object, ...]]
+
+    def __init__(self, answer: str | list[str]) -> None:
+        self.answer, self.asked = answer, []
+
+    def __call__(self, *given: object) -> FakeDesktop:
+        self.asked.append(given)
+        return self
+
+    def ready(self, timeout: int) -> bool:
+        return True
+
+    def result(self) -> str | list[str]:
+        return self.answer
+
+
+def test_the_desktop_s_dialog_is_asked_with_folder_and_kinds_and_remembered(
+    chooser: Chooser, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dialogs, "has_desktop_dialogs", lambda: True)
+    opens, saves, nothing = (
+        FakeDesktop([str(folder / "2.png")]),
+        FakeDesktop(str(folder / "mine")),
+        FakeDesktop(""),
+    )
+    monkeypatch.setattr(dialogs.desktop, "open_file", opens)
+    monkeypatch.setattr(dialogs.desktop, "save_file", saves)
+    monkeypatch.setattr(dialogs.desktop, "select_folder", nothing)
+    chooser.ask("file", "file", folder.parent)
+    ((title, start, filters),) = opens.asked
+    assert (title, start) == ("Open a file", str(folder.parent))
+    assert filters[:2] == [
+        "Everything that opens",
+        " ".join(f"*{s}" for s in QUESTIONS["file"].filters[0].suffixes),
+    ]
+    assert chooser.state.folder_of("file") == folder
+    chooser.ask("save", "session", folder, "liver.vesselsplat")
+    assert saves.asked[0][1] == str(folder / "liver.vesselsplat")
+    chooser.ask("folder", "folder", folder)
+    assert chooser.chosen == [folder / "2.png", folder / "mine.vesselsplat"]

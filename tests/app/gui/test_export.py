@@ -14,7 +14,7 @@ from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
 from app.files.provenance import digest, read_provenance
 from app.gui.actions import actions, export_actions, job_actions
-from app.gui.actions.export_actions import sized
+from app.gui.actions.export_records import sized
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
 from app.scenes.records import RunSource

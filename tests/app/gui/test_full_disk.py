@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
+from app.gui.actions.export_offers import OFFERS
 from app.gui.session_file import autosave_path, mended_session
 from app.gui.update.jobs import start_due
 from app.gui.work.presets import load_presets, presets_file
@@ -87,7 +88,7 @@ def test_under_the_pictures(disk: Disk, places: Places, clip_path: Path) -> None
     disk.fill()
     app.save()
     assert app.trouble().startswith(f"the image was not saved: {NO_SPACE}: clip-")
-    for what in export_actions.OFFERS:
+    for what in OFFERS:
         request = export_actions.export_request(app.state, what)
         if request is None:
             continue

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -15,20 +14,21 @@ from imgui_bundle import imgui
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.exports.page import Panel, sheet
 from app.files.legible import legible
-from app.gui.actions import actions
+from app.gui.actions import actions, browse_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
-from app.gui.frame.dialogs import Dialogs
 from app.gui.panels import menus, overlays
+from app.gui.panels.file_browser import draw_browser
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
+from app.gui.work.listing import ListRequest, list_folder
 from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import Settings
 from renderer.clip import Clip
 from tests.app.gui.conftest import outside
-from tests.app.gui.ui import Shown, Ui, compare
+from tests.app.gui.ui import Shown, Ui, compare, no_thumbnail
 
 NAME = os.fsdecode(b"caf\xe9.png")
 
@@ -71,17 +71,19 @@ def test_what_is_said_is_legible(ui: Ui, state: AppState) -> None:
     assert list(state.window.log) == ["cannot read caf?.png", "saved caf?.png"]
 
 
-def test_the_file_dialog_lists_such_names(ui: Ui, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shutil, "which", lambda name: None)
+def test_the_file_dialog_lists_such_names(ui: Ui, state: AppState, tmp_path: Path) -> None:
     folder = tmp_path / NAME
     folder.mkdir()
     (folder / NAME).write_text("")
-    dialogs = Dialogs(folder)
-    dialogs.ask("file", lambda path: None)
+    actions.choose_path(state, "file", lambda state, path: None)
+    assert state.window.choosing is not None
+    browse_actions.begin(state, replace(state.window.choosing, start=folder))
+    assert state.window.browsing is not None
+    browse_actions.take_listing(state, state.window.browsing.request, *list_folder(ListRequest(folder)))
     for _ in range(3):
-        ui.frame(dialogs.draw)
-    assert dialogs.browser is not None
-    assert dialogs.browser.folder == folder
+        ui.frame(lambda: draw_browser(state, no_thumbnail))
+    assert state.window.browsing.folder == folder
+    assert [entry.path.name for entry in state.window.browsing.entries] == [NAME]
 
 
 def test_a_saved_picture_s_captions_too() -> None:

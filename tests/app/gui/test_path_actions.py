@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, job_actions, path_actions
+from app.exports.exporting import export
+from app.gui.actions import actions, camera_actions, export_actions, job_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
@@ -181,10 +182,15 @@ def test_cameras_of_other_programs_are_named_views(seen: AppState, tmp_path: Pat
 
 def test_the_clip_s_and_the_path_s_cameras_are_exported(seen: AppState) -> None:
     with_path(seen)
-    path_actions.export_clip_cameras(seen)
-    path_actions.export_path_cameras(seen)
-    keep_all(seen)
-    files = sorted(seen.places.pictures.glob("*-cameras-*.json"), key=lambda file: len(file.read_bytes()))
+    files = []
+    for what in ("cameras of the clip", "cameras of the path"):
+        request = export_actions.export_request(seen, what)
+        assert request is not None
+        *_, last = export(request)
+        export_actions.take_step(seen, request, last)
+        assert last.path is not None
+        files.append(last.path)
+    assert [file.suffix for file in files] == [".json", ".json"]
     clip, path = (read_cameras(file) for file in files)
     assert seen.source.clip is not None
     assert [one.camera.camera_from_world.tolist() for one in clip] == [
@@ -236,7 +242,7 @@ def test_the_views_of_a_scene_go_with_it(seen: AppState, tmp_path: Path) -> None
 def test_without_a_reconstruction_there_is_nothing_to_keep(state: AppState) -> None:
     for act in (path_actions.save_view, path_actions.add_keyframe, path_actions.toggle_path):
         act(state)
-    path_actions.export_clip_cameras(state)
+    assert export_actions.export_request(state, "cameras of the clip") is None
     keep_all(state)
     assert json.loads(views_json(state.scene.cameras.views))["views"] == []
     assert not state.places.pictures.exists()

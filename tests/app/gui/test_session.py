@@ -108,7 +108,7 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
 
 def test_all_of_it_comes_back(worked: tuple[AppState, Channels], places: Places) -> None:
     state, channels = worked
-    session_actions.save(state)
+    session_actions.save_to(state, places.pictures / "liver.vesselsplat")
     *_, request = state.window.wishes
     assert isinstance(request, SessionRequest)
     turn(state, channels)
@@ -143,8 +143,7 @@ def test_sources_move_with_the_session(worked: tuple[AppState, Channels], tmp_pa
     assert state.source.path is not None
     folder = tmp_path / "elsewhere"
     folder.mkdir()
-    state.session.path = folder / "a.vesselsplat"
-    session_actions.save(state)
+    session_actions.save_to(state, folder / "a.vesselsplat")
     *_, request = state.window.wishes
     assert isinstance(request, SessionRequest)
     list(writing.write(request))

@@ -33,6 +33,7 @@ texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
         st.sampled_from(["automatic", "image", "clip"]),
         st.sampled_from(PIXELS),
         st.sampled_from(MODES),
+        st.dictionaries(st.sampled_from(["file", "export"]), st.text(max_size=20)),
     )
 )
 def test_what_is_saved_is_loaded(settings: Settings) -> None:
@@ -59,6 +60,15 @@ def test_recent_is_newest_first_without_doubles_and_bounded() -> None:
     assert len(settings.recent) == RECENT_LIMIT
     assert len(set(settings.recent)) == RECENT_LIMIT
     assert Path(settings.recent[0]).name == "5"
+
+
+def test_folders_of_dialogs_are_forgotten_with_recent_files() -> None:
+    settings = Settings().visited("export", Path("/out")).visited("file", Path("/in"))
+    assert settings.folders == {"export": "/out", "file": "/in"}
+    off = settings.remembering(False)
+    assert off.folders == {}
+    assert off.visited("export", Path("/out")).folders == {}
+    assert off.remembering(True).visited("file", Path("/in")).folders == {"file": "/in"}
 
 
 def test_switching_recent_off_forgets_and_stays_empty() -> None:

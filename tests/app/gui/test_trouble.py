@@ -96,7 +96,7 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
         patch.setattr("app.files.atomic.os.fsync", full)
         app.save()
         assert app.trouble().startswith("the image was not saved: No space left on device: clip-")
-        session_actions.save(app.state)
+        session_actions.save_to(app.state, app.state.places.pictures / "a.vesselsplat")
         assert len(app.state.window.wishes) == 1
         app.state.session.notes = "full"
         app.turn()

@@ -14,7 +14,7 @@ from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_sidecar
 from app.files.stepping import run_to_end
 from app.gui.actions import camera_actions, export_actions, second_actions
-from app.gui.actions.export_actions import What
+from app.gui.state.exports import What
 from app.scenes.drawer import Drawer, draw_view
 from app.scenes.free_camera import FreeView
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest

@@ -37,7 +37,10 @@ def person_at(ctx: Context, window: Window) -> Person:
 
 
 @pytest.mark.display
-def test_a_case_from_first_start_to_the_session_taken_up_again(places: Places) -> None:
+def test_a_case_from_first_start_to_the_session_taken_up_again(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.gui.frame.dialogs.has_desktop_dialogs", lambda: False)
     for folder in vars(places).values():
         Path(folder).mkdir(parents=True, exist_ok=True)
     window = Window(AppState(places, Settings()))
@@ -59,6 +62,9 @@ def test_a_case_from_first_start_to_the_session_taken_up_again(places: Places) -
             deleted = edit(person)
             export(person)
             person.press(chord("Ctrl+S"))
+            person.wait(lambda: state.window.browsing is not None, "the dialog")
+            ctx.yield_(3)
+            person.press(K.enter)
             person.wait(
                 lambda: state.session.path is not None and state.session.path.is_file(), "the session"
             )
@@ -133,6 +139,7 @@ def export(person: Person) -> None:
     exports = person.state.exports
     person.press(chord("Ctrl+Shift+E"))
     for what in ("both panes", "video of both panes"):
-        person.click(f"//Export/###{what}")
+        person.click(f"//Export/**/###{what}")
+        person.click("//Export/**/###start")
         person.wait(lambda: exports.under_way is None and not person.state.is_busy, what)
     person.press(chord("Ctrl+Shift+E"))

@@ -13,7 +13,7 @@ from imgui_bundle import hello_imgui, imgui
 from app.exports.exporting import export
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
-from app.gui.actions import actions, window_actions
+from app.gui.actions import actions, export_actions, window_actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import Places, Settings
@@ -24,7 +24,7 @@ from tests.app.gui.test_window import Driver, is_settled, wait
 
 def test_the_frame_is_taken_once_what_was_clicked_has_gone(state: AppState) -> None:
     assert not window_actions.is_due(state)
-    window_actions.save_window(state)
+    export_actions.save_window(state)
     assert state.is_busy
     due = [window_actions.is_due(state) for _ in range(6)]
     assert due.count(True) == 1
@@ -53,7 +53,7 @@ def test_nothing_open_is_a_window_too(places: Places) -> None:
     request = window_actions.window_request(AppState(places), np.zeros((2, 2, 3), np.uint8))
     (step,) = export(request)
     assert step.path is not None
-    assert step.path.name.startswith("vesselsplat-window-")
+    assert step.path.name.startswith("vesselsplat-window")
 
 
 @pytest.mark.display
@@ -63,7 +63,9 @@ def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> N
     actions.open_path(state, phantom_path())
 
     def shots() -> list[Path]:
-        return sorted(places.pictures.glob("phantom-window-*.png"))
+        return sorted(
+            places.pictures.glob("phantom-frame-1-window*.png"), key=lambda path: path.stat().st_mtime_ns
+        )
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -71,7 +73,8 @@ def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> N
         wait(ctx, lambda: state.picture.measured is not None, "the measures")
         ctx.key_press(chord("Ctrl+Shift+E"))
         ctx.yield_(2)
-        ctx.item_click("//Export/###window")
+        ctx.item_click("//Export/**/###window")
+        ctx.item_click("//Export/**/###start")
         wait(ctx, lambda: len(shots()) == 1, "the first picture")
         ctx.yield_(3)
         ctx.item_click("//Export/#CLOSE")

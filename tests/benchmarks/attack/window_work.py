@@ -23,8 +23,8 @@ from app.gui.actions import (
     preset_actions,
     session_actions,
 )
-from app.gui.actions.export_actions import What
 from app.gui.state.app_state import AppState
+from app.gui.state.exports import What
 from app.gui.window import Window
 from enhance import EnhanceParams
 from renderer.train.config import TrainConfig
@@ -48,7 +48,7 @@ def save(state: AppState, frame: int) -> None:
     actions.remember_recent(state, not state.settings.remember_recent)
     preset_actions.keep(state, f"mine {frame % 5}")
     session_actions.write_notes(state, f"{frame}\n" * (frame % 300))
-    session_actions.save(state)
+    session_actions.save_to(state, state.places.pictures / "a.vesselsplat")
 
 
 def export_picture(state: AppState, frame: int) -> None:

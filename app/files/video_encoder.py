@@ -1,0 +1,78 @@
+"""What writes videos on this machine, and who can play them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from shutil import which
+from typing import Final, Literal
+
+H264: Final = ("libx264", "libopenh264", "h264_videotoolbox", "h264_mf")
+"""Encoders of FFmpeg that need no graphics card, the best one first."""
+SECONDS: Final = 20
+"""That FFmpeg may take to say what it can do."""
+
+
+@dataclass(frozen=True)
+class VideoEncoder:
+    """A program and the encoder in it."""
+
+    program: Literal["PyAV", "ffmpeg", "OpenCV"]
+    name: str
+    """As the program calls it."""
+
+    @property
+    def plays_in_browsers(self) -> bool:
+        return self.program != "OpenCV"
+
+    @property
+    def said(self) -> str:
+        """In a line, before a video is made."""
+        if self.program == "PyAV":
+            return "H.264, encoded by PyAV: plays everywhere, also in browsers."
+        if self.program == "ffmpeg":
+            return (
+                f"H.264, encoded by this system's ffmpeg ({self.name}): plays everywhere, also in browsers."
+            )
+        return "MPEG-4 part 2, encoded by OpenCV: media players show it, browsers do not."
+
+    @property
+    def way_out(self) -> str:
+        """What makes it H.264; empty where it is."""
+        if self.plays_in_browsers:
+            return ""
+        pip = "" if getattr(sys, "frozen", False) else ", or PyAV (pip install av)"
+        return f"For H.264, install ffmpeg{pip}, then start VesselSplat again."
+
+
+def video_encoder() -> VideoEncoder:
+    """The best there is; asking FFmpeg takes a moment."""
+    if find_spec("av") is not None and _pyav_has("libx264"):
+        return VideoEncoder("PyAV", "libx264")
+    known = _ffmpeg_encoders()
+    found = next((name for name in H264 if name in known), None)
+    return VideoEncoder("OpenCV", "mp4v") if found is None else VideoEncoder("ffmpeg", found)
+
+
+def _pyav_has(name: str) -> bool:
+    """Some systems build it without."""
+    from av.codec import codecs_available
+
+    return name in codecs_available
+
+
+def _ffmpeg_encoders() -> set[str]:
+    """Names of the encoders of the system's FFmpeg; empty without one."""
+    if (program := which("ffmpeg")) is None:
+        return set()
+    command = (program, "-hide_banner", "-loglevel", "error", "-encoders")
+    try:
+        told = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, timeout=SECONDS, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return set()
+    lines = (line.split() for line in told.stdout.decode(errors="replace").splitlines())
+    return {words[1] for words in lines if len(words) > 1}

@@ -1,0 +1,188 @@
+"""What a user can do in the file dialog inside the window, as functions on the state."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+
+from app.gui.actions import actions
+from app.gui.actions.export_names import why_not_name
+from app.gui.state.app_state import AppState
+from app.gui.state.browsing import MOST_THUMBNAILS, Browsing, Column
+from app.gui.state.choosing import Choosing
+from app.gui.work.background import Failure
+from app.gui.work.listing import Entry, Listing, ListRequest, is_folder
+from renderer.clip import ByteImage
+
+
+def begin(state: AppState, choosing: Choosing) -> None:
+    """One dialog at a time."""
+    if state.window.browsing is None:
+        state.window.browsing = Browsing(choosing, choosing.start, name=choosing.name)
+        enter(state.window.browsing, choosing.start)
+
+
+def enter(browsing: Browsing, folder: Path) -> None:
+    """Look into a folder; nothing in it is marked."""
+    came_from = browsing.folder if folder == browsing.folder.parent else None
+    browsing.folder, browsing.listing, browsing.came_from = folder, None, came_from
+    browsing.in_sight = ()
+    browsing.mark(None)
+
+
+def go_up(browsing: Browsing) -> None:
+    """To the folder that holds this one."""
+    if browsing.folder.parent != browsing.folder:
+        enter(browsing, browsing.folder.parent)
+
+
+def type_path(browsing: Browsing, text: str) -> None:
+    """What stands in the line now."""
+    browsing.text, browsing.typed, browsing.marked = text, True, None
+
+
+def type_name(browsing: Browsing, name: str) -> None:
+    """Of the file to be written."""
+    browsing.name = name
+
+
+def move(browsing: Browsing, by: int) -> None:
+    """Mark another entry, so many further down."""
+    paths = [entry.path for entry in browsing.entries]
+    if not paths:
+        return
+    now = paths.index(browsing.marked) if browsing.marked in paths else (-1 if by > 0 else len(paths))
+    mark(browsing, browsing.entries[min(max(now + by, 0), len(paths) - 1)])
+
+
+def mark(browsing: Browsing, entry: Entry) -> None:
+    """The list stands on it."""
+    browsing.mark(entry.path)
+    if browsing.choosing.kind == "save" and entry.kind == "file":
+        browsing.name = entry.name
+
+
+def sort(browsing: Browsing, column: Column, *, descending: bool) -> None:
+    """What the list is ordered by."""
+    browsing.column, browsing.descending = column, descending
+
+
+def choose_filter(browsing: Browsing, place: int) -> None:
+    """Which files are listed."""
+    browsing.filter = place
+
+
+def typed_path(browsing: Browsing) -> Path:
+    """What stands in the line, from the folder on; `~` stands for a home folder where there is such a one."""
+    if not browsing.typed:
+        return browsing.marked or browsing.folder
+    try:
+        return browsing.folder / Path(browsing.text).expanduser()
+    except RuntimeError:
+        return browsing.folder / browsing.text
+
+
+def opens(state: AppState, browsing: Browsing) -> None:
+    """Enter, or a double click: goes into the folder, or chooses the file."""
+    path = typed_path(browsing)
+    if path != browsing.folder and is_folder(path):
+        enter(browsing, path)
+    elif not why_not(browsing) and not (browsing.choosing.kind == "save" and browsing.replaces):
+        choose(state, browsing)
+
+
+def why_not(browsing: Browsing) -> str:
+    """What keeps `choose` from going on, in a sentence; empty for nothing."""
+    if browsing.choosing.kind == "save":
+        return why_not_name(browsing.name.strip()) if browsing.name.strip() else "Type a name first."
+    path = typed_path(browsing)
+    if browsing.choosing.kind == "folder":
+        return "" if is_folder(path) else "There is no such folder."
+    return "" if _is_file(path) else "Choose a file."
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def choose(state: AppState, browsing: Browsing) -> None:
+    """Go on with what is marked or typed; the dialog closes."""
+    if not why_not(browsing):
+        state.window.browsing = None
+        path = browsing.target if browsing.choosing.kind == "save" else typed_path(browsing)
+        chosen(state, browsing.choosing, path)
+
+
+def chosen(state: AppState, choosing: Choosing, path: Path) -> None:
+    """A person has chosen it, in this dialog or the desktop's: where that was is remembered."""
+    folder = path if choosing.question.keeps_itself else path.parent
+    state.window.folders = {**state.window.folders, choosing.purpose: folder}
+    state.settings = state.settings.visited(choosing.purpose, folder)
+    actions.save_settings(state)
+    choosing.then(path)
+
+
+def cancel(state: AppState) -> None:
+    state.window.browsing = None
+
+
+def list_wish(state: AppState) -> ListRequest | None:
+    browsing = state.window.browsing
+    return browsing.request if browsing is not None else None
+
+
+def take_listing(state: AppState, request: ListRequest, answer: Listing | Failure) -> None:
+    """Of a folder that is no longer looked at, it is dropped."""
+    browsing = state.window.browsing
+    if browsing is None or browsing.request != request:
+        return
+    if isinstance(answer, Failure):
+        answer = Listing(request.folder, trouble=answer.message)
+    browsing.listing = answer
+    if answer.folder != browsing.folder:
+        browsing.folder = answer.folder
+        browsing.mark(None)
+    if browsing.came_from is not None:
+        found = next((one for one in browsing.entries if one.path == browsing.came_from), None)
+        browsing.came_from = None
+        if found is not None and not browsing.typed:
+            mark(browsing, found)
+
+
+def thumbnail_wish(state: AppState) -> Path | None:
+    """The first entry on screen that has none yet."""
+    browsing = state.window.browsing
+    if browsing is None:
+        return None
+    return next((path for path in browsing.in_sight if path not in browsing.thumbnails), None)
+
+
+def take_thumbnail(state: AppState, request: Path, answer: ByteImage | Failure | None) -> None:
+    browsing = state.window.browsing
+    if browsing is not None:
+        browsing.thumbnails[request] = None if isinstance(answer, Failure) else answer
+        while len(browsing.thumbnails) > MOST_THUMBNAILS:
+            browsing.thumbnails.popitem(last=False)
+
+
+def see(browsing: Browsing, entries: list[Entry]) -> None:
+    """These are on screen."""
+    browsing.in_sight = tuple(entry.path for entry in entries if entry.may_have_thumbnail)
+
+
+def focused(browsing: Browsing) -> None:
+    """The line is typed into."""
+    browsing.focus = False
+
+
+def scrolled(browsing: Browsing) -> None:
+    """The marked entry is in sight."""
+    browsing.scroll = False
+
+
+def dated(entry: Entry) -> str:
+    """When it was changed last."""
+    return datetime.fromtimestamp(entry.modified).astimezone().strftime("%Y-%m-%d %H:%M")

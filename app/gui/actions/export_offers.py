@@ -1,0 +1,95 @@
+"""What can be exported, in words; each with the name that its files begin with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from app.gui.state.exports import What
+from app.gui.views.comparison import SIDES, Side
+
+Form = Literal["picture", "panes video", "view video", "measures", "splats", "splat folder", "cameras"]
+VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video")
+
+
+@dataclass(frozen=True)
+class Offer:
+    """One kind of export, in words."""
+
+    label: str
+    form: Form
+    text: str
+    name: str = ""
+    """What it is, in the name of its file."""
+    sides: tuple[Side, ...] = ()
+    as_shown: bool = False
+    """The panes as the mode of comparison sets them against each other."""
+    sees: Literal["no", "still", "time", "path"] = "no"
+    """What is made of the 3D view."""
+
+    @property
+    def within(self) -> str:
+        """The label behind other words."""
+        return self.label if self.label[1].isupper() else f"{self.label[0].lower()}{self.label[1:]}"
+
+
+OFFERS: Final[dict[What, Offer]] = {
+    "panes and 3D view": Offer(
+        "All as shown", "picture", "The panes as shown and the 3D view, on one page. S saves it as PNG.", "",
+        SIDES, True, "still",
+    ),
+    "panes as shown": Offer(
+        "Panes as shown", "picture", "Side by side, wipe, one pane, or the difference.", "panes", SIDES, True
+    ),
+    "left pane": Offer("Left pane", "picture", "What the left side shows.", "left", ("left",)),
+    "right pane": Offer("Right pane", "picture", "What the right side shows.", "right", ("right",)),
+    "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", "both", SIDES),
+    "3D view": Offer(
+        "3D view", "picture", "The 3D view as shown, with the second one.", "3d-view", sees="still"
+    ),
+    "window": Offer(
+        "Whole window", "picture",
+        "The window as it is on screen, without this panel: also by F12. It cannot be replayed.", "window",
+    ),
+    "video of the panes": Offer(
+        "Panes as shown", "panes video", "Every frame from In to Out, compared as on screen.", "panes",
+        SIDES, True,
+    ),
+    "video of both panes": Offer(
+        "Both panes", "panes video", "Every frame from In to Out, side by side.", "both", SIDES
+    ),
+    "video through time": Offer(
+        "3D through time", "view video", "The 3D view as shown, and the second one, through the clip.",
+        "through-time", sees="time",
+    ),
+    "video along the path": Offer(
+        "3D along the path", "view video", "The 3D view, and the second one, along the camera path.",
+        "along-path", sees="path",
+    ),
+    "measures of both panes": Offer(
+        "Table of both panes", "measures",
+        "DV/BV, contrast, noise and more, from In to Out: CSV, and the same as JSON beside it.", "measures",
+        SIDES,
+    ),
+    "splats of this moment": Offer(
+        "PLY splats, this moment", "splats",
+        "The reconstruction as it is now: a PLY file of Gaussian splats, for viewers and other programs.",
+        "splats",
+    ),
+    "splats of all frames": Offer(
+        "PLY splats, all frames", "splat folder", "A folder with a PLY file of Gaussian splats per frame.",
+        "splats",
+    ),
+    "cameras of the clip": Offer(
+        "Cameras of the clip", "cameras", "The camera of each frame as cameras.json, for other programs.",
+        "cameras",
+    ),
+    "cameras of the path": Offer(
+        "Cameras of the path", "cameras", "The cameras along the camera path as cameras.json.",
+        "path-cameras", sees="path",
+    ),
+}  # fmt: skip
+GROUPS: Final[tuple[tuple[str, tuple[Form, ...]], ...]] = (
+    ("Image", ("picture",)), ("Video", VIDEOS), ("Measures", ("measures",)),
+    ("3D model", ("splats", "splat folder", "cameras")),
+)  # fmt: skip

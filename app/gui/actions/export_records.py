@@ -1,0 +1,176 @@
+"""What an export is of, as the window stands now: the record that its file is made from, and the sources."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from app.enhancement.frame_enhancer import PictureRequest
+from app.enhancement.settable import ENHANCED
+from app.exports.exporting import Cameras, Exported, ExportRequest, ImageSuffix, SplatFolder
+from app.exports.make import Views
+from app.exports.panes import pane_record
+from app.exports.records import (
+    MEASURES,
+    Arrangement,
+    FrameRecord,
+    MeasuresTable,
+    PaneRecord,
+    PanesPicture,
+    PanesRecord,
+    PanesVideo,
+    Splats,
+    ViewVideo,
+)
+from app.exports.sources import Opened
+from app.files.records import extended
+from app.gui.actions import path_actions
+from app.gui.actions.export_offers import OFFERS, Offer
+from app.gui.state.app_state import AppState
+from app.gui.state.exports import What
+from app.gui.state.panes import other_request, shown_mode
+from app.gui.views.comparison import Side, label_of
+from app.scenes.cpu_rendering import ON_CPU
+from app.scenes.scene import Scene
+from app.scenes.view_request import FrameRequest, ViewRequest, drawn_record, moment_record, view_record
+from app.scenes.view_selection import FRAMES_PER_SECOND
+
+
+def request_of(state: AppState, what: What, stem: str, image: ImageSuffix | None = None) -> ExportRequest:
+    """Into the chosen folder, by a name that begins with `stem`; nothing that it needs is lacking."""
+    folder, offer, model = state.export_folder, OFFERS[what], state.scene.model
+    if offer.form in ("splats", "splat folder", "cameras"):
+        assert model is not None
+        return ExportRequest(folder, stem, _of_model(state, what, model), Opened(model=model))
+    clip, moments = state.source.clip, _moments(state, offer)
+    views = tuple(view for views in moments for view in views)
+    panes = _panes(state, offer)
+    rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
+    image = image or state.exports.image
+    record = _record(offer, panes, moments, state.source.span, rate or FRAMES_PER_SECOND)
+    if isinstance(record, PanesPicture) and image == ".jpg":
+        record = replace(record, quality=state.exports.quality)
+    opened = Opened(views, clip, model, measured=state.picture.of_clip)
+    return ExportRequest(folder, stem, record, opened, image=image)
+
+
+def _of_model(state: AppState, what: What, model: Scene) -> Exported:
+    """What other programs are to read."""
+
+    def splats(frame: int, time: float) -> Splats:
+        degree = state.exports.sh_degree
+        return extended(Splats, model.record, frame=frame, time=time, sh_degree=degree)
+
+    if what == "splats of this moment":
+        return splats(model.frame_at(state.time), state.time)
+    if what == "splats of all frames":
+        frames = range(len(model.cameras))
+        return SplatFolder(tuple((f"frame-{at:06d}.ply", splats(at, model.time(at))) for at in frames))
+    clip = what == "cameras of the clip"
+    return Cameras(path_actions.clip_cameras(state) if clip else path_actions.path_cameras(state))
+
+
+def _record(
+    offer: Offer, panes: PanesRecord, moments: tuple[Views, ...], span: tuple[int, int], rate: float
+) -> PanesPicture | PanesVideo | MeasuresTable | ViewVideo:
+    form = offer.form
+    if form == "picture":
+        seen = tuple(view_record(view, ON_CPU) for views in moments for view in views)
+        return extended(PanesPicture, panes, views=seen)
+    if form == "view video":
+        return ViewVideo(
+            views=tuple(drawn_record(view, ON_CPU) for view in moments[0]),
+            moments=tuple(moment_record(views[0]) for views in moments),
+            frames_per_second=rate,
+        )
+    first, last = span
+    if form == "measures":
+        return extended(MeasuresTable, panes, first_frame=first, last_frame=last, measures=MEASURES)
+    return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
+
+
+def _panes(state: AppState, offer: Offer) -> PanesRecord:
+    """What the sides show, one of them where both show the same, and how they are laid out."""
+    picture, sides = state.picture_request, offer.sides
+    if picture is None or not sides:
+        return PanesRecord()
+    mode = shown_mode(state) if offer.as_shown else "side by side"
+    if mode == "flip":
+        sides, mode = ("left" if state.comparing.chosen.flipped else "right",), "side by side"
+    return PanesRecord(
+        clip_options=state.source.options,
+        frame=FrameRecord(index=picture.frame_index, label=picture.clip.labels[picture.frame_index]),
+        **vars(state.exports.sizing),
+        arrangement=Arrangement(mode, state.comparing.wiped),
+        panes=tuple(dict.fromkeys(_pane(state, side, picture) for side in sides)),
+    )
+
+
+def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
+    """What a side shows; in white light and while the original is peeked at the frame, whatever is chosen."""
+    source, original = state.comparing.chosen.source(side), replace(picture, params=None)
+    active = state.enhancement.active and not state.enhancement.peeking
+    if active and source == ENHANCED:
+        return pane_record("Enhanced", original, picture.params)
+    request = other_request(state, side) if active else None
+    # As on screen, the original also where there is nothing else to show.
+    if request is None:
+        return pane_record("Original", original)
+    frames = request.by.record.trained_on if isinstance(request.by, Scene) else ""
+    title = f"{label_of(source)}   from {frames}" if frames else label_of(source)
+    return pane_record(title, request.original, request.by)
+
+
+def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
+    """The 3D view once, or once a frame of its video; each time with the second one, where there is one."""
+    view = state.plain_view_request
+    if view is None or offer.sees == "no":
+        return ()
+    if offer.sees == "still":
+        return (_with_second(state, view),)
+    moving = _through_time(state, view.scene) if offer.sees == "time" else _along_path(state, view.scene)
+    return tuple(_with_second(state, first) for first in moving)
+
+
+def _with_second(state: AppState, first: ViewRequest) -> Views:
+    both = (first, state.scene.beside(first))
+    return tuple(_as_chosen(state, one) for one in both if one is not None)
+
+
+def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
+    """In the size and with the averaging that are chosen."""
+    return replace(sized(view, state.exports.view_size), supersampling=state.exports.supersampling)
+
+
+def _through_time(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
+    """Every frame of the clip, from here or through its own cameras, where a difference is to its frame."""
+    clip = state.source.clip if state.has_frames else None
+    for frame in range(len(scene.cameras)):
+        if state.scene.viewer.snapped:
+            reference = FrameRequest(clip, scene.start + frame) if clip is not None else None
+            yield ViewRequest.of_frame(scene, frame).of_kind(state.scene.kind, reference)
+        else:
+            view = ViewRequest.fitted(scene, scene.time(frame), state.scene.viewer.free, state.scene.size)
+            yield view.of_kind(state.scene.kind)
+
+
+def _along_path(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
+    """As `vesselsplat export --path` goes along it."""
+    for key in state.scene.cameras.views.path.moments(FRAMES_PER_SECOND):
+        yield ViewRequest(scene, key.time, key.camera.fitted(*state.scene.size)).of_kind(state.scene.kind)
+
+
+def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
+    """With so many pixels; without a size in its own shape, no smaller than the clip's frames.
+
+    A difference keeps the frame's shape, within the size.
+    """
+    camera, clip_camera = view.camera, view.scene.cameras[0]
+    if size is None:
+        scale = max(1.0, clip_camera.width / camera.width, clip_camera.height / camera.height)
+    elif view.kind == "difference":
+        scale = min(size[0] / camera.width, size[1] / camera.height)
+    else:
+        return replace(view, camera=camera.fitted(*size))
+    width, height = max(1, round(scale * camera.width)), max(1, round(scale * camera.height))
+    return replace(view, camera=camera.resized(width, height))

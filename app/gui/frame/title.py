@@ -1,0 +1,32 @@
+"""The title of the window: what is open, and whether it is saved."""
+
+from __future__ import annotations
+
+import glfw
+from imgui_bundle import glfw_utils
+
+from app.files.legible import legible
+from app.gui.state.app_state import AppState
+
+NAME = "VesselSplat"
+
+
+def title_of(state: AppState) -> str:
+    """The session or what else is open; a star for changes that its file does not have."""
+    path = state.session.path or state.source.path
+    if path is None:
+        return NAME
+    return f"{legible(path.name)}{'*' if state.session.is_unsaved else ''} - {NAME}"
+
+
+class Title:
+    """Told to the system only when it has changed."""
+
+    def __init__(self) -> None:
+        self._shown = NAME
+
+    def follow(self, state: AppState) -> None:
+        title = title_of(state)
+        if title != self._shown:
+            glfw.set_window_title(glfw_utils.glfw_window_hello_imgui(), title)
+            self._shown = title

@@ -1,0 +1,259 @@
+"""The file dialog inside the window: a list with thumbnails, by mouse and by keyboard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
+
+from app.files.legible import legible
+from app.gui.actions import browse_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.browsing import Browsing, Column
+from app.gui.style import theme
+from app.gui.style.widgets import button, centered, choose, em, muted, within
+from app.gui.work.listing import Entry
+from renderer.clip import ByteImage
+
+Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
+ENTER = (imgui.Key.enter, imgui.Key.keypad_enter)
+STEPS = {
+    imgui.Key.down_arrow: 1, imgui.Key.up_arrow: -1, imgui.Key.page_down: 10, imgui.Key.page_up: -10
+}  # fmt: skip
+CLAIMED = (*STEPS, *ENTER, imgui.Key.escape)
+"""They are of the list, whatever control has the focus."""
+IN_LINE = (imgui.Key.left_arrow, imgui.Key.right_arrow, imgui.Key.home, imgui.Key.end)
+"""They move in the line of the path, which is then edited."""
+OWNER = 0x66696C65
+"""Any number that no control has."""
+COLUMNS: tuple[Column, ...] = ("name", "date", "size")
+ROW, PICTURE = 2.6, 4.0
+"""Text heights of a row, and across for its thumbnail."""
+MOST_ROWS = 128
+"""That are on screen at once."""
+EMPTY = {
+    "folder": "No folder inside. Open takes this one, with the files in it.",
+    "file": "No folder here, and no file of this kind.",
+    "save": "No folder and no session here.",
+}
+UP_TEXT = "Backspace or Alt+Up: the folder above."
+HINTS = {
+    "folder": "Enter goes into a folder; there, Enter once more opens it.",
+    "file": "Enter opens, Backspace goes up, Esc cancels.",
+    "save": "Enter saves, Esc cancels.",
+}
+
+
+def draw_browser(state: AppState, texture: Texture) -> None:
+    """Everything else waits for it."""
+    browsing = state.window.browsing
+    if browsing is None:
+        return
+    title = browsing.choosing.question.title
+    appears = not imgui.is_popup_open(title)
+    if appears:
+        imgui.open_popup(title)
+    center = imgui.get_main_viewport().get_center()
+    imgui.set_next_window_pos(center, imgui.Cond_.appearing, ImVec2(0.5, 0.5))
+    imgui.set_next_window_size(within(52, 36), imgui.Cond_.appearing)
+    with imgui_ctx.begin_popup_modal(title, imgui.WindowFlags_.no_saved_settings) as opened:
+        if not opened:
+            return
+        # While a list of filters is open, keys are its own; nor do they count that have asked for the dialog.
+        if not appears and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id):
+            _take_keys(state, browsing)
+        _draw_all(state, browsing, texture)
+        if state.window.browsing is None:
+            imgui.close_current_popup()
+            # Else what lies below has a control in focus, which the next Space presses.
+            imgui.set_nav_cursor_visible(False)
+
+
+def _draw_all(state: AppState, browsing: Browsing, texture: Texture) -> None:
+    saves = browsing.choosing.kind == "save"
+    _draw_path(browsing, asks=not saves)
+    line, flags = imgui.get_frame_height_with_spacing(), imgui.WindowFlags_.no_nav
+    below = 2 * line if saves else line
+    with imgui_ctx.begin_child("entries", ImVec2(0, -below), imgui.ChildFlags_.borders, flags):
+        _draw_entries(state, browsing, texture)
+    if saves:
+        _draw_name(browsing)
+    browse_actions.focused(browsing)
+    _draw_choice(state, browsing)
+
+
+def _draw_path(browsing: Browsing, *, asks: bool) -> None:
+    """`asks`: it is what is typed into."""
+    button(f"{icons.ICON_FA_ARROW_UP}##up", partial(browse_actions.go_up, browsing), UP_TEXT)
+    imgui.same_line()
+    _focus(browsing.focus and asks)
+    changed, text = imgui.input_text(f"##path {browsing.line}", browsing.text)
+    if changed or imgui.is_item_clicked():
+        browse_actions.type_path(browsing, text)
+
+
+def _focus(wanted: bool) -> None:
+    """On the line that comes next, with what is in it selected."""
+    if wanted:
+        imgui.set_keyboard_focus_here()
+    imgui.set_next_item_width(-1)
+
+
+def _draw_entries(state: AppState, browsing: Browsing, texture: Texture) -> None:
+    if browsing.listing is None:
+        centered("Reading…")
+    elif browsing.listing.trouble:
+        centered(browsing.listing.trouble, theme.now().warning)
+    elif not browsing.entries:
+        centered(EMPTY[browsing.choosing.kind])
+    else:
+        _draw_table(state, browsing, texture)
+
+
+def _draw_table(state: AppState, browsing: Browsing, texture: Texture) -> None:
+    can, entries, seen = imgui.TableFlags_, browsing.entries, list[Entry]()
+    flags = can.sortable | can.scroll_y | can.row_bg | can.pad_outer_x
+    with imgui_ctx.begin_table("files", len(COLUMNS), int(flags)) as table:
+        if not table:
+            return
+        _head(browsing)
+        clipper, height = imgui.ListClipper(), em(ROW)
+        clipper.begin(len(entries), height + 2 * imgui.get_style().cell_padding.y)
+        if browsing.scroll and (place := _place(browsing)) is not None:
+            clipper.include_item_by_index(place)
+        while clipper.step():
+            for place in range(clipper.display_start, clipper.display_end):
+                if _draw_row(state, browsing, entries[place], place, texture):
+                    seen.append(entries[place])
+        browse_actions.see(browsing, seen)
+
+
+def _head(browsing: Browsing) -> None:
+    kind = imgui.TableColumnFlags_
+    imgui.table_setup_scroll_freeze(0, 1)
+    imgui.table_setup_column("Name", kind.width_stretch | kind.default_sort)
+    imgui.table_setup_column("Changed", kind.width_fixed | kind.prefer_sort_descending, em(8.5))
+    imgui.table_setup_column("Size", kind.width_fixed | kind.prefer_sort_descending, em(5))
+    imgui.table_headers_row()
+    specs = imgui.table_get_sort_specs()
+    if specs.specs_count:
+        first = specs.get_specs(0)
+        descending = first.get_sort_direction() == imgui.SortDirection.descending
+        browse_actions.sort(browsing, COLUMNS[first.column_index], descending=descending)
+
+
+def _place(browsing: Browsing) -> int | None:
+    """Of the marked entry."""
+    found = (place for place, entry in enumerate(browsing.entries) if entry.path == browsing.marked)
+    return next(found, None)
+
+
+def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, texture: Texture) -> bool:
+    """Whether it is in sight."""
+    height, marked = em(ROW), browsing.marked == entry.path
+    imgui.table_next_row()
+    imgui.table_next_column()
+    flags, start, corner = imgui.SelectableFlags_, imgui.get_cursor_pos(), imgui.get_cursor_screen_pos()
+    can = flags.no_auto_close_popups | flags.allow_double_click | flags.span_all_columns
+    clicked, _ = imgui.selectable(f"##{place}", marked, can, ImVec2(0, height))
+    in_sight = imgui.is_item_visible()
+    if clicked:
+        browse_actions.mark(browsing, entry)
+        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+            browse_actions.opens(state, browsing)
+    if marked and browsing.scroll:
+        imgui.set_scroll_here_y()
+        browse_actions.scrolled(browsing)
+    if in_sight:
+        _draw_picture(browsing, entry, corner, partial(texture, f"file {place % MOST_ROWS}"))
+    low = start.y + (height - imgui.get_text_line_height()) / 2
+    imgui.set_cursor_pos(ImVec2(start.x + em(PICTURE + 0.6), low))
+    imgui.text_unformatted(entry.name)
+    for text in (browse_actions.dated(entry) if entry.kind else "", _sized(entry)):
+        imgui.table_next_column()
+        imgui.set_cursor_pos_y(low)
+        muted(text)
+    return in_sight
+
+
+def _draw_picture(
+    browsing: Browsing, entry: Entry, low: ImVec2, texture: Callable[[ByteImage], imgui.ImTextureRef]
+) -> None:
+    """The thumbnail in the middle of its room, or an icon there."""
+    room, draw = ImVec2(em(PICTURE), em(ROW)), imgui.get_window_draw_list()
+    image = browsing.thumbnails.get(entry.path)
+    if image is None:
+        icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
+        size = imgui.calc_text_size(icon)
+        draw.add_text(low + (room - size) * 0.5, imgui.get_color_u32(theme.now().muted), icon)
+        return
+    factor = min(room.x / image.shape[1], room.y / image.shape[0])
+    size = ImVec2(factor * image.shape[1], factor * image.shape[0])
+    corner = low + (room - size) * 0.5
+    draw.add_image(texture(image), corner, corner + size)
+
+
+def _sized(entry: Entry) -> str:
+    """Bytes as a person says them."""
+    if entry.kind != "file":
+        return ""
+    for unit, bytes_ in (("GB", 1e9), ("MB", 1e6)):
+        if entry.size >= bytes_:
+            return f"{entry.size / bytes_:.1f} {unit}"
+    return f"{max(1, round(entry.size / 1e3))} kB" if entry.size else "0 kB"
+
+
+def _draw_name(browsing: Browsing) -> None:
+    imgui.align_text_to_frame_padding()
+    imgui.text("Name")
+    imgui.same_line()
+    _focus(browsing.focus)
+    changed, name = imgui.input_text(f"##name {browsing.line}", browsing.name)
+    if changed:
+        browse_actions.type_name(browsing, name)
+
+
+def _draw_choice(state: AppState, browsing: Browsing) -> None:
+    reason, saves = browse_actions.why_not(browsing), browsing.choosing.kind == "save"
+    replaces = saves and not reason and browsing.replaces
+    label = "Replace" if replaces else "Save" if saves else "Open"
+    color = theme.now().caution if replaces else theme.now().lit
+    act = partial(browse_actions.choose, state, browsing)
+    button(f"{label}###choose", act, reason=reason, color=color, width=8)
+    imgui.same_line()
+    button("Cancel", partial(browse_actions.cancel, state), width=8)
+    filters = browsing.choosing.question.filters
+    if len(filters) > 1 and not saves:
+        imgui.same_line()
+        labels = {place: one.label for place, one in enumerate(filters)}
+        chosen = choose("filter", browsing.filter, labels, "Which files are listed.", 14)
+        browse_actions.choose_filter(browsing, chosen)
+    imgui.same_line()
+    imgui.align_text_to_frame_padding()
+    if replaces:
+        imgui.text_colored(theme.now().warning, f"{legible(browsing.target.name)} exists.")
+    else:
+        muted(HINTS[browsing.choosing.kind])
+
+
+def _take_keys(state: AppState, browsing: Browsing) -> None:
+    """Before any control, of which some would take them."""
+    io, pressed = imgui.get_io(), imgui.is_key_pressed
+    for key in CLAIMED:
+        imgui.internal.set_key_owner(key, OWNER)
+    edits = browsing.typed or browsing.choosing.kind == "save"
+    back = pressed(imgui.Key.backspace, False) and not edits
+    if any(pressed(key) for key in IN_LINE) and not browsing.typed:
+        browse_actions.type_path(browsing, browsing.text)
+    elif back or (pressed(imgui.Key.up_arrow, False) and io.key_alt):
+        browse_actions.go_up(browsing)
+    elif any(pressed(key, False) for key in ENTER):
+        browse_actions.opens(state, browsing)
+    elif pressed(imgui.Key.escape, False):
+        browse_actions.cancel(state)
+    elif not io.key_alt:
+        for key, by in STEPS.items():
+            if pressed(key):
+                browse_actions.move(browsing, by)

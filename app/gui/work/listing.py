@@ -1,0 +1,184 @@
+"""What a folder holds, for the file dialog, and its files in small: off the window's thread."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from itertools import islice
+from pathlib import Path
+from typing import Final, Literal
+
+import cv2
+import numpy as np
+from PIL import Image, ImageOps
+
+from app.errors import UserError
+from app.files.legible import legible
+from renderer.budget import OverBudget
+from renderer.clip import ByteImage, ClipError
+from renderer.readers.picture_files import opened
+from renderer.readers.picture_kinds import kind_by_name
+from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, natural_key, read_rgb
+from renderer.utf8_paths import not_utf8
+
+SIDE: Final = 160
+"""Pixels of the longer side of a thumbnail."""
+LOOKED_AT: Final = 500
+"""Files of a folder among which the one is looked for that stands for it."""
+
+
+@dataclass(frozen=True)
+class ListRequest:
+    """A folder to look into."""
+
+    folder: Path
+    is_made: bool = False
+    """It is made with the file that is written into it: until then it may be missing, and is empty."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What lies in it."""
+
+    path: Path
+    kind: Literal["folder", "file"] | None
+    """None: neither, or the system does not let us look at it."""
+    modified: float = 0.0
+    """Seconds since 1970."""
+    size: int = 0
+    """Bytes of a file."""
+
+    @property
+    def name(self) -> str:
+        return legible(self.path.name)
+
+    @property
+    def may_have_thumbnail(self) -> bool:
+        return self.kind == "folder" or is_picture(self.path) or self.path.suffix.lower() in VIDEOS
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Neither hidden files nor hidden folders."""
+
+    folder: Path
+    """The one asked for, or where that is gone the nearest that is there."""
+    entries: tuple[Entry, ...] = ()
+    trouble: str = ""
+    """Why it cannot be looked into."""
+
+
+def list_folder(request: ListRequest) -> Iterator[Listing]:
+    """Answers a ListRequest."""
+    if request.is_made and not request.folder.exists():
+        yield Listing(request.folder)
+        return
+    folder = next((one for one in (request.folder, *request.folder.parents) if is_folder(one)), None)
+    if folder is None:
+        raise UserError(f"the folder cannot be found: {request.folder}")
+    try:
+        with os.scandir(folder) as items:
+            paths = [Path(item.path) for item in items if not item.name.startswith(".")]
+    except OSError as error:
+        yield Listing(folder, trouble=f"The folder cannot be read: {error.strerror}.")
+        return
+    yield Listing(folder, tuple(map(_entry, sorted(paths))))
+
+
+def is_folder(path: Path) -> bool:
+    """False also where the system does not let us look."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _entry(path: Path) -> Entry:
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return Entry(path, None)
+    if stat.S_ISDIR(found.st_mode):
+        return Entry(path, "folder", found.st_mtime)
+    return Entry(path, "file" if stat.S_ISREG(found.st_mode) else None, found.st_mtime, found.st_size)
+
+
+def thumbnail_of(path: Path) -> Iterator[ByteImage | None]:
+    """The file in small, (h, w, 3), or of a folder its first image; None where there is nothing to see."""
+    try:
+        yield _small(path)
+    except (UserError, ClipError, OverBudget, *BROKEN, cv2.error):
+        yield None
+
+
+def _small(path: Path) -> ByteImage | None:
+    if path.is_dir():
+        first = _first_image(path)
+        return None if first is None else _small(first)
+    if path.suffix.lower() in VIDEOS:
+        frame = _video_frame(path)
+        return None if frame is None else _shrunk(Image.fromarray(frame))
+    with opened(path) as picture:
+        if not picture.mode.startswith(("I", "F")):
+            picture.draft("RGB", (SIDE, SIDE))
+            return _shrunk(ImageOps.exif_transpose(picture).convert("RGB"))
+    return _shrunk(Image.fromarray(read_rgb(path)))
+
+
+def _shrunk(picture: Image.Image) -> ByteImage:
+    picture.thumbnail((SIDE, SIDE))
+    return np.array(picture, np.uint8)
+
+
+def _first_image(folder: Path) -> Path | None:
+    """Of the folder, or of the first one in it that holds frames: neither a mask nor a map by its name."""
+    paths, folders = _inside(folder)
+    found = min(paths, key=natural_key, default=None)
+    inside = (min(_inside(one)[0], key=natural_key, default=None) for one in sorted(folders))
+    return found or next(filter(None, inside), None)
+
+
+def _inside(folder: Path) -> tuple[list[Path], list[Path]]:
+    """Images and folders."""
+    try:
+        with os.scandir(folder) as items:
+            found = [(Path(item.path), item.is_dir()) for item in islice(items, LOOKED_AT)]
+    except OSError:
+        return [], []
+    shown = [(path, is_dir) for path, is_dir in found if kind_by_name(path.stem) is None and is_visible(path)]
+    images = [path for path, is_dir in shown if not is_dir and is_picture(path)]
+    return images, [path for path, is_dir in shown if is_dir]
+
+
+def _video_frame(path: Path) -> ByteImage | None:
+    """One at a tenth of the whole, as the first ones are often black."""
+    if not_utf8(path):
+        return None
+    if find_spec("av") is not None:
+        return _frame_by_pyav(path)
+    capture = cv2.VideoCapture(str(path))
+    try:
+        capture.set(cv2.CAP_PROP_POS_FRAMES, int(capture.get(cv2.CAP_PROP_FRAME_COUNT)) // 10)
+        there, frame = capture.read()
+        return np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8) if there else None
+    finally:
+        capture.release()
+
+
+def _frame_by_pyav(path: Path) -> ByteImage | None:
+    import av
+
+    from renderer.readers.video_index import open_container, video_stream
+
+    try:
+        with open_container(path) as container:
+            stream = video_stream(container, path)
+            if container.duration:
+                container.seek(container.duration // 10)
+            frame = next(container.decode(stream), None)
+            return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
+    except av.error.FFmpegError:
+        return None

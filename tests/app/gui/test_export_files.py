@@ -1,0 +1,354 @@
+"""Exports as files: names and folders, formats of images, models for other programs, the way to them."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.errors import UserError
+from app.exports.exporting import ExportRequest, ImageSuffix, free_name
+from app.exports.replay import replay
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance
+from app.files.video_encoder import VideoEncoder
+from app.gui.actions import actions, export_actions
+from app.gui.actions.export_names import default_name, why_not_name
+from app.gui.actions.export_offers import OFFERS
+from app.gui.commands.commands import sections
+from app.gui.commands.finding import find
+from app.gui.commands.keys import chord
+from app.gui.panels.export import draw_export
+from app.gui.state.app_state import AppState
+from app.gui.state.exports import What
+from app.gui.work.naming import NameRequest
+from app.gui.work.revealing import RevealRequest, plain_environment, reveal, shown_by
+from app.gui.work.settings import Places, Settings
+from assets import phantom_path
+from renderer.camera_files import read_cameras
+from renderer.camera_path import CameraPath, Keyframe
+from renderer.splat_files import read_splats
+from tests.app.gui.conftest import outside
+from tests.app.gui.exporting import Exporter, same
+from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.ui import Ui
+
+
+def exported(run: Exporter, what: What) -> Path:
+    """As the button in the panel does it."""
+    before = run.state.exports.count
+    export_actions.choose_what(run.state, what)
+    export_actions.start(run.state)
+    for _ in range(100):
+        run.turn(1)
+        if run.state.exports.count > before:
+            break
+    assert run.state.window.banner is None
+    assert run.state.exports.last is not None
+    return run.state.exports.last
+
+
+# ---- names and folders
+
+
+def test_a_name_says_clip_frame_and_what_it_is(run: Exporter) -> None:
+    state = run.state
+    actions.seek(state, 4)
+    said = {what: default_name(state, what) for what in OFFERS}
+    assert said["panes and 3D view"] == "small-frame-5"
+    assert said["left pane"] == "small-frame-5-left"
+    assert said["video of both panes"] == "small-frames-1-10-both"
+    assert said["measures of both panes"] == "small-frames-1-10-measures"
+    assert said["3D view"] == "original-frame-5-3d-view"
+    assert said["splats of this moment"] == "original-frame-5-splats"
+    assert said["splats of all frames"] == "original-splats"
+    assert said["cameras of the clip"] == "original-cameras"
+    state.scene.kind = "depth"
+    assert default_name(state, "3D view") == "original-frame-5-3d-view-depth"
+    assert len(set(said.values())) == len(said)
+
+
+def test_nothing_that_is_there_is_replaced(run: Exporter) -> None:
+    folder = run.state.export_folder
+    names = [exported(run, "both panes").name for _ in range(3)]
+    assert names == ["small-frame-1-both.png", "small-frame-1-both-2.png", "small-frame-1-both-3.png"]
+    run.state.exports.name = "mine"
+    (folder / "mine.csv.json").write_text("of another program")
+    export_actions.choose_what(run.state, "measures of both panes")
+    export_actions.type_name(run.state, "mine.csv")
+    export_actions.start(run.state)
+    run.turn(30)
+    assert run.state.exports.last == folder / "mine-2.csv"
+    assert (folder / "mine-2.csv.json").is_file()
+    assert (folder / "mine.csv.json").read_text() == "of another program"
+    assert not (folder / "mine.csv").exists()
+    splats = [exported(run, "splats of all frames").name for _ in range(2)]
+    assert splats == ["original-splats", "original-splats-2"]
+
+
+def test_a_name_that_is_taken_while_a_video_is_made_is_not_replaced(run: Exporter) -> None:
+    export_actions.choose_what(run.state, "video of both panes")
+    export_actions.start(run.state)
+    run.turn(3)
+    assert run.state.exports.under_way is not None
+    taken = run.state.export_folder / "small-frames-1-10-both.mp4"
+    taken.parent.mkdir(exist_ok=True)
+    taken.write_text("meanwhile")
+    run.turn(40)
+    assert run.state.exports.last == taken.with_stem(f"{taken.stem}-2")
+    assert taken.read_text() == "meanwhile"
+    assert run.state.exports.last.with_name(f"{run.state.exports.last.name}.json").is_file()
+
+
+def test_free_names(tmp_path: Path) -> None:
+    assert free_name(tmp_path / "none", "a", ".png") == "a.png"
+    (tmp_path / "a.png").symlink_to(tmp_path / "nowhere")
+    assert free_name(tmp_path, "a", ".png") == "a-2.png"
+    (tmp_path / "a-2.png.json").write_text("")
+    assert free_name(tmp_path, "a", ".png", beside=[".json"]) == "a-3.png"
+
+
+@pytest.mark.parametrize("name", ["a/b", "a\\b", "a:b", ".a", "a.", "a\tb", "x" * 200])
+def test_names_that_no_file_can_have_are_refused_with_a_reason(run: Exporter, name: str) -> None:
+    export_actions.choose_what(run.state, "both panes")
+    export_actions.type_name(run.state, name)
+    assert export_actions.why_not_start(run.state) == why_not_name(name)
+    assert why_not_name(name).startswith("A name can")
+    export_actions.start(run.state)
+    assert run.state.exports.under_way is None
+
+
+def test_the_name_in_the_panel_says_what_will_be_written(run: Exporter) -> None:
+    state = run.state
+    export_actions.choose_what(state, "both panes")
+    run.turn()
+    assert export_actions.other_name(state) == ""
+    path = exported(run, "both panes")
+    run.turn()
+    assert export_actions.other_name(state) == "small-frame-1-both-2.png"
+    assert state.exports.named == (
+        NameRequest(path.parent, path.stem, ".png", 1),
+        "small-frame-1-both-2.png",
+    )
+    export_actions.type_name(state, "other.png")
+    assert (state.exports.name, export_actions.other_name(state)) == ("other", "")
+    export_actions.choose_what(state, "left pane")
+    assert state.exports.name == ""
+
+
+def test_the_folder_is_of_all_exports(run: Exporter, tmp_path: Path) -> None:
+    run.state.window.folders = {"export": tmp_path / "elsewhere"}
+    assert exported(run, "both panes").parent == tmp_path / "elsewhere"
+    export_actions.save_picture(run.state)
+    run.turn(4)
+    assert run.state.exports.last == tmp_path / "elsewhere" / "small-frame-1.png"
+
+
+# ---- formats
+
+
+@pytest.mark.parametrize("image", [".png", ".tiff", ".jpg"])
+def test_an_image_of_each_format_says_how_it_was_made_and_comes_again(
+    run: Exporter, clip_path: Path, image: ImageSuffix
+) -> None:
+    run_path = run.state.runs.reconstruction.run_path
+    assert run_path is not None
+    plain = read_image(exported(run, "panes and 3D view"))
+    export_actions.choose_image(run.state, image)
+    export_actions.choose_quality(run.state, 90)
+    path = exported(run, "panes and 3D view")
+    assert path.suffix == image
+    assert read_provenance(path)["kind"] == "panes"
+    assert read_provenance(path).get("quality") == (90 if image == ".jpg" else None)
+    assert same(path, clip_path, run_path)
+    apart = np.abs(read_image(path).astype(int) - plain)
+    assert apart.max() == 0 if image != ".jpg" else 0 < apart.mean() < 3
+    assert not list(path.parent.glob("*.json"))
+
+
+def test_a_jpeg_of_another_quality_is_found_out(run: Exporter, clip_path: Path, tmp_path: Path) -> None:
+    export_actions.choose_image(run.state, ".jpg")
+    path = exported(run, "left pane")
+    record = export_actions.export_request(run.state, "left pane")
+    assert record is not None
+    export_actions.choose_quality(run.state, 60)
+    export_actions.cancelled(run.state)
+    coarse = exported(run, "left pane")
+    assert coarse.stat().st_size < path.stat().st_size
+    head, body = coarse.read_bytes(), path.read_bytes()
+    end = head.index(b"\xff\xdb"), body.index(b"\xff\xdb")
+    coarse.write_bytes(body[: end[1]] + head[end[0] :])  # Pixels of 60 under a record of 95.
+    assert not replay(coarse, (clip_path,), tmp_path / "again.jpg").difference.is_none
+
+
+def test_s_saves_png_whatever_is_chosen_for_exports(run: Exporter) -> None:
+    export_actions.choose_image(run.state, ".jpg")
+    export_actions.save_picture(run.state)
+    (request,) = run.state.window.wishes
+    assert isinstance(request, ExportRequest)
+    assert request.suffix == ".png"
+    assert getattr(request.record, "quality", None) is None
+
+
+# ---- models
+
+
+def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: dict[str, Path]) -> None:
+    state, count = run.state, len(run.state.scene.model.cameras) if run.state.scene.model else 0
+    actions.seek(state, 4)
+    path = exported(run, "splats of this moment")
+    assert path.name == "original-frame-5-splats.ply"
+    assert same(path, runs["original"])
+    folder = exported(run, "splats of all frames")
+    files = sorted(folder.iterdir())
+    assert [file.name for file in files] == [f"frame-{at:06d}.ply" for at in range(count)]
+    assert files[4].read_bytes() == path.read_bytes()
+    assert same(files[7], runs["original"])
+    export_actions.choose_degree(state, 3)
+    assert read_splats(exported(run, "splats of this moment")).raw.harmonics.shape[1] == 15
+
+
+def test_cameras_are_exported_for_other_programs(run: Exporter) -> None:
+    state = run.state
+    assert state.scene.model is not None
+    cameras = read_cameras(exported(run, "cameras of the clip"))
+    assert len(cameras) == len(state.scene.model.cameras)
+    assert "Cameras panel" in export_actions.why_not_export(state, "cameras of the path")
+    keys = tuple(Keyframe(at, at / 2, state.scene.model.camera_at(0.0)) for at in (0.0, 1.0))
+    state.scene.cameras.views = replace(state.scene.cameras.views, path=CameraPath(keys))
+    assert len(read_cameras(exported(run, "cameras of the path"))) == 16
+
+
+@pytest.mark.parametrize("words", ["export ply", "export jpeg", "export video path", "export cameras"])
+def test_the_palette_finds_exports_and_opens_the_panel_on_them(run: Exporter, words: str) -> None:
+    found = find(
+        sections(run.state, outside()), words if "jpeg" not in words else "export image left", run.state
+    )
+    assert found
+    found[0].command.act(run.state)
+    assert run.state.exports.shown
+    assert (
+        run.state.exports.what
+        == {
+            "export ply": "splats of this moment",
+            "export jpeg": "left pane",
+            "export video path": "video along the path",
+            "export cameras": "cameras of the clip",
+        }[words]
+    )
+
+
+# ---- before a video is made
+
+
+@pytest.mark.parametrize("encoder", [VideoEncoder("PyAV", "libx264"), VideoEncoder("OpenCV", "mp4v"), None])
+def test_the_panel_draws_every_kind_and_says_who_plays_a_video(
+    ui: Ui, state: AppState, encoder: VideoEncoder | None
+) -> None:
+    state.exports.shown, state.exports.encoder = True, encoder
+    for what in OFFERS:
+        export_actions.choose_what(state, what)
+        for _ in range(3):
+            ui.frame(lambda: draw_export(state))
+    assert state.exports.shown
+    if encoder is not None and encoder.program == "OpenCV":
+        assert "browsers do not" in encoder.said
+        assert "install ffmpeg" in encoder.way_out
+
+
+def test_the_encoder_is_asked_for_once_the_panel_is_shown(run: Exporter) -> None:
+    run.turn()
+    assert run.state.exports.encoder is None
+    export_actions.toggle_export(run.state)
+    run.turn()
+    assert run.state.exports.encoder is not None
+
+
+# ---- shown in the folder
+
+
+def test_the_command_of_each_system(tmp_path: Path) -> None:
+    path = tmp_path / "a.png"
+    assert shown_by(path, "darwin") == ("open", "-R", str(path))
+    assert shown_by(path, "win32") == ("explorer", f"/select,{path}")
+    assert shown_by(path, "linux") == ("xdg-open", str(tmp_path))
+    assert shown_by(tmp_path, "linux") == ("xdg-open", str(tmp_path))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="starts a program of a Linux desktop")
+def test_the_file_manager_is_started_and_trouble_is_one_line(
+    run: Exporter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "bin" / "xdg-open"
+    program.parent.mkdir()
+    monkeypatch.setenv("PATH", f"{program.parent}{os.pathsep}/usr/bin{os.pathsep}/bin")
+    path = exported(run, "both panes")
+    monkeypatch.setattr("app.gui.work.revealing.which", lambda name: None)
+    export_actions.reveal(run.state)
+    run.turn()
+    assert run.state.window.banner is not None
+    assert run.state.window.banner.message.startswith("no file manager was found")
+    actions.dismiss(run.state)
+    monkeypatch.setattr("app.gui.work.revealing.which", lambda name: str(program))
+    program.write_text(f'#!/bin/sh\nprintf %s "$1" > {tmp_path}/seen\n')
+    program.chmod(0o755)
+    export_actions.reveal(run.state)
+    run.turn()
+    assert (tmp_path / "seen").read_text() == str(path.parent)
+    assert run.state.window.banner is None
+    program.write_text("#!/bin/sh\nexit 3\n")
+    with pytest.raises(UserError, match="no file manager"):
+        list(reveal(RevealRequest(path)))
+    # One that stays open is waited for by nobody.
+    program.write_text("#!/bin/sh\nsleep 1\n")
+    monkeypatch.setattr("app.gui.work.revealing.PATIENCE", 0.1)
+    began = time.monotonic()
+    steps = reveal(RevealRequest(path))
+    assert next(steps) == path
+    assert time.monotonic() - began < 0.9
+    assert list(steps) == []
+    path.unlink()
+    with pytest.raises(UserError, match="no longer"):
+        list(reveal(RevealRequest(path)))
+
+
+def test_programs_of_the_system_get_the_system_s_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
+    bundle = {"LD_LIBRARY_PATH": "/bundle", "LD_LIBRARY_PATH_ORIG": "/mine", "HOME": "/h"}
+    assert plain_environment(bundle)["LD_LIBRARY_PATH"] == "/mine"
+    assert plain_environment({"LD_LIBRARY_PATH": "/x"}) == {"LD_LIBRARY_PATH": "/x"}
+    monkeypatch.setattr(sys, "frozen", True, raising=False)
+    assert plain_environment({"LD_LIBRARY_PATH": "/bundle"}) == {}
+
+
+@pytest.mark.display
+def test_by_hand_from_the_palette_to_the_file(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(chord("Ctrl+Shift+P"))
+        ctx.yield_(2)
+        ctx.key_chars("image right pane")
+        ctx.yield_(2)
+        ctx.key_press(imgui.Key.enter)
+        wait(ctx, lambda: state.exports.shown and state.exports.what == "right pane", "the panel")
+        ctx.yield_(2)
+        ctx.set_ref(ctx.window_info("//Export/how").id_)
+        ctx.combo_click("##Format/JPEG")
+        ctx.item_input_value("##name", "liver before")
+        ctx.item_click("###start")
+        wait(ctx, lambda: state.exports.last is not None, "the image")
+        ctx.set_ref("")
+
+    driver.run(drive)
+    assert state.exports.last == places.pictures / "liver before.jpg"
+    assert state.exports.last is not None
+    assert read_provenance(state.exports.last)["panes"][0]["shows"] == "setting"

@@ -1,0 +1,183 @@
+"""Saving a session: by a name that is asked for once, among recent files, and what has changed since."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from imgui_bundle import imgui
+
+from app.gui.actions import actions, browse_actions, comparing, session_actions
+from app.gui.commands import recent_commands
+from app.gui.commands.commands import sections
+from app.gui.commands.keys import chord
+from app.gui.frame.title import title_of
+from app.gui.session_file import mended_session
+from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
+from app.gui.work.settings import Places, Settings
+from assets import phantom_path
+from enhance import EnhanceParams
+from tests.app.gui.conftest import outside
+from tests.app.gui.test_session import opened_state, turn
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+@pytest.fixture
+def liver(places: Places, tmp_path: Path) -> tuple[AppState, Channels]:
+    """A clip is open."""
+    return opened_state(places, Path(shutil.copytree(phantom_path(), tmp_path / "clips" / "liver")))
+
+
+def keys(state: AppState) -> dict[str, str]:
+    """What each chord does now."""
+    commands = [one for section in sections(state, outside()) for one in section.commands]
+    return {keys: one.label for one in commands if one.applies(state) for keys in one.keys}
+
+
+def test_the_first_save_asks_and_the_next_ones_write_the_same_file(
+    liver: tuple[AppState, Channels], places: Places
+) -> None:
+    state, channels = liver
+    assert (keys(state)["Ctrl+S"], keys(state)["Ctrl+Shift+S"]) == ("Save session", "Save session as…")
+    session_actions.save(state)
+    asked = actions.taken_choice(state)
+    assert asked is not None
+    assert (asked.kind, asked.name, asked.start) == ("save", "liver.vesselsplat", places.pictures)
+    assert state.session.path is None
+    browse_actions.chosen(state, asked, places.pictures / "monday.vesselsplat")
+    turn(state, channels)
+    turn(state, channels)
+    assert state.session.path == places.pictures / "monday.vesselsplat"
+    state.session.notes = "a second look"
+    session_actions.save(state)
+    assert actions.taken_choice(state) is None
+    turn(state, channels)
+    turn(state, channels)
+    assert [path.name for path in places.pictures.iterdir()] == ["monday.vesselsplat"]
+    assert mended_session(state.session.path)[0].notes == "a second look"
+
+
+def test_another_name_is_written_from_then_on(liver: tuple[AppState, Channels], places: Places) -> None:
+    state, channels = liver
+    session_actions.save_to(state, places.pictures / "monday.vesselsplat")
+    turn(state, channels)
+    turn(state, channels)
+    session_actions.save_as(state)
+    asked = actions.taken_choice(state)
+    assert asked is not None
+    assert asked.name == "monday.vesselsplat"
+    state.session.notes = "tuesday"
+    browse_actions.chosen(state, asked, places.pictures / "tuesday.vesselsplat")
+    turn(state, channels)
+    turn(state, channels)
+    assert mended_session(places.pictures / "monday.vesselsplat")[0].notes == ""
+    assert mended_session(places.pictures / "tuesday.vesselsplat")[0].notes == "tuesday"
+    assert state.session.path == places.pictures / "tuesday.vesselsplat"
+
+
+def test_a_saved_session_is_among_recent_files_and_opens_from_there(
+    liver: tuple[AppState, Channels], places: Places
+) -> None:
+    state, channels = liver
+    path = places.pictures / "monday.vesselsplat"
+    session_actions.save_to(state, path)
+    assert str(path) not in state.settings.recent  # It is not written yet.
+    turn(state, channels)
+    turn(state, channels)
+    assert state.settings.recent[0] == str(path)
+    actions.set_params(state, EnhanceParams(z=0.5))
+    first = recent_commands.opening(state)[0]
+    assert first.label.startswith("monday.vesselsplat")
+    first.act(state)
+    for _ in range(4):
+        turn(state, channels)
+    assert state.session.path == path
+    assert state.enhancement.params != EnhanceParams(z=0.5)
+
+
+def test_a_session_that_cannot_be_written_is_not_among_them(
+    liver: tuple[AppState, Channels], places: Places
+) -> None:
+    state, channels = liver
+    places.pictures.write_text("in the way")
+    session_actions.save_to(state, places.pictures / "monday.vesselsplat")
+    turn(state, channels)
+    turn(state, channels)
+    assert state.window.banner is not None
+    assert "monday.vesselsplat" not in " ".join(state.settings.recent)
+
+
+def test_what_has_changed_since_is_marked_and_looking_around_is_no_change(
+    liver: tuple[AppState, Channels], places: Places
+) -> None:
+    state, channels = liver
+    assert title_of(state) == "liver - VesselSplat"
+    state.session.notes = "nothing to lose: no file"
+    turn(state, channels)
+    assert title_of(state) == "liver - VesselSplat"
+    path = places.pictures / "monday.vesselsplat"
+    session_actions.save_to(state, path)
+    for _ in range(3):
+        turn(state, channels)
+    assert title_of(state) == "monday.vesselsplat - VesselSplat"
+    actions.seek(state, 4)
+    state.scene.kind = "depth"
+    turn(state, channels)
+    assert title_of(state) == "monday.vesselsplat - VesselSplat"
+    comparing.store(state, "A")
+    turn(state, channels)
+    assert title_of(state) == "monday.vesselsplat* - VesselSplat"
+    session_actions.save(state)
+    turn(state, channels)
+    turn(state, channels)
+    assert title_of(state) == "monday.vesselsplat - VesselSplat"
+    other, channels = opened_state(places, path)
+    for _ in range(3):
+        turn(other, channels)
+    assert title_of(other) == "monday.vesselsplat - VesselSplat"
+    actions.set_params(other, EnhanceParams(z=0.5))
+    turn(other, channels)
+    assert title_of(other) == "monday.vesselsplat* - VesselSplat"
+    actions.open_path(other, phantom_path())
+    for _ in range(4):
+        turn(other, channels)
+    assert title_of(other) == "phantom - VesselSplat"
+    assert title_of(AppState(places)) == "VesselSplat"
+
+
+@pytest.mark.display
+def test_from_the_key_to_the_file(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.gui.frame.dialogs.has_desktop_dialogs", lambda: False)
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(chord("Ctrl+S"))
+        wait(ctx, lambda: state.window.browsing is not None, "the dialog")
+        ctx.yield_(4)
+        ctx.key_chars("monday")
+        ctx.yield_(2)
+        ctx.key_press(imgui.Key.enter)
+        wait(ctx, lambda: (places.pictures / "monday.vesselsplat").is_file(), "the session")
+        before = (places.pictures / "monday.vesselsplat").stat().st_mtime_ns
+        ctx.yield_(4)
+        ctx.key_press(chord("Ctrl+S"))
+        wait(
+            ctx,
+            lambda: (places.pictures / "monday.vesselsplat").stat().st_mtime_ns > before,
+            "the session once more",
+        )
+        assert state.window.browsing is None
+        ctx.key_press(chord("Ctrl+Shift+S"))
+        wait(ctx, lambda: state.window.browsing is not None, "the dialog")
+        ctx.yield_(4)
+        ctx.key_press(imgui.Key.escape)
+        wait(ctx, lambda: state.window.browsing is None, "its end")
+
+    driver.run(drive)
+    assert [path.name for path in places.pictures.iterdir()] == ["monday.vesselsplat"]
+    assert state.settings.recent[0] == str(places.pictures / "monday.vesselsplat")
