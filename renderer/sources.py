@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -36,12 +38,29 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         >>> clip.format, len(clip), clip.size, clip.has_depth
         ('images', 3, (32, 24), False)
     """
+    return with_chosen_depth(open_bare(path, options), options)
+
+
+def open_bare(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+    """The same with no depth but that of its own files. Raises ClipError."""
     if not path.exists():
         raise ClipError(f"expected a clip, got no such file or folder: {path}")
-    try:
+    with _in_one_line(path):
         layout = layout_of(path)
         clip = _thinned(layout.open(path, options), options.frame_step, layout.usual_step(path))
-        return with_depth(replace(clip, split=options.split), options)
+        return replace(clip, split=options.split)
+
+
+def with_chosen_depth(bare: Clip, options: ClipOptions) -> Clip:
+    """What `open_bare` gives, with depth from where the options say. Raises ClipError."""
+    with _in_one_line(bare.path):
+        return with_depth(bare, options)
+
+
+@contextmanager
+def _in_one_line(path: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
     except (CameraError, OverBudget) as error:

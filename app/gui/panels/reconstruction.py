@@ -3,47 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
-from typing import get_args
 
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
-from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import job_actions, laid_out, run_actions
+from app.gui.panels.reconstruction_choices import draw_choices
 from app.gui.state.app_state import AppState
-from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
+from app.gui.state.reconstruction import Reconstruction
 from app.gui.style import theme
-from app.gui.style.fields import NUMBERS, amount, declared, number, resettable, wants_default, with_beside
 from app.gui.style.widgets import (
     button,
-    choose_row,
     em,
     explain,
     in_line,
     in_table,
     muted,
     note,
-    row,
     seconds,
 )
-from app.runs.train_run import RECONSTRUCTION_PARAMS
 from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
-from enhance import EnhanceParams
-from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Omission, Progress
 
-METHODS: dict[Method, str] = {method: named(method) for method in get_args(Method)}
-INPUTS: dict[InputKind, str] = {kind: named(kind) for kind in get_args(InputKind)}
-INPUTS_TEXT = (
-    "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
-    "runs two reconstructions to compare."
-)
-COLOR_TEXT = "Of the frames to reconstruct; the paper reconstructs with d-factor 0.5."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 STATUS = {
     "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
@@ -85,7 +70,7 @@ def draw_reconstruction(state: AppState) -> None:
 
 
 def _draw_next(state: AppState, run: Reconstruction) -> None:
-    _draw_choices(state, run)
+    draw_choices(state)
     if (clip := state.source.clip) is not None and (told := state.source.training_part.told(len(clip))):
         note(f"Trains on {told}", theme.now().warning)
         explain(PART)
@@ -95,53 +80,6 @@ def _draw_next(state: AppState, run: Reconstruction) -> None:
         _draw_omissions(state)
 
 
-def _draw_choices(state: AppState, run: Reconstruction) -> None:
-    config = run.config
-    method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
-    job_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
-    if run.input != "original":
-        _draw_color(state, run.d_factor)
-    iterations = _steps(replace(config, iterations=_quality(run)))
-    if (method, iterations) != (config.method, config.iterations):
-        job_actions.choose_method(state, method, iterations)
-    row("Name", "Folder of the run; if empty, the clip's name and the time.")
-    _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
-    job_actions.name_run(state, name)
-
-
-def _draw_color(state: AppState, d_factor: float) -> None:
-    shown = amount(EnhanceParams, "d_factor")
-    shown = replace(shown, text=f"{COLOR_TEXT} {shown.text}")
-    draw = partial(resettable, "run_d", d_factor, shown, "%.2f")
-    beside = partial(number, f"{shown.of_parameter(d_factor):.2f}")
-    (changed, new, reset), _ = with_beside("Colour", shown.explained(d_factor), NUMBERS, draw, beside)
-    if changed or reset:
-        job_actions.choose_d_factor(state, RECONSTRUCTION_PARAMS.k if reset else new)
-
-
-def _quality(run: Reconstruction) -> int:
-    """The iterations that are chosen by a word, and what they will take where that is known."""
-    now, took = quality_of(run.config.iterations), expected_seconds(run)
-    steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
-    text = f"Number of iterations: {steps}. More are slower and better."
-    shown = {name: name for name in (*QUALITIES, now)}
-    if took is not None:
-        text += f" About {seconds(took)} at the speed of the run shown."
-        shown |= {now: f"{now}, about {seconds(took)}" if took else now}
-    return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
-
-
-def _steps(config: TrainConfig) -> int:
-    about = declared(TrainConfig, "iterations")
-    text = about.text or "Training steps; more are slower and better."
-    row("Iterations", text)
-    changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
-    explain(text)
-    if wants_default("iterations"):
-        return int(about.default)
-    return int(min(max(value, about.lo), about.hi)) if changed else config.iterations
-
-
 def _draw_start(state: AppState) -> None:
     start, reason = partial(job_actions.start_reconstruction, state), job_actions.why_not_reconstruct(state)
     label, text = "Reconstruct", "Runs in the background; the window stays usable."
@@ -149,8 +87,6 @@ def _draw_start(state: AppState) -> None:
         label = "Add to the queue"
         text = "Starts with the current settings when the runs before it have ended."
     button(f"{label}###start", start, text, reason=reason, color=theme.now().lit, width=-1.0)
-    if reason and state.source.clip is not None:
-        note(reason)
 
 
 def _draw_end(state: AppState, run: Reconstruction) -> None:

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Literal
 
 from app.enhancement.settable import InputKind
+from app.gui.session_file import KeptSettings
 from app.gui.work.omissions import Omissions
 from app.gui.work.runs import FoundRuns, LeftRequest, ModelRequest
 from app.runs.job import TrainingJob
 from app.runs.progress_log import EMPTY_LOG, TrainingLog
-from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
+from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
@@ -47,8 +48,8 @@ class Reconstruction:
 
     config: TrainConfig = field(default_factory=TrainConfig)
     input: InputKind = "original"
-    d_factor: float = RECONSTRUCTION_PARAMS.k
-    """Of the frames that are enhanced for the reconstruction."""
+    kept: KeptSettings | None = None
+    """What frames are enhanced with for the reconstruction; None: as the image is."""
     name: str = ""
     """Folder name of the next run; empty: made from the clip's name and the time."""
 

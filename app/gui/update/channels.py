@@ -15,6 +15,7 @@ from app.gui.actions import (
     actions,
     batch_actions,
     camera_actions,
+    depth_actions,
     edit_actions,
     export_actions,
     job_actions,
@@ -35,6 +36,7 @@ from app.gui.views.comparison import SIDES
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
+from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.measuring import Measurer
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
@@ -55,6 +57,7 @@ Server = Literal["first", "second", "apart"]
 waits for; or a thread of its own for each request: what opens files, without numba, may never end."""
 SECOND: Final = "second"
 NO_STRIP = "the clip's thumbnails cannot be shown"
+NO_WAYS = "where depth can come from cannot be told"
 NO_THUMBNAILS = "presets cannot be previewed"
 
 
@@ -99,6 +102,7 @@ class Channels:
         self.opening = NewestChannel(open_path)
         self.second_opening = NewestChannel(open_path)
         self.clips = NewestChannel(take_up)
+        self.ways, self.depths = NewestChannel(find_ways), NewestChannel(read_depth)
         self.models, self.left = Channel(run_model), Channel(left_of)
         self.picks, self.selecting = Channel(pick), Channel(Selector().select)
         self.frames = Channel(read_frame)
@@ -133,6 +137,9 @@ class Channels:
                 patience=Patience(_still_waiting)),
             Row(self.clips, queue_actions.take_clip, wishes.clip_wish, "apart", forgets=False,
                 patience=Patience(_waits_for_clip, can_stop=False)),
+            Row(self.ways, told(NO_WAYS, depth_actions.take_ways, actions.say),
+                wishes.ways_wish, "apart"),
+            Row(self.depths, depth_actions.take_depth, lambda s: s.source.depth_wish, "apart"),
             *(Row(channel, partial(taking.take_other, side), partial(wishes.side_wish, side=side),
                   forgets=False) for side, channel in self.others.items()),
             Row(self.kept, told("the queue cannot be saved", taking.take_nothing, actions.say),

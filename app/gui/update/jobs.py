@@ -32,7 +32,7 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
     state.runs.reconstruction = Reconstruction(
         config=draft.config,
         input=draft.input,
-        d_factor=draft.d_factor,
+        kept=draft.kept,
         name=draft.name,
         status="starting",
         job=job,

@@ -11,6 +11,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
+from app.gui.work.depths import WaysRequest
 from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
 from app.gui.work.strip import LeftOutRequest, StripRequest
@@ -76,6 +77,14 @@ def left_out_wish(state: AppState) -> LeftOutRequest | None:
     if clip is None or state.picture.pictures is None or not state.picture.overlay:
         return None
     return LeftOutRequest(clip, state.timeline.shown_index, state.source.part.mask)
+
+
+def ways_wish(state: AppState) -> WaysRequest | None:
+    """Where the depth of the clip can come from, once its pictures are there."""
+    bare, known = state.source.bare, state.source.depth_ways
+    if bare is None or known is not None or state.picture.pictures is None:
+        return None
+    return WaysRequest(bare, state.source.options)
 
 
 def to_tidy(state: AppState) -> OnScreen | None:

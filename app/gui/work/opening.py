@@ -22,7 +22,7 @@ from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.regular_files import require_regular
-from renderer.sources import open_clip
+from renderer.sources import open_bare, open_clip, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.view_files import Views, import_views
@@ -62,6 +62,8 @@ class Opened:
 
     clip: Clip | None
     run: OpenedRun | None = None
+    bare: Clip | None = None
+    """The clip with no depth but that of its own files."""
     splats: Scene | None = None
     """Of a file of splats."""
     notices: tuple[str, ...] = ()
@@ -96,10 +98,32 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     if run.is_run or request.path.suffix == ".safetensors":
         yield _open_run(run)
         return
-    clip = open_clip(request.path, request.options)
+    read = _read(request.path, request.options)
     # A folder that lists but does not decode is found out here, not in the middle of a session.
-    clip.read_image(0)
-    yield Opened(clip, notices=clip.notices, options=request.options)
+    read.bare.read_image(0)
+    yield Opened(
+        read.clip, bare=read.bare, notices=read.clip.notices, options=read.options, warning=read.warning
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Read:
+    clip: Clip
+    bare: Clip
+    options: ClipOptions
+    warning: str = ""
+
+
+def _read(path: Path, options: ClipOptions) -> _Read:
+    """With depth as the options say, or as the clip has it where there is no such depth. Raises ClipError."""
+    bare = open_bare(path, options)
+    try:
+        return _Read(with_chosen_depth(bare, options), bare, options)
+    except ClipError as error:
+        if options.depth == "auto":
+            raise
+        plain = replace(options, depth="auto")
+        return _Read(with_chosen_depth(bare, plain), bare, plain, f"opened without the chosen depth: {error}")
 
 
 def _require_file_or_folder(path: Path) -> None:
@@ -148,7 +172,7 @@ def _open_splats(path: Path) -> Opened:
 
 def _open_run(folder: RunFolder) -> Opened:
     record = folder.record()
-    clip, notices = _clip_of(record)
+    clip, bare, notices = _clip_of(record)
     finished, warning, said = folder.is_finished, "", told(folder)
     model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
     if model is not None and clip is not None and model.is_of(clip):
@@ -164,7 +188,7 @@ def _open_run(folder: RunFolder) -> Opened:
         onward = f"{folder.path.name} is not finished: Continue resumes from its last checkpoint{shown}"
         notices = (*notices, onward)
     run = OpenedRun(folder.path, record, request_of(folder, record), model, said)
-    return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
+    return Opened(clip, run, bare, notices=notices, options=record.clip.options, warning=warning)
 
 
 def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> Scene | None:
@@ -196,12 +220,14 @@ def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
     )
 
 
-def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
+def _clip_of(record: RunRecord) -> tuple[Clip | None, Clip | None, tuple[str, ...]]:
+    """As it was trained on, and with no depth but that of its own files."""
     try:
-        clip = open_clip(Path(record.clip.path), record.clip.options)
-        return clip, clip.notices
+        bare = open_bare(Path(record.clip.path), record.clip.options)
+        clip = with_chosen_depth(bare, record.clip.options)
+        return clip, bare, clip.notices
     except ClipError as error:
-        return None, (f"the run's clip cannot be opened; only its model is shown: {error}",)
+        return None, None, (f"the run's clip cannot be opened; only its model is shown: {error}",)
 
 
 @dataclass(frozen=True)
