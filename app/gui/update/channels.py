@@ -36,6 +36,7 @@ from app.gui.views.comparison import SIDES
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
+from app.gui.work.beside import find_models
 from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.measuring import Measurer
 from app.gui.work.omissions import look
@@ -57,6 +58,7 @@ Server = Literal["first", "second", "apart"]
 waits for; or a thread of its own for each request: what opens files, without numba, may never end."""
 SECOND: Final = "second"
 NO_STRIP = "the clip's thumbnails cannot be shown"
+NO_MODELS = "what can be seen in a second view cannot be told"
 NO_WAYS = "where depth can come from cannot be told"
 NO_THUMBNAILS = "presets cannot be previewed"
 
@@ -120,7 +122,7 @@ class Channels:
         self.strip, self.left_out = Channel(make_strip), Channel(left_out)
         self.measures = Channel(Measurer().measure)
         self.omissions = Channel(look)
-        self.runs = Channel(RunFinder().find)
+        self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
         self.files = Channel(write_file, depth=256)
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
@@ -159,6 +161,8 @@ class Channels:
             Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
                 lambda s: s.omissions_request, SECOND),
             Row(self.runs, run_actions.take_found, lambda s: s.runs_request, SECOND),
+            Row(self.beside, told(NO_MODELS, second_actions.take_models, actions.say), wishes.models_wish,
+                SECOND),
             Row(self.view, taking.take_view, wishes.view_wish),
             Row(self.second, taking.take_second, wishes.second_wish),
             Row(self.cells, tuning_actions.take_cell, wishes.cell_wish),

@@ -11,6 +11,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
+from app.gui.work.beside import BesideRequest
 from app.gui.work.depths import WaysRequest
 from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
@@ -149,6 +150,13 @@ def bake_wish(state: AppState, shown: Scene | None, baked: Baked | None) -> Bake
     if baked is None or baked.request.shown is not shown:
         return BakeRequest(shown)
     return BakeRequest(shown, baked.baker, baked.request.part + 1) if baked.keyframes is None else None
+
+
+def models_wish(state: AppState) -> BesideRequest | None:
+    """Which of what was opened lately can be seen beside the model that is shown."""
+    if state.scene.model is None:
+        return None
+    return BesideRequest(state.settings.recent, state.runs.reconstruction.status)
 
 
 def to_keep(state: AppState) -> KeepRequest:
