@@ -28,6 +28,7 @@ from app.files.legible import located
 from app.files.records import extended
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
+from app.gui.state.pace import Pace
 from app.gui.state.panes import other_request, shown_mode, why_not
 from app.gui.views.comparison import SIDES, Side, label_of
 from app.gui.work.background import Failure
@@ -153,7 +154,7 @@ def export_request(state: AppState, what: What) -> ExportRequest | None:
     if why_not_export(state, what):
         return None
     request = _request(state, OFFERS[what])
-    state.exports.under_way, state.exports.done = request, 0
+    state.exports.under_way, state.exports.pace = request, Pace()
     return request
 
 
@@ -299,7 +300,7 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         state.exports.under_way = None
         actions.announce(state, f"exported {answer.path.name} in {located(answer.path.parent)}")
     else:
-        state.exports.done = answer.done
+        state.exports.pace = state.exports.pace.after(answer.done, state.window.now)
 
 
 def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:

@@ -120,7 +120,7 @@ def _draw_progress(state: AppState) -> None:
         note(REPLAY)
         return
     total, done = max(under_way.steps, 1), state.exports.done
-    imgui.progress_bar(done / total, ImVec2(-em(7), 0), f"{done} of {total}")
+    imgui.progress_bar(done / total, ImVec2(-em(7), 0), state.exports.pace.told(total))
     imgui.same_line()
     button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=6)
     # As high as the two lines in its place, so that no button moves away from the pointer.

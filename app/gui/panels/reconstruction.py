@@ -14,6 +14,7 @@ from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.panels.reconstruction_choices import draw_choices
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Reconstruction
+from app.gui.state.run_words import COMPILING, doing, share_done
 from app.gui.style import theme
 from app.gui.style.widgets import (
     button,
@@ -30,13 +31,9 @@ from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
-STATUS = {
-    "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
-    "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
-}  # fmt: skip
-FIRST_STEP = "Preparing the first step…"
 FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
 """Its kernels are compiled then."""
+PAUSES = "Pauses are not counted."
 PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
 DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
 LOSS = "Mean since the previous point."
@@ -59,7 +56,7 @@ def draw_reconstruction(state: AppState) -> None:
             _draw_end(state, run)
         _draw_next(state, run)
     if run.status != "none":
-        _draw_status(run)
+        _draw_status(state, run)
     _draw_curves(run)
     _draw_messages(run)
     if run.is_alive:
@@ -115,39 +112,32 @@ def _draw_hold(state: AppState) -> None:
         button(label, partial(act, state), text, enabled=enabled, width=width)
 
 
-def status_of(run: Reconstruction) -> str:
-    """What it is at, in a word or two."""
-    return FIRST_STEP if run.status == "running" and run.progress is None else STATUS[run.status]
-
-
-def _draw_status(run: Reconstruction) -> None:
-    progress = run.progress
-    imgui.text_unformatted(status_of(run))
+def _draw_status(state: AppState, run: Reconstruction) -> None:
+    progress, words = run.progress, doing(state)
+    note(words, theme.now().text)
     if run.request is not None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
-    if progress is None:
-        if run.is_alive and run.preparing is not None:
-            stage = run.preparing
-            left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
-            note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
-            if stage.total:
-                _draw_bar(stage.done, stage.total)
-            note(capital(run.planned))
-        elif run.status == "running":
-            note(FIRST_USE)
-        return
-    left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
-    imgui.same_line()
+    if words == COMPILING:
+        note(FIRST_USE)
+    if run.status == "starting":
+        if run.preparing is not None:
+            note(f"{seconds(run.preparing.seconds)} so far")
+        note(capital(run.planned))
+    if progress is not None and not run.is_alive:
+        _draw_took(progress)
+    if (share := share_done(run)) is not None:
+        imgui.progress_bar(share, ImVec2(-1, em(1.25)), f"{share:.0%}")
+        if progress is not None:
+            explain(f"{capital(in_all(progress.wall_seconds, progress.seconds, '.0f'))}. {PAUSES}")
+
+
+def _draw_took(progress: Progress) -> None:
+    """How long the run went on."""
     wall = progress.wall_seconds
-    shown = f"{seconds(progress.seconds)} training" if wall is None else f"{seconds(wall)} in total"
-    muted(f"{shown}{left}")
-    explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses are not counted.")
-    _draw_bar(progress.iteration, progress.iterations)
-
-
-def _draw_bar(done: int, total: int) -> None:
-    imgui.progress_bar(done / total, ImVec2(-1, em(1.25)), f"{grouped(done)} / {grouped(total)}")
+    imgui.same_line()
+    muted(f"{seconds(progress.seconds)} training" if wall is None else f"{seconds(wall)} in total")
+    explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. {PAUSES}")
 
 
 def _draw_omissions(state: AppState) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from app.exports.exporting import ExportRequest
 from app.exports.sizing import Sizing
+from app.gui.state.pace import Pace
 from app.gui.work.batching import BatchRequest, Progressed
 
 
@@ -26,8 +27,13 @@ class Exports:
     settling: int = 0
     """Frames until the whole window is saved as it then is; 0: that is not asked for."""
     under_way: ExportRequest | None = None
-    done: int = 0
-    """Steps of it."""
+    pace: Pace = field(default_factory=Pace)
+    """Steps of it that are done, and how fast."""
+
+    @property
+    def done(self) -> int:
+        """Steps of it."""
+        return self.pace.done
 
     @property
     def is_busy(self) -> bool:

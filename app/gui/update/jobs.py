@@ -13,7 +13,16 @@ from app.runs.job import Cancelled, Failed, Paused, Resumed, TrainingJob
 from app.runs.memory import told
 from app.runs.train_run import TrainRequest
 from app.runs.wall_clock import in_all
-from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
+from renderer.train.events import (
+    Evaluated,
+    Finished,
+    Finishing,
+    Planned,
+    Preparing,
+    Progress,
+    Started,
+    Warned,
+)
 
 MakeJob = Callable[[TrainRequest], TrainingJob]
 
@@ -72,11 +81,14 @@ def _hear(state: AppState, event: object) -> None:
             run.planned = told(event)
         case Started():
             run.started, run.status, run.preparing = event, "running", None
+            run.started_at = state.window.now
             # What was done after the checkpoint is done again.
             run.told = run.told.until(event.iteration)
         case Progress():
             run.progress = event
             run.told = replace(run.told, progress=(*run.told.progress, event))
+        case Finishing():
+            run.finishing = event
         case Evaluated():
             run.told = replace(run.told, evaluated=(*run.told.evaluated, event))
         case Warned():
