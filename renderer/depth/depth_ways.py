@@ -52,6 +52,9 @@ def way_of(clip: Clip) -> DepthWay | None:
 
 def depth_ways(bare: Clip, options: ClipOptions) -> DepthWays:
     """Of a clip without any depth but that of its files. Looks at the first pair of a stereo clip."""
+    if not bare.has_one_size:
+        why = f"{bare.why_no_depth[:1].upper()}{bare.why_no_depth[1:]}."
+        return DepthWays(why, why, why, "brightness")
     moves = "" if bare.camera_is_fixed else "The camera moves by known lengths, and a guess has no scale."
     return DepthWays(
         why_not_measured="" if bare.has_depth else "This clip comes with no measured depth.",

@@ -158,8 +158,9 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     say(state, f"opened {path.name}")
     if opened.warning:
         fail(state, opened.warning)
-    state.settings = state.settings.opened(path)
-    save_settings(state)
+    if not opened.in_passing:
+        state.settings = state.settings.opened(path)
+        save_settings(state)
 
 
 def _show_run(state: AppState, opened: Opened) -> None:
@@ -207,9 +208,27 @@ def seek(state: AppState, index: int) -> None:
 
 
 def step(state: AppState, frames: int) -> None:
-    """So many frames on or back, standing still; thaws a frozen picture, which would not show it."""
+    """So many frames on or back, standing still; thaws a frozen picture, which would not show it. A single
+    image gives way to one so many on or back in its folder."""
+    if state.source.place is not None:
+        _open_beside(state, frames)
+        return
     state.timeline.playing, state.timeline.frozen_index = False, None
     seek(state, state.timeline.frame_index + frames)
+
+
+def _open_beside(state: AppState, by: int) -> None:
+    """Another image of the folder; nothing where there is none left, or while one is on its way."""
+    images = state.source.neighbours.onward(state.source.path, by)
+    if not images or state.source.opening is not None:
+        return
+
+    def go() -> None:
+        first, *onward = images
+        state.source.opening = OpenRequest(first, state.source.options_for(first), tuple(onward))
+        state.window.banner = None
+
+    leave(state, go)
 
 
 def go_to_end(state: AppState, *, last: bool) -> None:

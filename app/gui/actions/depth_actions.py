@@ -52,6 +52,8 @@ def why_no_depth(state: AppState) -> str:
     clip = state.source.clip
     if clip is None or clip.has_depth or clip.points is not None:
         return ""
+    if not clip.has_one_size:
+        return f"{capital(clip.why_no_depth)}."
     why = f"{capital(legible(clip.why_no_depth))}." if clip.why_no_depth else "This clip has no depth."
     return f"{why} Guessed: no scale, so no distances in mm."
 

@@ -131,6 +131,8 @@ def _lacks(state: AppState, offer: Offer) -> str:
         return ""
     if state.source.clip is None:
         return "Open a clip first."
+    if offer.form == "panes video" and not state.source.clip.has_one_size:
+        return "The images differ in size: no video can show them."
     if offer.as_shown:
         return ""
     reasons = (why_not(state, state.comparing.chosen.source(side)) for side in offer.sides)

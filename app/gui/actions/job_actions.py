@@ -204,4 +204,5 @@ def why_not_reconstruct(state: AppState) -> str:
         return "Open a clip first."
     if state.source.depth_wish is not None:
         return depth_actions.READING
-    return f"Choose Depth first. {why}" if (why := depth_actions.why_no_depth(state)) else ""
+    why = depth_actions.why_no_depth(state)
+    return f"Choose Depth first. {why}" if why and clip.has_one_size else why

@@ -83,7 +83,8 @@ def _facts(state: AppState) -> list[str]:
     if state.opens:
         return [*facts, state.opens]
     if state.source.clip is not None:
-        width, height = state.source.clip.size
+        camera = state.source.clip.cameras[state.timeline.shown_index]
+        width, height = camera.width, camera.height
         facts.append(f"{legible(state.source.clip.name)}  {width}×{height}")
     if state.picture.pictures is not None and state.picture.pictures.enhanced is not None:
         facts.append(f"enhanced in {_while(state.picture.pictures.milliseconds)}")

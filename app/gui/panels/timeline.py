@@ -30,11 +30,13 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     """Two rows; greyed out without a clip."""
     count = 1 if state.source.clip is None else len(state.source.clip)
     _draw_strip(state, count, texture)
-    imgui.begin_disabled(count < 2)
+    imgui.begin_disabled(count < 2 and state.source.place is None)
     _draw_transport(state)
+    imgui.end_disabled()
+    imgui.begin_disabled(count < 2)
     imgui.same_line()
     imgui.set_next_item_width(-em(24.5))
-    label = _place(state.source.clip, state.timeline.frame_index)
+    label = in_folder(state) or _place(state.source.clip, state.timeline.frame_index)
     now, most, flags = state.timeline.frame_index + 1, max(count, 2), imgui.SliderFlags_.always_clamp
     grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
     with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
@@ -49,6 +51,12 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     imgui.same_line()
     save, enabled = partial(export_actions.save_picture, state), has_something(state)
     button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, enabled=enabled, width=-1.0)
+
+
+def in_folder(state: AppState) -> str:
+    """Which of its folder's images a single one is; empty where there is none beside it."""
+    place = state.source.place
+    return "" if place is None else f"{place + 1} of {len(state.source.neighbours.images)} in this folder"
 
 
 def _place(clip: Clip | None, index: int) -> str:
@@ -69,7 +77,8 @@ def _draw_transport(state: AppState) -> None:
         width=2.2,
     )
     imgui.same_line(0, em(0.2))
-    button(f"{play}###play", partial(actions.toggle_play, state), "Space: play or pause", width=3)
+    toggle, plays = partial(actions.toggle_play, state), state.source.place is None
+    button(f"{play}###play", toggle, "Space: play or pause", enabled=plays, width=3)
     imgui.same_line(0, em(0.2))
     button(
         f"{icons.ICON_FA_STEP_FORWARD}##on",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from app.gui.work.depths import DepthRequest
+from app.gui.work.neighbours import Neighbours
 from app.gui.work.opening import OpenRequest
 from app.gui.work.reported import Reported
 from app.gui.work.settings import KnownClip
@@ -37,6 +38,8 @@ class Source:
     """Where its depth can come from; None until that is known."""
     depth_wish: DepthRequest | None = None
     """The clip with other depth, until it is there."""
+    neighbours: Neighbours = field(default_factory=Neighbours)
+    """Of the image that is open, or was; it is one of them where they are its."""
     part: ClipPart = WHOLE
     """Trim and mask of the open clip."""
     known: dict[str, KnownClip] = field(default_factory=dict)
@@ -51,6 +54,12 @@ class Source:
     def training_part(self) -> ClipPart:
         """What of the open clip the next reconstruction is of."""
         return replace(self.part, trim=self.span if self.part.trim else None)
+
+    @property
+    def place(self) -> int | None:
+        """Of a single image that is open, among those of its folder; None where it has none beside it."""
+        single = self.clip is not None and self.clip.format == "image"
+        return self.neighbours.place(self.path) if single and len(self.neighbours.images) > 1 else None
 
     @property
     def depth(self) -> DepthSource:

@@ -39,6 +39,7 @@ from app.gui.work.batching import batch
 from app.gui.work.beside import find_models
 from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.measuring import Measurer
+from app.gui.work.neighbours import find_neighbours
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
@@ -59,6 +60,7 @@ waits for; or a thread of its own for each request: what opens files, without nu
 SECOND: Final = "second"
 NO_STRIP = "the clip's thumbnails cannot be shown"
 NO_MODELS = "what can be seen in a second view cannot be told"
+NO_NEIGHBOURS = "the images beside this one cannot be listed"
 NO_WAYS = "where depth can come from cannot be told"
 NO_THUMBNAILS = "presets cannot be previewed"
 
@@ -105,6 +107,7 @@ class Channels:
         self.second_opening = NewestChannel(open_path)
         self.clips = NewestChannel(take_up)
         self.ways, self.depths = NewestChannel(find_ways), NewestChannel(read_depth)
+        self.neighbours = NewestChannel(find_neighbours)
         self.models, self.left = Channel(run_model), Channel(left_of)
         self.picks, self.selecting = Channel(pick), Channel(Selector().select)
         self.frames = Channel(read_frame)
@@ -141,6 +144,8 @@ class Channels:
                 patience=Patience(_waits_for_clip, can_stop=False)),
             Row(self.ways, told(NO_WAYS, depth_actions.take_ways, actions.say),
                 wishes.ways_wish, "apart"),
+            Row(self.neighbours, told(NO_NEIGHBOURS, taking.take_neighbours, actions.say),
+                wishes.neighbours_wish, "apart"),
             Row(self.depths, depth_actions.take_depth, lambda s: s.source.depth_wish, "apart"),
             *(Row(channel, partial(taking.take_other, side), partial(wishes.side_wish, side=side),
                   forgets=False) for side, channel in self.others.items()),

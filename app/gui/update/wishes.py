@@ -13,6 +13,7 @@ from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
 from app.gui.work.beside import BesideRequest
 from app.gui.work.depths import WaysRequest
+from app.gui.work.neighbours import NeighboursRequest
 from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
 from app.gui.work.strip import LeftOutRequest, StripRequest
@@ -86,6 +87,14 @@ def ways_wish(state: AppState) -> WaysRequest | None:
     if bare is None or known is not None or state.picture.pictures is None:
         return None
     return WaysRequest(bare, state.source.options)
+
+
+def neighbours_wish(state: AppState) -> NeighboursRequest | None:
+    """Of a single image, once it is there."""
+    clip, path = state.source.clip, state.source.path
+    if clip is None or path is None or clip.format != "image" or state.picture.pictures is None:
+        return None
+    return NeighboursRequest(path)
 
 
 def to_tidy(state: AppState) -> OnScreen | None:

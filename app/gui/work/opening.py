@@ -21,8 +21,10 @@ from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.listing import listed
+from renderer.readers.stills import NOT_READABLE
 from renderer.regular_files import require_regular
-from renderer.sources import open_bare, open_clip, with_chosen_depth
+from renderer.sources import open_bare, open_case, open_clip, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.view_files import Views, import_views
@@ -37,6 +39,8 @@ class OpenRequest:
 
     path: Path
     options: ClipOptions = DEFAULTS
+    onward: tuple[Path, ...] | None = None
+    """Of one of a folder's images after another, those behind it: the first that can be read is opened."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +83,34 @@ class Opened:
     """Nothing else is opened with them."""
     warning: str = ""
     """What could not be opened of it."""
+    in_passing: bool = False
+    """One of a folder's images after another: not worth remembering."""
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
     """Raises ClipError, UserError or OSError: one line for the banner."""
+    if request.onward is not None:
+        yield _open_next(request.path, request.onward, request.options)
+    else:
+        yield from _open(request)
+
+
+def _open_next(first: Path, onward: tuple[Path, ...], options: ClipOptions) -> Opened:
+    """The first image that can be read; those before it are passed over, in one line."""
+    passed, trouble = list[str](), ClipError(f"expected an image, got none: {first}")
+    for path in (first, *onward):
+        try:
+            (opened,) = _open(OpenRequest(path, options))
+        except (ClipError, UserError, OSError) as error:
+            passed.append(path.name)
+            trouble = ClipError(str(error)) if len(passed) == 1 else trouble
+        else:
+            said = f"passed over, not readable: {listed(passed)}" if passed else opened.warning
+            return replace(opened, path=path, warning=said, in_passing=True)
+    raise trouble
+
+
+def _open(request: OpenRequest) -> Iterator[Opened]:
     _require_file_or_folder(request.path)
     if request.path.suffix == SUFFIX:
         yield _open_session(request.path)
@@ -116,7 +144,10 @@ class _Read:
 
 def _read(path: Path, options: ClipOptions) -> _Read:
     """With depth as the options say, or as the clip has it where there is no such depth. Raises ClipError."""
-    bare = open_bare(path, options)
+    bare = open_case(path, options)
+    if not bare.has_one_size:
+        passed = next((said for said in bare.notices if said.startswith(NOT_READABLE)), "")
+        return _Read(bare, bare, options, passed)
     try:
         return _Read(with_chosen_depth(bare, options), bare, options)
     except ClipError as error:
