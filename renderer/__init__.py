@@ -7,7 +7,7 @@ depth (H, W) along z, 0 = not measured; masks (H, W), True = kept; quaternions w
 - Clips: `open_clip`, `ClipOptions`, `Clip`, `Frame`, `Camera`, with `ClipError` and `CameraError`; a
   synthetic one with exact truth: `Phantom`, `PhantomParams`, `write_phantom`.
 - Training: `train`, `TrainConfig`, `TrainingError`; it yields a `TrainEvent` at a time: `Started`,
-  `Progress`, `Snapshot`, `Evaluated`, `Warned`, `Finished`.
+  `Progress`, `Snapshot`, `Evaluated`, `Finishing`, `Warned`, `Finished`.
 - Models: `DynamicGaussians` over time, `RawGaussians` at rest, `Splats` at one moment; splat files of this
   and other programs: `read_splats`, `write_splats`, `SplatFile`, `SplatFileError`.
 - Drawing: `render` and `Rasterizer` on the CPU give `Rendered`; `rasterize` is differentiable and the one
@@ -45,6 +45,7 @@ if _typing.TYPE_CHECKING:
     from renderer.train.events import (
         Evaluated,
         Finished,
+        Finishing,
         Progress,
         Snapshot,
         Started,
@@ -62,6 +63,7 @@ __all__ = [
     "DynamicGaussians",
     "Evaluated",
     "Finished",
+    "Finishing",
     "Frame",
     "OpenGLUnavailable",
     "Phantom",
@@ -112,7 +114,7 @@ _MODULES = {
     "splat_files": "SplatFile SplatFileError read_splats write_splats",
     "splats": "Splats",
     "train.config": "TrainConfig",
-    "train.events": "Evaluated Finished Progress Snapshot Started TrainEvent Warned",
+    "train.events": "Evaluated Finished Finishing Progress Snapshot Started TrainEvent Warned",
     "train.trainer": "TrainingError train",
 }
 _HOME = {name: f"renderer.{module}" for module, names in _MODULES.items() for name in names.split()}

@@ -163,8 +163,13 @@ class Clip:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height in pixels."""
+        """Width and height in pixels, of the first frame."""
         return self.cameras[0].width, self.cameras[0].height
+
+    @property
+    def has_one_size(self) -> bool:
+        """All frames are of that size; else they are single images, each with a camera of its own."""
+        return all((camera.width, camera.height) == self.size for camera in self.cameras)
 
     @property
     def times(self) -> tuple[float, ...]:

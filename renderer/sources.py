@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +13,8 @@ from renderer.clip import Clip, ClipError
 from renderer.depth.clip_depth import with_depth
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.picture_kinds import frame_folder
+from renderer.readers.stills import images_in, open_stills
 from renderer.readers.video_header import read_video_header
 
 
@@ -36,12 +40,49 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         >>> clip.format, len(clip), clip.size, clip.has_depth
         ('images', 3, (32, 24), False)
     """
+    return with_chosen_depth(open_bare(path, options), options)
+
+
+def open_bare(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+    """The same with no depth but that of its own files. Raises ClipError."""
     if not path.exists():
         raise ClipError(f"expected a clip, got no such file or folder: {path}")
-    try:
+    with _in_one_line(path):
         layout = layout_of(path)
         clip = _thinned(layout.open(path, options), options.frame_step, layout.usual_step(path))
-        return with_depth(replace(clip, split=options.split), options)
+        return replace(clip, split=options.split)
+
+
+def open_case(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+    """The same to look at: of a folder also single images of several sizes, which cannot be trained on.
+
+    Raises ClipError.
+    """
+    try:
+        return open_bare(path, options)
+    except ClipError:
+        if not path.is_dir():
+            raise
+        with _in_one_line(path):
+            if layout_of(path).is_data_set:
+                raise
+            folder = frame_folder(path)
+            stills = open_stills(folder, options.field_of_view) if images_in(folder) else None
+        if stills is None or stills.has_one_size:
+            raise
+        return replace(stills, path=path, name=path.resolve().name)
+
+
+def with_chosen_depth(bare: Clip, options: ClipOptions) -> Clip:
+    """What `open_bare` gives, with depth from where the options say. Raises ClipError."""
+    with _in_one_line(bare.path):
+        return with_depth(bare, options)
+
+
+@contextmanager
+def _in_one_line(path: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise ClipError(f"cannot read the clip, {error.strerror or error}: {path}") from error
     except (CameraError, OverBudget) as error:

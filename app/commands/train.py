@@ -27,7 +27,17 @@ from app.runs.train_run import PRESETS, TrainRequest, device_of, run_training
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Omission, Planned, Preparing, Progress, Started, Warned
+from renderer.train.events import (
+    Evaluated,
+    Finished,
+    Finishing,
+    Omission,
+    Planned,
+    Preparing,
+    Progress,
+    Started,
+    Warned,
+)
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -158,6 +168,7 @@ def _kept(folder: RunFolder) -> str:
 def follow(request: TrainRequest, device: Device) -> Finished:
     """Train with progress on stderr, of what comes before it too."""
     finished: Finished | None = None
+    done = 0
     with Stages() as shown:
         training = partial(shown.of, f"train {request.input} on {device}", request.config.iterations)
         for event in run_training(request):
@@ -170,9 +181,12 @@ def follow(request: TrainRequest, device: Device) -> Finished:
                 case Started():
                     training()
                 case Progress():
+                    done = event.iteration
                     training()(event.iteration, f"loss {event.loss:.4f} PSNR {event.psnr:.2f} dB")
                 case Evaluated():
                     training()(event.iteration, f"held-out PSNR {event.psnr:.2f} dB")
+                case Finishing():
+                    training()(done, event.stage)
                 case Warned():
                     sys.stderr.write(f"{event.message}\n")
                 case Finished():

@@ -48,7 +48,6 @@ from app.runs.run_edits import MOST, MaskText
 from app.scenes.free_camera import FreeView
 from app.scenes.view_kinds import ViewKind
 from enhance import EnhanceParams
-from enhance.params import DFactor
 from enhance.vessel import VesselParams
 from renderer.json_files import parsed, read_text
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -113,6 +112,15 @@ class Choice:
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class KeptSettings:
+    """Of frames that are reconstructed, apart from what the image is set to."""
+
+    params: RecordedSettings
+    since: Name = ""
+    """When they were the image's; local, ISO 8601 to the minute."""
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
 class UnsavedEdits:
     """Of the open model, not kept beside its run yet; masks as in edits.json."""
 
@@ -167,7 +175,8 @@ class Session:
     """Share of the frame over a snapped view."""
     config: TrainConfig = TrainConfig()
     input: InputKind = "original"
-    d_factor: DFactor = 0.5
+    kept: KeptSettings | None = None
+    """Settings of frames that are reconstructed; None: as the image."""
     run_name: Name = ""
     varied: Annotated[tuple[Choice, ...], at_most(2)] = ()
     tuning_shown: bool = False

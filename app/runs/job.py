@@ -21,13 +21,24 @@ from app.runs.shared_model import Slot, SlotReader
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.worker import Cancelled, Ended, Failed, Paused, Resumed, Steps, Word, work
 from renderer.gaussians import DynamicGaussians
-from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
+from renderer.train.events import (
+    Evaluated,
+    Finished,
+    Finishing,
+    Planned,
+    Preparing,
+    Progress,
+    Started,
+    Warned,
+)
 
 __all__ = ["Cancelled", "Failed", "JobEvent", "Paused", "Resumed", "State", "TrainingJob"]
 
 State = Literal["new", "running", "paused", "finished", "cancelled", "failed"]
 Ending = Finished | Cancelled | Failed
-JobEvent = Preparing | Planned | Started | Progress | Evaluated | Warned | Paused | Resumed | Ending
+JobEvent = (
+    Preparing | Planned | Started | Progress | Evaluated | Finishing | Warned | Paused | Resumed | Ending
+)
 STATE_AFTER: Final[Mapping[type, State]] = MappingProxyType(
     {Paused: "paused", Resumed: "running", Finished: "finished", Cancelled: "cancelled", Failed: "failed"}
 )

@@ -98,7 +98,7 @@ class ReadAhead:
         if any(self._store[self._places[index]].depth_mask.any() for index in probes):
             return
         labels = ", ".join(self._source.labels[index] for index in probes)
-        way = "--depth brightness estimates it, without a scale"
+        way = "--depth brightness, or Depth in the window, estimates it without a scale"
         wanted = "expected left and right images of one scene"
         raise ClipError(f"{wanted}, got none that match in {labels} ({way}): {self._source.path}")
 

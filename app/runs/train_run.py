@@ -40,7 +40,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip, require_depth_source
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Progress, Snapshot, Started, TrainEvent, Warned
+from renderer.train.events import Finished, Finishing, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.frame_store import nearest_folder
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.trainer import TrainingError, require_depth, train
@@ -159,12 +159,13 @@ def _told(
 ) -> Generator[TrainEvent, None, None]:
     """The event, with what the clip's notices add to it and the time in all, kept and said."""
     if isinstance(event, Finished):
+        yield Finishing("saving the model", 0.0)
         run.save_model(event.model)
     if isinstance(event, Progress | Finished):
         event = replace(event, wall_seconds=clock.seconds())
     warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
     for told in (event, *warnings):
-        if not isinstance(told, Snapshot):
+        if not isinstance(told, Snapshot | Finishing):
             facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
             run.log(told, **facts)
         yield told

@@ -117,6 +117,15 @@ def read_rgb(path: Path) -> ByteImage:
     return np.repeat(byte[:, :, None], 3, axis=2)
 
 
+def upright_size(path: Path) -> tuple[int, int]:
+    """Width and height as `read_rgb` gives them, by the header. Raises ClipError: the file is no picture."""
+    try:
+        with opened(path) as picture:
+            return _upright_size(picture, path)
+    except BROKEN as error:
+        raise _unreadable(path, error) from error
+
+
 def common_size(paths: Iterable[Path]) -> tuple[int, int]:
     """Width and height shared by all the pictures; only their headers are read.
 
@@ -126,11 +135,7 @@ def common_size(paths: Iterable[Path]) -> tuple[int, int]:
     """
     found: dict[tuple[int, int], list[Path]] = {}
     for path in paths:
-        try:
-            with opened(path) as picture:
-                found.setdefault(_upright_size(picture, path), []).append(path)
-        except BROKEN as error:
-            raise _unreadable(path, error) from error
+        found.setdefault(upright_size(path), []).append(path)
     if not found:
         raise ClipError("expected at least one image, got none")
     (size, usual), *others = sorted(found.items(), key=lambda each: -len(each[1]))

@@ -80,6 +80,7 @@ class Progress:
     seconds: float
     """Of steps so far, pauses, checkpoints and snapshots excluded."""
     seconds_left: float
+    """Of what is still to come, after the last step too."""
     n_gaussians: int
     wall_seconds: float | None = None
     """So far, of all that `train` does; None: not recorded."""
@@ -120,6 +121,23 @@ class Evaluated:
 
 
 @dataclass(frozen=True)
+class Finishing:
+    """What is done after the last step, when it begins.
+
+    Example:
+        >>> from renderer import Finishing
+        >>> event = Finishing("measuring held-out frames", seconds_left=4.0)
+        >>> f"{event.stage}, {event.seconds_left:.0f} s left"
+        'measuring held-out frames, 4 s left'
+    """
+
+    stage: str
+    """In a few words."""
+    seconds_left: float
+    """About, of this and all that comes after it."""
+
+
+@dataclass(frozen=True)
 class Warned:
     """Something is wrong, but training continues.
 
@@ -154,4 +172,4 @@ class Finished:
     """Of all that `train` did; None: not recorded."""
 
 
-TrainEvent = Preparing | Planned | Started | Progress | Snapshot | Evaluated | Warned | Finished
+TrainEvent = Preparing | Planned | Started | Progress | Snapshot | Evaluated | Finishing | Warned | Finished

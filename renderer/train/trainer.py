@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
@@ -13,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from renderer.clip import Clip, ClipError
+from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE
 from renderer.stored_arrays import Stored, check
@@ -20,8 +20,8 @@ from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_
 from renderer.train.config import TrainConfig
 from renderer.train.events import (
     Finished,
+    Finishing,
     Omission,
-    Progress,
     Snapshot,
     Started,
     TrainEvent,
@@ -31,24 +31,23 @@ from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.guards import LossWatch
-from renderer.train.held_out import HeldOut, evaluated
+from renderer.train.held_out import MOST, HeldOut, evaluated
 from renderer.train.hidden import smooth_occluded_motion
 from renderer.train.initialize import require_resolved, scene_size, with_points
-from renderer.train.losses import Measured
+from renderer.train.meter import Meter
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
 from renderer.train.needs import decide
-from renderer.train.recipe import Recipe, Stage
+from renderer.train.recipe import Stage
 from renderer.train.unseen import without_unseen
 
 LOSSES = "loss_watch"
 """Among a checkpoint's arrays."""
-PROGRESS_SECONDS = 0.25
-SNAPSHOT_SECONDS = 1.0
 HELD_OUT_PHASE, HELD_OUT_EVERY = 4, 7
 """In training frames; of a clip split as the field does, those with index % 8 == 5."""
-FULL_COST = 1.7
-"""A step at full resolution takes about this many at half resolution; only the time left depends on it."""
+RENDERED, SMOOTHED = 0.45, 0.6
+"""Of the time of a step, what drawing a frame takes, and finding what it hides; only the time left depends on
+them."""
 
 
 class TrainingError(RuntimeError):
@@ -127,10 +126,15 @@ def train(
         start, seconds = _resumed(model, watch, folder, fingerprint(clip, config), recipe.iterations)
     yield Started(start, recipe.iterations, len(model), needs.omitted)
 
-    meter = _Meter(recipe, seconds)
+    hides = needs.has_masks or not clip.camera_is_fixed
+    smooths = "hidden" not in config.keep and hides and isinstance(model.gaussians.motion, SplineMotion)
+    after = RENDERED * len(held_out or clip.test_indices[:MOST])
+    after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * smooths)
+    meter = Meter(recipe, seconds, after)
     held = HeldOut(clip, held_out or clip.test_indices, size, recipe.mode)
     for iteration in range(start, recipe.iterations):
-        frame = pool.frame(iteration, recipe.stage_at(iteration))
+        with meter.between():
+            frame = pool.frame(iteration, recipe.stage_at(iteration))
         began = time.perf_counter()
         result = model.step(frame, iteration)
         meter.add(result, iteration, time.perf_counter() - began, len(model))
@@ -139,15 +143,18 @@ def train(
             raise TrainingError(f"{watch.problem}, at iteration {iteration}: lower the learning rates")
         done = iteration + 1
         if folder and (done % config.checkpoint_every == 0 or done == recipe.iterations):
-            arrays = {**model.state(), LOSSES: watch.state}
-            state = Checkpoint(done, meter.seconds, fingerprint(clip, config), arrays)
-            write_checkpoint(folder, state)
+            with meter.between():
+                arrays = {**model.state(), LOSSES: watch.state}
+                state = Checkpoint(done, meter.seconds, fingerprint(clip, config), arrays)
+                write_checkpoint(folder, state)
         if meter.progress_is_due() or done == recipe.iterations:
             yield meter.progress(done)
         if done < recipe.iterations and held.is_due(meter.seconds):
             yield held.measure(model.gaussians, done, meter.seconds)
         if meter.snapshot_is_due():
             yield Snapshot(done, model.snapshot())
+    left, total = meter.after_steps(), max(after, 1.0)
+    yield Finishing("removing what no frame shows", left)
     for notice in model.trouble.notices():
         yield Warned(notice)
     gaussians: DynamicGaussians = model.gaussians
@@ -157,9 +164,13 @@ def train(
         gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
     if not len(gaussians):
         raise TrainingError("no training frame shows any Gaussian: depth and poses are inconsistent")
-    if "hidden" not in config.keep and (needs.has_masks or not clip.camera_is_fixed):
+    if smooths:
+        yield Finishing("smoothing hidden motion", left * (1 - RENDERED * len(fit) / total))
         gaussians, resting = smooth_occluded_motion(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
+    yield Finishing(
+        "measuring held-out frames", left * RENDERED * len(held_out or clip.test_indices[:MOST]) / total
+    )
     if held_out:
         views = [clip.read_frame(index) for index in held_out]
         yield evaluated(gaussians, views, recipe.iterations, size, recipe.mode)
@@ -248,58 +259,3 @@ class _Pool:
 def _share(frame: TrainFrame) -> float:
     """Of the pixels, those that are supervised."""
     return frame.n_colors / (frame.camera.width * frame.camera.height)
-
-
-class _Meter:
-    """Adds up what the steps measured and says when it is time to tell."""
-
-    def __init__(self, recipe: Recipe, seconds: float) -> None:
-        self.seconds = seconds
-        self._recipe = recipe
-        self._results: list[Measured] = []
-        self._recent: list[float] | None = None
-        self._n_gaussians = 0
-        self._told = self._shown = time.perf_counter()
-
-    def add(self, result: Measured, iteration: int, seconds: float, n_gaussians: int) -> None:
-        self.seconds += seconds
-        self._n_gaussians = n_gaussians
-        self._results.append(result)
-        if self._recent is None:
-            # The first step loads or compiles the kernels: no measure of those to come.
-            self._recent = []
-        else:
-            self._recent = [*self._recent[-49:], seconds / self._cost(iteration, iteration + 1)]
-
-    def progress_is_due(self) -> bool:
-        return bool(self._recent) and time.perf_counter() - self._told > PROGRESS_SECONDS
-
-    def snapshot_is_due(self) -> bool:
-        due = time.perf_counter() - self._shown > SNAPSHOT_SECONDS
-        if due:
-            self._shown = time.perf_counter()
-        return due
-
-    def progress(self, done: int) -> Progress:
-        error = float(np.mean([result.squared_error for result in self._results]))
-        unit = float(np.median(self._recent)) if self._recent else 0.0
-        event = Progress(
-            iteration=done,
-            iterations=self._recipe.iterations,
-            loss=float(np.mean([result.loss for result in self._results])),
-            psnr=-10 * math.log10(max(error, 1e-12)),
-            seconds=self.seconds,
-            seconds_left=unit * self._cost(done, self._recipe.iterations),
-            n_gaussians=self._n_gaussians,
-        )
-        self._results, self._told = [], time.perf_counter()
-        return event
-
-    def _cost(self, first: int, end: int) -> float:
-        """Expected time of the steps from `first` up to `end`, in steps at half resolution."""
-        total, start = 0.0, 0
-        for stage in self._recipe.stages:
-            steps = max(0, min(end, start + stage.steps) - max(first, start))
-            total += steps * (1.0 if stage.half else FULL_COST)
-            start += stage.steps
-        return total

@@ -15,7 +15,7 @@ from renderer.splats import Splats
 from renderer.train.adam import coast_taps, corrected_rate, update_rows, update_taps
 from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Progress, Started
+from renderer.train.events import Evaluated, Finished, Finishing, Progress, Started
 from renderer.train.frames import halved, train_frame
 from renderer.train.initialize import sampled, scene_size
 from renderer.train.losses import LossWeights, picture_loss
@@ -257,9 +257,15 @@ def test_far_control_values_coast_as_adam_is_published() -> None:
     assert np.array_equal(controls[0, 2:], active)
 
 
-def test_progress_ends_at_the_last_step_with_no_time_left() -> None:
-    told = [event for event in train(moving_sheet(), SMALL) if isinstance(event, Progress)]
+def test_progress_ends_at_the_last_step_with_the_time_of_what_follows_it() -> None:
+    events = list(train(moving_sheet(), SMALL))
+    told = [event for event in events if isinstance(event, Progress)]
     assert told[-1].iteration == told[-1].iterations == SMALL.iterations
-    assert told[-1].seconds_left == 0
-    assert all(event.seconds_left > 0 for event in told[:-1])
+    follows = [event for event in events if isinstance(event, Finishing)]
+    assert [event.stage for event in follows][-1] == "measuring held-out frames"
+    assert events.index(follows[0]) == events.index(told[-1]) + 1
+    left = [told[-1].seconds_left, *(event.seconds_left for event in follows)]
+    assert left == sorted(left, reverse=True)
+    assert left[-1] > 0
+    assert all(event.seconds_left > left[0] for event in told[:-1])
     assert [event.seconds for event in told] == sorted(event.seconds for event in told)

@@ -21,7 +21,7 @@ from app.scenes.view_request import FrameRequest
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
-from renderer.sources import open_clip
+from renderer.sources import open_case, with_chosen_depth
 
 
 @dataclass(eq=False)
@@ -38,7 +38,9 @@ class Found:
         return open_series(self.find(source), options)
 
     def clip(self, source: Source, options: ClipOptions) -> Clip:
-        return open_clip(self.find(source), options)
+        found = self.find(source)
+        case = open_case(found, options)
+        return with_chosen_depth(case, options) if case.has_one_size else case
 
     def scene(self, record: SceneRecord) -> Scene:
         """Without the edits of the run, whatever has been edited since, and with those of the record."""

@@ -19,9 +19,8 @@ from app.gui.state.scene import CameraList, Second, Viewer
 from app.gui.state.window import Banner, Toast
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
-from app.gui.work.settings import Theme, settings_content
+from app.gui.work.settings import UNKNOWN, Theme, settings_content
 from app.gui.work.writing import WriteRequest
-from app.runs.clip_selection import WHOLE
 from assets import phantom_path
 
 TOAST_SECONDS = 6.0
@@ -127,7 +126,7 @@ def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, and unsaved edits for good."""
 
     def go() -> None:
-        state.source.opening = OpenRequest(path.absolute(), state.source.clip_options)
+        state.source.opening = OpenRequest(path.absolute(), state.source.options_for(path.absolute()))
         state.window.banner = None
 
     if path.suffix.lower() in VIEW_SUFFIXES:
@@ -164,6 +163,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         state.scene.cameras = CameraList()
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
     state.source.content = opened.content
+    state.source.bare, state.source.depth_ways, state.source.depth_wish = opened.bare, None, None
     state.picture.measured = None
     state.timeline.playing, state.timeline.frozen_index = False, None
     state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
@@ -172,8 +172,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.comparing.chosen = state.comparing.chosen.renewed()
     state.comparing.others, state.comparing.difference = {}, None
     state.timeline.strip, state.picture.left_out, state.picture.mask_tool = None, None, ""
-    said = state.source.known.get(str(opened.clip.path)) if opened.clip is not None else None
-    state.source.part = opened.run.record.clip.part if opened.run is not None else said or WHOLE
+    said = state.source.known.get(str(opened.clip.path), UNKNOWN) if opened.clip is not None else UNKNOWN
+    state.source.part = opened.run.record.clip.part if opened.run is not None else said.part
     if not state.runs.reconstruction.is_alive:
         _show_run(state, opened)
     rebase(state, [step.params for step in state.enhancement.past])
@@ -182,15 +182,14 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     say(state, f"opened {path.name}")
     if opened.warning:
         fail(state, opened.warning)
-    state.settings = state.settings.opened(path)
-    save_settings(state)
+    if not opened.in_passing:
+        state.settings = state.settings.opened(path)
+        save_settings(state)
 
 
 def _show_run(state: AppState, opened: Opened) -> None:
     draft = state.runs.reconstruction
-    state.runs.reconstruction = Reconstruction(
-        config=draft.config, input=draft.input, d_factor=draft.d_factor
-    )
+    state.runs.reconstruction = Reconstruction(config=draft.config, input=draft.input, kept=draft.kept)
     state.scene.model, state.scene.view, state.scene.viewer = opened.splats, None, Viewer()
     state.runs.model_wish = None
     state.scene.second = Second()
@@ -233,9 +232,27 @@ def seek(state: AppState, index: int) -> None:
 
 
 def step(state: AppState, frames: int) -> None:
-    """So many frames on or back, standing still; thaws a frozen picture, which would not show it."""
+    """So many frames on or back, standing still; thaws a frozen picture, which would not show it. A single
+    image gives way to one so many on or back in its folder."""
+    if state.source.place is not None:
+        _open_beside(state, frames)
+        return
     state.timeline.playing, state.timeline.frozen_index = False, None
     seek(state, state.timeline.frame_index + frames)
+
+
+def _open_beside(state: AppState, by: int) -> None:
+    """Another image of the folder; nothing where there is none left, or while one is on its way."""
+    images = state.source.neighbours.onward(state.source.path, by)
+    if not images or state.source.opening is not None:
+        return
+
+    def go() -> None:
+        first, *onward = images
+        state.source.opening = OpenRequest(first, state.source.options_for(first), tuple(onward))
+        state.window.banner = None
+
+    leave(state, go)
 
 
 def go_to_end(state: AppState, *, last: bool) -> None:

@@ -7,10 +7,11 @@ from dataclasses import replace
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.work.settings import FILE, clips_content
+from app.gui.work.settings import FILE, UNKNOWN, KnownClip, clips_content
 from app.gui.work.writing import WriteRequest
 from app.runs.clip_selection import ClipPart
 from enhance.field_search import find_field
+from renderer.readers.clip_options import DepthSource
 
 
 def trim_here(state: AppState, *, start: bool) -> None:
@@ -81,12 +82,25 @@ def _set(state: AppState, settings: ClipPart) -> None:
     keep_settings(state)
 
 
+def keep_depth(state: AppState, source: DepthSource) -> None:
+    """That was chosen for this clip."""
+    if state.source.clip is not None:
+        _keep(state, str(state.source.clip.path), source)
+
+
 def keep_settings(state: AppState) -> None:
     """For the next time that this clip is opened, where paths are remembered at all."""
-    if state.source.clip is None:
-        return
-    others = {path: said for path, said in state.source.known.items() if path != str(state.source.clip.path)}
-    state.source.known = {**others, str(state.source.clip.path): state.source.part}
+    if state.source.clip is not None:
+        path = str(state.source.clip.path)
+        _keep(state, path, state.source.known.get(path, UNKNOWN).depth)
+
+
+def _keep(state: AppState, path: str, depth: DepthSource) -> None:
+    part, others = (
+        state.source.part,
+        {each: said for each, said in state.source.known.items() if each != path},
+    )
+    state.source.known = {**others, path: KnownClip(trim=part.trim, mask=part.mask, depth=depth)}
     if state.settings.remember_recent:
         file, content = state.places.config / FILE, clips_content(state.source.known)
         state.window.wishes += (WriteRequest(file, content, "the clip's settings cannot be saved"),)

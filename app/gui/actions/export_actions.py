@@ -14,6 +14,7 @@ from app.gui.actions.export_offers import OFFERS, Offer
 from app.gui.actions.export_records import request_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
+from app.gui.state.pace import Pace
 from app.gui.state.panes import why_not
 from app.gui.work.background import Failure
 from app.gui.work.naming import NameRequest
@@ -62,6 +63,8 @@ def _lacks(state: AppState, offer: Offer) -> str:
         return ""
     if state.source.clip is None:
         return "Open a clip first."
+    if offer.form == "panes video" and not state.source.clip.has_one_size:
+        return "The images differ in size: no video can show them."
     if offer.as_shown:
         return ""
     reasons = (why_not(state, state.comparing.chosen.source(side)) for side in offer.sides)
@@ -123,7 +126,7 @@ def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest
         save_window(state)
         return None
     request = request_of(state, what, stem or default_name(state, what))
-    state.exports.under_way, state.exports.done = request, 0
+    state.exports.under_way, state.exports.pace = request, Pace()
     return request
 
 
@@ -187,7 +190,7 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         state.exports.under_way = None
         _written(state, "exported", answer.path)
     else:
-        state.exports.done = answer.done
+        state.exports.pace = state.exports.pace.after(answer.done, state.window.now)
 
 
 def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:

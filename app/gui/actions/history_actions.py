@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.gui.actions import actions, clip_actions
+from app.gui.actions import actions, clip_actions, depth_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.enhancement import SettingsSnapshot, step_name
 
@@ -36,7 +36,9 @@ def _take(state: AppState, chosen: SettingsSnapshot) -> None:
     now, draft, look = state.comparing.chosen, state.runs.reconstruction, state.enhancement
     look.params, look.scope, look.pixels = chosen.params, chosen.scope, chosen.pixels
     state.comparing.chosen = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
-    draft.config, draft.input, draft.d_factor = chosen.config, chosen.input, chosen.d_factor
+    draft.config, draft.input, draft.kept = chosen.config, chosen.input, chosen.kept
+    if state.source.depth != chosen.depth:
+        depth_actions.choose_source(state, chosen.depth)
     if state.source.part != chosen.part:
         state.source.part = chosen.part
         clip_actions.keep_settings(state)

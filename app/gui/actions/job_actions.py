@@ -7,18 +7,21 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME, InputKind
-from app.files.legible import capital, legible
-from app.gui.actions.actions import latest, leave
+from app.gui.actions import depth_actions
+from app.gui.actions.actions import leave
+from app.gui.session_file import KeptSettings
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.work.runs import ModelRequest
 from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene, Training
-from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import Method, Part
+
+DAY, MINUTE = "%Y-%m-%d", "%Y-%m-%d %H:%M"
 
 
 def choose_input(state: AppState, frames: InputKind) -> None:
@@ -26,9 +29,30 @@ def choose_input(state: AppState, frames: InputKind) -> None:
     state.runs.reconstruction.input = frames
 
 
-def choose_d_factor(state: AppState, d_factor: float) -> None:
-    """Of frames that are enhanced for it."""
-    state.runs.reconstruction.d_factor = d_factor
+def frame_settings(state: AppState) -> EnhancementSettings:
+    """What frames are enhanced with for it: as the image is, or as it was when they were kept."""
+    kept = state.runs.reconstruction.kept
+    return state.enhancement.params if kept is None else kept.params
+
+
+def link_settings(state: AppState, *, linked: bool) -> None:
+    """They follow the image's, or stay as they are now."""
+    if linked:
+        state.runs.reconstruction.kept = None
+    else:
+        keep_settings_now(state)
+
+
+def keep_settings_now(state: AppState) -> None:
+    """Those of the image as it is now, whatever it is set to later."""
+    since = datetime.now().astimezone().strftime(MINUTE)
+    state.runs.reconstruction.kept = KeptSettings(state.enhancement.params, since)
+
+
+def moment(kept: KeptSettings) -> str:
+    """When they were kept, as a person says it: the time of a day, or the day."""
+    day, _, time = kept.since.partition(" ")
+    return time if day == datetime.now().astimezone().strftime(DAY) else day
 
 
 def choose_method(state: AppState, method: Method, iterations: int) -> None:
@@ -67,7 +91,7 @@ def _request(state: AppState, frames: Input) -> TrainRequest:
         clip_options=state.source.options,
         part=state.source.training_part,
         input=frames,
-        enhance_params=replace(latest(state, EnhanceParams), d_factor=draft.d_factor),
+        enhance_params=frame_settings(state),
     )
 
 
@@ -76,7 +100,9 @@ def continue_reconstruction(state: AppState) -> None:
     run = state.runs.reconstruction
     clip, request = state.source.clip, run.request
     if can_continue(state) and clip is not None and request is not None:
-        enqueue(state, (Waiting(clip, replace(request, resume=True), run.told),))
+        # Read in another way it is not the clip that is open: that is opened when its turn comes.
+        same = request.clip_options == state.source.options
+        enqueue(state, (Waiting(clip if same else None, replace(request, resume=True), run.told),))
 
 
 def enqueue(state: AppState, waiting: tuple[Waiting, ...]) -> None:
@@ -173,10 +199,10 @@ def can_continue(state: AppState) -> bool:
 
 def why_not_reconstruct(state: AppState) -> str:
     """What a reconstruction still lacks, in a sentence; empty when it can start."""
-    if state.source.clip is None:
+    clip = state.source.clip
+    if clip is None:
         return "Open a clip first."
-    if not state.source.clip.has_depth and state.source.clip.points is None:
-        way = "Start the app with --depth brightness to estimate it."
-        why = state.source.clip.why_no_depth
-        return f"{capital(legible(why))}. {way}" if why else f"This clip has no depth to start from. {way}"
-    return ""
+    if state.source.depth_wish is not None:
+        return depth_actions.READING
+    why = depth_actions.why_no_depth(state)
+    return f"Choose Depth first. {why}" if why and clip.has_one_size else why

@@ -48,6 +48,30 @@ def why_not_open(state: AppState, run: ListedRun) -> str:
     return "" if state.scene.model is not None else "Wait for the first preview of the one in training."
 
 
+def is_beside(state: AppState, run: ListedRun) -> bool:
+    """It is what the second view shows."""
+    shown = state.scene.second.shown
+    return shown is not None and shown.path == run.path
+
+
+def toggle_beside(state: AppState, run: ListedRun) -> None:
+    """In the second view, with the first one's camera and time; or no longer."""
+    if is_beside(state, run):
+        second_actions.close_second(state)
+    elif not why_not_beside(state, run):
+        second_actions.open_second(state, run.path)
+
+
+def why_not_beside(state: AppState, run: ListedRun) -> str:
+    """In a sentence; empty when it can be shown beside the first."""
+    model = state.scene.model
+    if model is None:
+        return "Open another reconstruction first."
+    if model.path == run.path or is_present(state, run):
+        return "It is the one that is shown: open another one beside it."
+    return "" if run.made == "finished" or run.has_checkpoint else "It has no model to show."
+
+
 def continue_run(state: AppState, run: ListedRun) -> None:
     """Go on with it as it was begun: at once, or when its turn comes."""
     if state.source.clip is not None and not why_not_continue(state, run):

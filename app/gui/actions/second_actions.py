@@ -8,6 +8,7 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.scene import Second
 from app.gui.work.background import Failure
+from app.gui.work.beside import Beside, BesideRequest
 from app.gui.work.opening import Opened, OpenRequest
 
 
@@ -16,6 +17,24 @@ def open_second(state: AppState, path: Path) -> None:
     if state.scene.model is not None:
         state.scene.second.opening = OpenRequest(path.absolute(), state.source.clip_options)
         state.window.banner = None
+
+
+def offered(state: AppState) -> tuple[Path, ...]:
+    """What can be seen beside the first: the clip's runs, and what was opened lately; not what is shown."""
+    if state.scene.model is None:
+        return ()
+    found = state.runs.found
+    of_clip = found.runs if found is not None and found.request.clip is state.source.clip else ()
+    runs = (run.path for run in of_clip if run.made == "finished" or run.has_checkpoint)
+    made = state.runs.reconstruction.run_path if state.runs.reconstruction.is_alive else None
+    shown = {state.scene.model.path, made}
+    if state.scene.second.shown is not None:
+        shown.add(state.scene.second.shown.path)
+    return tuple(dict.fromkeys(path for path in (*runs, *state.scene.models) if path not in shown))
+
+
+def take_models(state: AppState, request: BesideRequest, answer: Beside) -> None:
+    state.scene.models = answer.paths
 
 
 def take_second(state: AppState, request: OpenRequest, answer: Opened | Failure) -> None:

@@ -60,7 +60,7 @@ def snapshot(state: AppState, folder: Path) -> Session:
         blend=state.scene.viewer.blend,
         config=draft.config,
         input=draft.input,
-        d_factor=draft.d_factor,
+        kept=draft.kept,
         run_name=draft.name,
         varied=state.tuning.choices,
         tuning_shown=state.tuning.shown,
@@ -95,7 +95,7 @@ def restore(state: AppState, session: Session) -> None:
     state.scene.linked, state.scene.own_time = session.linked, session.view_time
     _restore_views(state, session)
     draft = state.runs.reconstruction
-    draft.name, draft.d_factor = session.run_name, session.d_factor
+    draft.name, draft.kept = session.run_name, session.kept
     if draft.request is None:
         draft.config, draft.input = session.config, session.input
     if len(session.varied) == 2:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
@@ -15,21 +16,18 @@ def opening(state: AppState) -> tuple[Command, ...]:
     """To open it again."""
     return tuple(
         Command(label, partial(actions.open_path, path=Path(text)), text=text)
-        for label, text in _named(state)
+        for label, text in _named(state.settings.recent)
     )
 
 
 def beside(state: AppState) -> tuple[Command, ...]:
-    """To see it beside the first 3D view."""
+    """To see it beside the first 3D view: runs and splat files alone, and not what is shown already."""
     return tuple(
-        Command(label, partial(second_actions.open_second, path=Path(text)), text=text,
-                applies=lambda s: s.scene.model is not None)
-        for label, text in _named(state)
-    )  # fmt: skip
+        Command(label, partial(second_actions.open_second, path=Path(text)), text=text)
+        for label, text in _named(map(str, second_actions.offered(state)))
+    )
 
 
-def _named(state: AppState) -> list[tuple[str, str]]:
+def _named(paths: Iterable[str]) -> list[tuple[str, str]]:
     """What the label says and the path; the same name can stand for two paths."""
-    return [
-        (f"{legible(Path(text).name)}##{place}", text) for place, text in enumerate(state.settings.recent)
-    ]
+    return [(f"{legible(Path(text).name)}##{place}", text) for place, text in enumerate(paths)]

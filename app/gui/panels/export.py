@@ -244,7 +244,7 @@ def _draw_progress(state: AppState) -> None:
     total, done = max(under_way.steps, 1), state.exports.done
     button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=10)
     imgui.same_line()
-    imgui.progress_bar(done / total, ImVec2(-0.1, 0), f"{done} of {total}")
+    imgui.progress_bar(done / total, ImVec2(-0.1, 0), state.exports.pace.told(total))
 
 
 def _other_name(state: AppState) -> str:

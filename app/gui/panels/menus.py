@@ -83,7 +83,8 @@ def _facts(state: AppState) -> list[str]:
     if state.opens:
         return [*facts, state.opens]
     if state.source.clip is not None:
-        width, height = state.source.clip.size
+        camera = state.source.clip.cameras[state.timeline.shown_index]
+        width, height = camera.width, camera.height
         facts.append(f"{legible(state.source.clip.name)}  {width}×{height}")
     if state.session.is_unsaved and state.session.path is not None:
         facts.append(f"unsaved changes in {legible(state.session.path.name)}")

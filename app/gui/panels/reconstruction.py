@@ -3,55 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
-from typing import get_args
 
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
-from app.enhancement.settable import InputKind
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import job_actions, laid_out, run_actions
+from app.gui.panels.reconstruction_choices import draw_choices
 from app.gui.state.app_state import AppState
-from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
+from app.gui.state.reconstruction import Reconstruction
+from app.gui.state.run_words import COMPILING, doing, share_done
 from app.gui.style import theme
-from app.gui.style.fields import NUMBERS, amount, declared, number, resettable, wants_default, with_beside
 from app.gui.style.widgets import (
     button,
-    choose_row,
     em,
     explain,
     in_line,
     in_table,
     muted,
     note,
-    row,
     seconds,
 )
-from app.runs.train_run import RECONSTRUCTION_PARAMS
 from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
-from enhance import EnhanceParams
-from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Omission, Progress
 
-METHODS: dict[Method, str] = {method: named(method) for method in get_args(Method)}
-INPUTS: dict[InputKind, str] = {kind: named(kind) for kind in get_args(InputKind)}
-INPUTS_TEXT = (
-    "Reconstruct the original frames, or frames enhanced with the settings above; both in turn "
-    "runs two reconstructions to compare."
-)
-COLOR_TEXT = "Of the frames to reconstruct; the paper reconstructs with d-factor 0.5."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
-STATUS = {
-    "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
-    "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
-}  # fmt: skip
-FIRST_STEP = "Preparing the first step…"
 FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
 """Its kernels are compiled then."""
+PAUSES = "Pauses are not counted."
 PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
 DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
 LOSS = "Mean since the previous point."
@@ -74,7 +56,7 @@ def draw_reconstruction(state: AppState) -> None:
             _draw_end(state, run)
         _draw_next(state, run)
     if run.status != "none":
-        _draw_status(run)
+        _draw_status(state, run)
     _draw_curves(run)
     _draw_messages(run)
     if run.is_alive:
@@ -85,7 +67,7 @@ def draw_reconstruction(state: AppState) -> None:
 
 
 def _draw_next(state: AppState, run: Reconstruction) -> None:
-    _draw_choices(state, run)
+    draw_choices(state)
     if (clip := state.source.clip) is not None and (told := state.source.training_part.told(len(clip))):
         note(f"Trains on {told}", theme.now().warning)
         explain(PART)
@@ -95,53 +77,6 @@ def _draw_next(state: AppState, run: Reconstruction) -> None:
         _draw_omissions(state)
 
 
-def _draw_choices(state: AppState, run: Reconstruction) -> None:
-    config = run.config
-    method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
-    job_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
-    if run.input != "original":
-        _draw_color(state, run.d_factor)
-    iterations = _steps(replace(config, iterations=_quality(run)))
-    if (method, iterations) != (config.method, config.iterations):
-        job_actions.choose_method(state, method, iterations)
-    row("Name", "Folder of the run; if empty, the clip's name and the time.")
-    _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
-    job_actions.name_run(state, name)
-
-
-def _draw_color(state: AppState, d_factor: float) -> None:
-    shown = amount(EnhanceParams, "d_factor")
-    shown = replace(shown, text=f"{COLOR_TEXT} {shown.text}")
-    draw = partial(resettable, "run_d", d_factor, shown, "%.2f")
-    beside = partial(number, f"{shown.of_parameter(d_factor):.2f}")
-    (changed, new, reset), _ = with_beside("Colour", shown.explained(d_factor), NUMBERS, draw, beside)
-    if changed or reset:
-        job_actions.choose_d_factor(state, RECONSTRUCTION_PARAMS.k if reset else new)
-
-
-def _quality(run: Reconstruction) -> int:
-    """The iterations that are chosen by a word, and what they will take where that is known."""
-    now, took = quality_of(run.config.iterations), expected_seconds(run)
-    steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
-    text = f"Number of iterations: {steps}. More are slower and better."
-    shown = {name: name for name in (*QUALITIES, now)}
-    if took is not None:
-        text += f" About {seconds(took)} at the speed of the run shown."
-        shown |= {now: f"{now}, about {seconds(took)}" if took else now}
-    return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
-
-
-def _steps(config: TrainConfig) -> int:
-    about = declared(TrainConfig, "iterations")
-    text = about.text or "Training steps; more are slower and better."
-    row("Iterations", text)
-    changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
-    explain(text)
-    if wants_default("iterations"):
-        return int(about.default)
-    return int(min(max(value, about.lo), about.hi)) if changed else config.iterations
-
-
 def _draw_start(state: AppState) -> None:
     start, reason = partial(job_actions.start_reconstruction, state), job_actions.why_not_reconstruct(state)
     label, text = "Reconstruct", "Runs in the background; the window stays usable."
@@ -149,8 +84,6 @@ def _draw_start(state: AppState) -> None:
         label = "Add to the queue"
         text = "Starts with the current settings when the runs before it have ended."
     button(f"{label}###start", start, text, reason=reason, color=theme.now().lit, width=-1.0)
-    if reason and state.source.clip is not None:
-        note(reason)
 
 
 def _draw_end(state: AppState, run: Reconstruction) -> None:
@@ -179,39 +112,32 @@ def _draw_hold(state: AppState) -> None:
         button(label, partial(act, state), text, enabled=enabled, width=width)
 
 
-def status_of(run: Reconstruction) -> str:
-    """What it is at, in a word or two."""
-    return FIRST_STEP if run.status == "running" and run.progress is None else STATUS[run.status]
-
-
-def _draw_status(run: Reconstruction) -> None:
-    progress = run.progress
-    imgui.text_unformatted(status_of(run))
+def _draw_status(state: AppState, run: Reconstruction) -> None:
+    progress, words = run.progress, doing(state)
+    note(words, theme.now().text)
     if run.request is not None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
-    if progress is None:
-        if run.is_alive and run.preparing is not None:
-            stage = run.preparing
-            left = "" if stage.seconds_left is None else f", {seconds(stage.seconds_left)} left"
-            note(f"{capital(stage.stage)}, {seconds(stage.seconds)}{left}")
-            if stage.total:
-                _draw_bar(stage.done, stage.total)
-            note(capital(run.planned))
-        elif run.status == "running":
-            note(FIRST_USE)
-        return
-    left = f", {seconds(progress.seconds_left)} left" if run.is_alive else ""
-    imgui.same_line()
+    if words == COMPILING:
+        note(FIRST_USE)
+    if run.status == "starting":
+        if run.preparing is not None:
+            note(f"{seconds(run.preparing.seconds)} so far")
+        note(capital(run.planned))
+    if progress is not None and not run.is_alive:
+        _draw_took(progress)
+    if (share := share_done(run)) is not None:
+        imgui.progress_bar(share, ImVec2(-1, em(1.25)), f"{share:.0%}")
+        if progress is not None:
+            explain(f"{capital(in_all(progress.wall_seconds, progress.seconds, '.0f'))}. {PAUSES}")
+
+
+def _draw_took(progress: Progress) -> None:
+    """How long the run went on."""
     wall = progress.wall_seconds
-    shown = f"{seconds(progress.seconds)} training" if wall is None else f"{seconds(wall)} in total"
-    muted(f"{shown}{left}")
-    explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. Pauses are not counted.")
-    _draw_bar(progress.iteration, progress.iterations)
-
-
-def _draw_bar(done: int, total: int) -> None:
-    imgui.progress_bar(done / total, ImVec2(-1, em(1.25)), f"{grouped(done)} / {grouped(total)}")
+    imgui.same_line()
+    muted(f"{seconds(progress.seconds)} training" if wall is None else f"{seconds(wall)} in total")
+    explain(f"{capital(in_all(wall, progress.seconds, '.0f'))}. {PAUSES}")
 
 
 def _draw_omissions(state: AppState) -> None:

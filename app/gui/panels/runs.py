@@ -14,9 +14,12 @@ from app.gui.panels.reconstruction import LOOK_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, muted, note
+from app.gui.style.widgets import beside, button, em, explain, muted, note
 from app.gui.work.runs import ListedRun
 
+BESIDE = "Open beside"
+BESIDE_TEXT = "In a second 3D view beside the one shown, with the same camera and time."
+CLOSE_TEXT = "Shown in the second 3D view: click to close that."
 ASLEEP_TEXT = "These were queued when the window was closed. Press Start the queue to run them."
 
 
@@ -63,9 +66,9 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     if imgui.selectable(f"{named(config.method)} · {run.request.input} frames###open", shown)[0]:
         run_actions.open_run(state, run)
     imgui.end_disabled()
-    beside = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
+    how = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
     part = f" Trained on {said}." if (said := run.request.part.told()) else ""
-    explain(reason or f"{beside}{run.path}.{part}")
+    explain(reason or f"{how}{run.path}.{part}")
     if run.psnr is not None:
         psnr = f"{run.psnr:.1f} dB"
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
@@ -75,16 +78,25 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
     imgui.align_text_to_frame_padding()
     muted(f"{_when(run.created)} · {steps} · {_made(state, run)}")
+    _draw_beside(state, run)
     if run.made == "unfinished" and not run_actions.is_present(state, run):
         _draw_unfinished(state, run)
     imgui.spacing()
 
 
+def _draw_beside(state: AppState, run: ListedRun) -> None:
+    shown, reason = run_actions.is_beside(state, run), run_actions.why_not_beside(state, run)
+    label, act = f"{BESIDE}###beside", partial(run_actions.toggle_beside, state, run)
+    button(label, act, CLOSE_TEXT if shown else BESIDE_TEXT, reason=reason, color=theme.switch(shown))
+
+
 def _draw_unfinished(state: AppState, run: ListedRun) -> None:
+    """Beside the button before, as far as there is room."""
     kept = "Continue from the last checkpoint." if run.has_checkpoint else "No checkpoint: starts over."
     reason = run_actions.why_not_continue(state, run)
+    beside("Continue")
     button("Continue", partial(run_actions.continue_run, state, run), kept, reason=reason)
-    imgui.same_line(0, em(0.5))
+    beside("View model")
     reason = run_actions.why_not_look(state, run.path, has_checkpoint=run.has_checkpoint)
     button("View model", partial(run_actions.look, state, run.path), LOOK_TEXT, reason=reason)
 

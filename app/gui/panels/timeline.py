@@ -36,7 +36,7 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     left = round(start + em(LEFT) + gap)
     across = round(max(room - em(LEFT + RIGHT) - 2 * gap, em(4)))
     right = left + across + round(gap)
-    imgui.begin_disabled(count < 2)
+    imgui.begin_disabled(count < 2 and state.source.place is None)
     with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
         _draw_transport(state)
     imgui.end_disabled()
@@ -62,13 +62,19 @@ def _tall() -> ImVec2:
 
 def _draw_slider(state: AppState, count: int, across: int) -> None:
     imgui.set_next_item_width(across)
-    label = _place(state.source.clip, state.timeline.frame_index)
+    label = in_folder(state) or _place(state.source.clip, state.timeline.frame_index)
     now, most, flags = state.timeline.frame_index + 1, max(count, 2), imgui.SliderFlags_.always_clamp
     grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
     with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
         changed, frame = imgui.slider_int("##frame", now, 1, most, label, flags)
     if changed:
         actions.seek(state, frame - 1)
+
+
+def in_folder(state: AppState) -> str:
+    """Which of its folder's images a single one is; empty where there is none beside it."""
+    place = state.source.place
+    return "" if place is None else f"{place + 1} of {len(state.source.neighbours.images)} in this folder"
 
 
 def _place(clip: Clip | None, index: int) -> str:
@@ -89,7 +95,8 @@ def _draw_transport(state: AppState) -> None:
         width=2.2,
     )
     imgui.same_line(0, em(0.2))
-    button(f"{play}###play", partial(actions.toggle_play, state), "Space: play or pause", width=3)
+    toggle, plays = partial(actions.toggle_play, state), state.source.place is None
+    button(f"{play}###play", toggle, "Space: play or pause", enabled=plays, width=3)
     imgui.same_line(0, em(0.2))
     button(
         f"{icons.ICON_FA_STEP_FORWARD}##on",

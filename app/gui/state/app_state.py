@@ -77,7 +77,8 @@ class AppState:
             comparison,
             draft.config,
             draft.input,
-            draft.d_factor,
+            draft.kept,
+            self.source.depth,
         )
 
     @property

@@ -8,11 +8,12 @@ from typing import Final
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import InputKind, Pixels, Scope, Slot
+from app.gui.session_file import KeptSettings
 from app.gui.views.comparison import Comparison
 from app.gui.work.thumbnails import Thumbnails
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.train_run import RECONSTRUCTION_PARAMS
 from enhance import EnhanceParams
+from renderer.readers.clip_options import DepthSource
 from renderer.train.config import TrainConfig
 
 NAMES: Final = {
@@ -22,7 +23,8 @@ NAMES: Final = {
     "comparison": "comparison",
     "config": "reconstruction settings",
     "input": "reconstruction settings",
-    "d_factor": "reconstruction settings",
+    "kept": "reconstruction settings",
+    "depth": "depth",
 }
 PARAMS: Final = {
     "strength": "strength",
@@ -46,7 +48,8 @@ class SettingsSnapshot:
     """The line of the wipe in the middle, nothing flipped: these are looked at, not set."""
     config: TrainConfig = field(default_factory=TrainConfig)
     input: InputKind = "original"
-    d_factor: float = RECONSTRUCTION_PARAMS.k
+    kept: KeptSettings | None = None
+    depth: DepthSource = "auto"
 
     def with_params(self, params: EnhancementSettings) -> SettingsSnapshot:
         return replace(self, params=params)

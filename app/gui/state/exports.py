@@ -10,6 +10,7 @@ from typing import Literal
 from app.exports.exporting import ExportRequest, ImageSuffix
 from app.exports.sizing import Sizing
 from app.files.video_encoder import VideoEncoder
+from app.gui.state.pace import Pace
 from app.gui.work.batching import BatchRequest, Progressed
 from app.gui.work.naming import NameRequest
 
@@ -56,8 +57,8 @@ class Exports:
     settling: int = 0
     """Frames until the whole window is saved as it then is; 0: that is not asked for."""
     under_way: ExportRequest | None = None
-    done: int = 0
-    """Steps of it."""
+    pace: Pace = field(default_factory=Pace)
+    """Steps of it that are done, and how fast."""
     count: int = 0
     """Files that were written."""
     last: Path | None = None
@@ -66,6 +67,11 @@ class Exports:
     """The newest question for a free name, and the answer."""
     encoder: VideoEncoder | None = None
     """What writes videos here, once that is known."""
+
+    @property
+    def done(self) -> int:
+        """Steps of it."""
+        return self.pace.done
 
     @property
     def is_busy(self) -> bool:

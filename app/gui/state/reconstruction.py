@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Literal
 
 from app.enhancement.settable import InputKind
+from app.gui.session_file import KeptSettings
 from app.gui.work.omissions import Omissions
 from app.gui.work.runs import FoundRuns, LeftRequest, ModelRequest
 from app.runs.job import TrainingJob
 from app.runs.progress_log import EMPTY_LOG, TrainingLog
-from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
+from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
-from renderer.train.events import Omission, Preparing, Progress, Started
+from renderer.train.events import Finishing, Omission, Preparing, Progress, Started
 
 QUALITIES = {"Draft": 500, "Standard": 3000, "Fine": 6000}
 """Iterations: enough to look at, the default, and twice that."""
@@ -47,8 +48,8 @@ class Reconstruction:
 
     config: TrainConfig = field(default_factory=TrainConfig)
     input: InputKind = "original"
-    d_factor: float = RECONSTRUCTION_PARAMS.k
-    """Of the frames that are enhanced for the reconstruction."""
+    kept: KeptSettings | None = None
+    """What frames are enhanced with for the reconstruction; None: as the image is."""
     name: str = ""
     """Folder name of the next run; empty: made from the clip's name and the time."""
 
@@ -63,6 +64,10 @@ class Reconstruction:
     planned: str = ""
     """What it will need of memory and disk."""
     started: Started | None = None
+    started_at: float = 0.0
+    """On the window's clock."""
+    finishing: Finishing | None = None
+    """What is done after its last step."""
     progress: Progress | None = None
     told: TrainingLog = EMPTY_LOG
     """For the curves: also of the run's earlier processes."""
@@ -143,6 +148,14 @@ def quality_of(iterations: int) -> str:
     return next((name for name, steps in QUALITIES.items() if steps == iterations), OWN)
 
 
+def _pace(run: Reconstruction, now: Progress) -> float:
+    """Seconds a step, without the first ones, which may have compiled something, where others are known."""
+    first = next((event for event in run.told.progress if event.iteration < now.iteration), None)
+    if first is None or now.seconds <= first.seconds:
+        return now.seconds / now.iteration
+    return (now.seconds - first.seconds) / (now.iteration - first.iteration)
+
+
 def expected_seconds(run: Reconstruction) -> float | None:
     """In all, of what is chosen: steps at the pace of the run shown, and what that takes beside them. None
     where it is of another method or has no pace yet."""
@@ -151,6 +164,6 @@ def expected_seconds(run: Reconstruction) -> float | None:
         return None
     if (begun.config.method, begun.config.n_gaussians) != (run.config.method, run.config.n_gaussians):
         return None
-    steps = progress.seconds / progress.iteration * run.config.iterations
+    steps = _pace(run, progress) * run.config.iterations
     beside = 0.0 if progress.wall_seconds is None else max(progress.wall_seconds - progress.seconds, 0.0)
     return steps + beside

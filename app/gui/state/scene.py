@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from app.gui.views.measurement import Measurement
 from app.gui.work.baking import Baked
@@ -87,6 +88,8 @@ class ShownScene:
     viewer: Viewer = field(default_factory=Viewer)
     cameras: CameraList = field(default_factory=CameraList)
     second: Second = field(default_factory=Second)
+    models: tuple[Path, ...] = ()
+    """Of what was opened lately, what can be seen beside the first."""
     linked: bool = True
     """The 3D view follows the clip's frame."""
     own_time: float = 0.0

@@ -6,12 +6,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from app.gui.work.depths import DepthRequest
+from app.gui.work.neighbours import Neighbours
 from app.gui.work.opening import Content, OpenRequest
 from app.gui.work.reported import Reported
+from app.gui.work.settings import KnownClip
 from app.gui.work.strip import Strip
 from app.runs.clip_selection import WHOLE, ClipPart
 from renderer.clip import Clip
-from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.depth.depth_ways import DepthWays
+from renderer.readers.clip_options import DEFAULTS, ClipOptions, DepthSource
 
 
 @dataclass
@@ -28,12 +32,20 @@ class Source:
     """What was opened last; None before."""
     asked: bool = True
     """The panel of its pictures is to come to the front, at the start as well."""
+    bare: Clip | None = None
+    """`clip` with no depth but that of its own files."""
     options: ClipOptions = DEFAULTS
     """How `clip` was read."""
+    depth_ways: DepthWays | None = None
+    """Where its depth can come from; None until that is known."""
+    depth_wish: DepthRequest | None = None
+    """The clip with other depth, until it is there."""
+    neighbours: Neighbours = field(default_factory=Neighbours)
+    """Of the image that is open, or was; it is one of them where they are its."""
     part: ClipPart = WHOLE
     """Trim and mask of the open clip."""
-    known: dict[str, ClipPart] = field(default_factory=dict)
-    """Those of all clips, by path."""
+    known: dict[str, KnownClip] = field(default_factory=dict)
+    """Those of all clips, by path, and the depth that was chosen for them."""
 
     @property
     def span(self) -> tuple[int, int]:
@@ -44,6 +56,24 @@ class Source:
     def training_part(self) -> ClipPart:
         """What of the open clip the next reconstruction is of."""
         return replace(self.part, trim=self.span if self.part.trim else None)
+
+    @property
+    def place(self) -> int | None:
+        """Of a single image that is open, among those of its folder; None where it has none beside it."""
+        single = self.clip is not None and self.clip.format == "image"
+        return self.neighbours.place(self.path) if single and len(self.neighbours.images) > 1 else None
+
+    @property
+    def depth(self) -> DepthSource:
+        """Where it comes from in the open clip, or will in a moment."""
+        return (self.depth_wish.options if self.depth_wish is not None else self.options).depth
+
+    def options_for(self, path: Path) -> ClipOptions:
+        """To read a clip with: as said at the start, else with the depth that was chosen for it."""
+        known = self.known.get(str(path))
+        if known is None or self.clip_options.depth != "auto":
+            return self.clip_options
+        return replace(self.clip_options, depth=known.depth)
 
 
 @dataclass

@@ -107,13 +107,29 @@ def explain(text: str, *, below: bool = True) -> None:
 
     `below` the item, so that it stays to be read; else, and on what is tall, beside the pointer.
     """
-    if not text or not imgui.is_item_hovered(EXPLAINED) or imgui.is_mouse_down(imgui.MouseButton_.left):
+    if not _is_asked(text):
         return
-    text = legible(text)
     if below and imgui.get_item_rect_size().y < em(LINE):
-        imgui.set_next_window_pos(_below(text))
+        imgui.set_next_window_pos(_below(legible(text)))
+    _tooltip(text)
+
+
+def explain_entry(text: str) -> None:
+    """The same on an entry of an open list: left of the list, where it covers no other entry."""
+    if _is_asked(text):
+        end = ImVec2(imgui.get_window_pos().x - em(0.25), imgui.get_item_rect_min().y)
+        imgui.set_next_window_pos(end, imgui.Cond_.always, ImVec2(1, 0))
+        _tooltip(text)
+
+
+def _is_asked(text: str) -> bool:
+    hovered = bool(text) and imgui.is_item_hovered(EXPLAINED)
+    return hovered and not imgui.is_mouse_down(imgui.MouseButton_.left)
+
+
+def _tooltip(text: str) -> None:
     with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(em(EXPLANATION)):
-        imgui.text_unformatted(text)
+        imgui.text_unformatted(legible(text))
 
 
 def _below(text: str) -> ImVec2:

@@ -18,6 +18,7 @@ from app.gui.actions import (
     batch_actions,
     browse_actions,
     camera_actions,
+    depth_actions,
     edit_actions,
     export_actions,
     guide_actions,
@@ -40,10 +41,13 @@ from app.gui.work.about import read_about
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
+from app.gui.work.beside import find_models
+from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
 from app.gui.work.measuring import Measurer
 from app.gui.work.naming import encoder_of, name_of
+from app.gui.work.neighbours import find_neighbours
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
@@ -66,6 +70,9 @@ Server = Literal["first", "second", "apart"]
 waits for; or a thread of its own for each request: what opens files, without numba, may never end."""
 SECOND: Final = "second"
 NO_STRIP = "the clip's thumbnails cannot be shown"
+NO_MODELS = "what can be seen in a second view cannot be told"
+NO_NEIGHBOURS = "the images beside this one cannot be listed"
+NO_WAYS = "where depth can come from cannot be told"
 NO_THUMBNAILS = "presets cannot be previewed"
 
 
@@ -110,6 +117,8 @@ class Channels:
         self.opening = NewestChannel(open_path)
         self.second_opening = NewestChannel(open_path)
         self.clips = NewestChannel(take_up)
+        self.ways, self.depths = NewestChannel(find_ways), NewestChannel(read_depth)
+        self.neighbours = NewestChannel(find_neighbours)
         self.models, self.left = Channel(run_model), Channel(left_of)
         self.picks, self.selecting = Channel(pick), Channel(Selector().select)
         self.frames = Channel(read_frame)
@@ -127,7 +136,7 @@ class Channels:
         self.strip, self.left_out = Channel(make_strip), Channel(left_out)
         self.measures = Channel(Measurer().measure)
         self.omissions = Channel(look)
-        self.runs = Channel(RunFinder().find)
+        self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
         self.files = Channel(write_file, depth=256)
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
@@ -151,6 +160,11 @@ class Channels:
                 patience=Patience(_still_waiting)),
             Row(self.clips, queue_actions.take_clip, wishes.clip_wish, "apart", forgets=False,
                 patience=Patience(_waits_for_clip, can_stop=False)),
+            Row(self.ways, told(NO_WAYS, depth_actions.take_ways, actions.say),
+                wishes.ways_wish, "apart"),
+            Row(self.neighbours, told(NO_NEIGHBOURS, taking.take_neighbours, actions.say),
+                wishes.neighbours_wish, "apart"),
+            Row(self.depths, depth_actions.take_depth, lambda s: s.source.depth_wish, "apart"),
             *(Row(channel, partial(taking.take_other, side), partial(wishes.side_wish, side=side),
                   forgets=False) for side, channel in self.others.items()),
             Row(self.kept, told("the queue cannot be saved", taking.take_nothing, actions.say),
@@ -171,6 +185,8 @@ class Channels:
             Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
                 lambda s: s.omissions_request, SECOND),
             Row(self.runs, run_actions.take_found, lambda s: s.runs_request, SECOND),
+            Row(self.beside, told(NO_MODELS, second_actions.take_models, actions.say), wishes.models_wish,
+                SECOND),
             Row(self.view, taking.take_view, wishes.view_wish),
             Row(self.second, taking.take_second, wishes.second_wish),
             Row(self.cells, tuning_actions.take_cell, wishes.cell_wish),

@@ -14,7 +14,16 @@ from app.runs.job import Cancelled, Failed, Paused, Resumed, TrainingJob
 from app.runs.memory import told
 from app.runs.train_run import TrainRequest
 from app.runs.wall_clock import in_all
-from renderer.train.events import Evaluated, Finished, Planned, Preparing, Progress, Started, Warned
+from renderer.train.events import (
+    Evaluated,
+    Finished,
+    Finishing,
+    Planned,
+    Preparing,
+    Progress,
+    Started,
+    Warned,
+)
 
 log = logging.getLogger(__name__)
 MakeJob = Callable[[TrainRequest], TrainingJob]
@@ -34,7 +43,7 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
     state.runs.reconstruction = Reconstruction(
         config=draft.config,
         input=draft.input,
-        d_factor=draft.d_factor,
+        kept=draft.kept,
         name=draft.name,
         status="starting",
         job=job,
@@ -74,11 +83,14 @@ def _hear(state: AppState, event: object) -> None:
             run.planned = told(event)
         case Started():
             run.started, run.status, run.preparing = event, "running", None
+            run.started_at = state.window.now
             # What was done after the checkpoint is done again.
             run.told = run.told.until(event.iteration)
         case Progress():
             run.progress = event
             run.told = replace(run.told, progress=(*run.told.progress, event))
+        case Finishing():
+            run.finishing = event
         case Evaluated():
             run.told = replace(run.told, evaluated=(*run.told.evaluated, event))
         case Warned():

@@ -16,6 +16,7 @@ from app.gui.views.comparison import Side
 from app.gui.work.background import Answer, Failure, Request
 from app.gui.work.baking import Baked, BakeRequest
 from app.gui.work.measuring import Measured
+from app.gui.work.neighbours import Neighbours, NeighboursRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest
 from app.gui.work.recents import Recents, RecentsRequest
@@ -50,6 +51,10 @@ def take_omissions(state: AppState, request: OmissionsRequest, omissions: Omissi
 
 def take_frame(state: AppState, request: FrameRequest, frame_image: FrameImage) -> None:
     state.scene.viewer.frame_image = frame_image
+
+
+def take_neighbours(state: AppState, request: NeighboursRequest, neighbours: Neighbours) -> None:
+    state.source.neighbours = neighbours
 
 
 def take_difference(state: AppState, request: DifferenceRequest, difference: Difference) -> None:

@@ -11,7 +11,10 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
+from app.gui.work.beside import BesideRequest
+from app.gui.work.depths import WaysRequest
 from app.gui.work.kept_layout import NAME, SealRequest
+from app.gui.work.neighbours import NeighboursRequest
 from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
 from app.gui.work.recents import RecentsRequest
@@ -78,6 +81,22 @@ def left_out_wish(state: AppState) -> LeftOutRequest | None:
     if clip is None or state.picture.pictures is None or not state.picture.overlay:
         return None
     return LeftOutRequest(clip, state.timeline.shown_index, state.source.part.mask)
+
+
+def ways_wish(state: AppState) -> WaysRequest | None:
+    """Where the depth of the clip can come from, once its pictures are there."""
+    bare, known = state.source.bare, state.source.depth_ways
+    if bare is None or known is not None or state.picture.pictures is None:
+        return None
+    return WaysRequest(bare, state.source.options)
+
+
+def neighbours_wish(state: AppState) -> NeighboursRequest | None:
+    """Of a single image, once it is there."""
+    clip, path = state.source.clip, state.source.path
+    if clip is None or path is None or clip.format != "image" or state.picture.pictures is None:
+        return None
+    return NeighboursRequest(path)
 
 
 def to_tidy(state: AppState) -> OnScreen | None:
@@ -150,6 +169,13 @@ def recents_wish(state: AppState) -> RecentsRequest | None:
     if state.settings.recent and not state.is_empty:
         return None
     return RecentsRequest(state.settings.recent, state.places.thumbnails)
+
+
+def models_wish(state: AppState) -> BesideRequest | None:
+    """Which of what was opened lately can be seen beside the model that is shown."""
+    if state.scene.model is None:
+        return None
+    return BesideRequest(state.settings.recent, state.runs.reconstruction.status)
 
 
 def to_keep(state: AppState) -> KeepRequest:

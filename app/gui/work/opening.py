@@ -22,8 +22,10 @@ from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.listing import listed
+from renderer.readers.stills import NOT_READABLE
 from renderer.regular_files import require_regular
-from renderer.sources import open_clip
+from renderer.sources import open_bare, open_case, open_clip, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.view_files import Views, import_views
@@ -40,6 +42,8 @@ class OpenRequest:
 
     path: Path
     options: ClipOptions = DEFAULTS
+    onward: tuple[Path, ...] | None = None
+    """Of one of a folder's images after another, those behind it: the first that can be read is opened."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +69,8 @@ class Opened:
 
     clip: Clip | None
     run: OpenedRun | None = None
+    bare: Clip | None = None
+    """The clip with no depth but that of its own files."""
     splats: Scene | None = None
     """Of a file of splats."""
     notices: tuple[str, ...] = ()
@@ -80,6 +86,8 @@ class Opened:
     """Nothing else is opened with them."""
     warning: str = ""
     """What could not be opened of it."""
+    in_passing: bool = False
+    """One of a folder's images after another: not worth remembering."""
 
     @property
     def content(self) -> Content:
@@ -92,6 +100,28 @@ class Opened:
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:
     """Raises ClipError, UserError or OSError: one line for the banner."""
+    if request.onward is not None:
+        yield _open_next(request.path, request.onward, request.options)
+    else:
+        yield from _open(request)
+
+
+def _open_next(first: Path, onward: tuple[Path, ...], options: ClipOptions) -> Opened:
+    """The first image that can be read; those before it are passed over, in one line."""
+    passed, trouble = list[str](), ClipError(f"expected an image, got none: {first}")
+    for path in (first, *onward):
+        try:
+            (opened,) = _open(OpenRequest(path, options))
+        except (ClipError, UserError, OSError) as error:
+            passed.append(path.name)
+            trouble = ClipError(str(error)) if len(passed) == 1 else trouble
+        else:
+            said = f"passed over, not readable: {listed(passed)}" if passed else opened.warning
+            return replace(opened, path=path, warning=said, in_passing=True)
+    raise trouble
+
+
+def _open(request: OpenRequest) -> Iterator[Opened]:
     _require_file_or_folder(request.path)
     if request.path.suffix == SUFFIX:
         yield _open_session(request.path)
@@ -107,10 +137,35 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     if run.is_run or request.path.suffix == ".safetensors":
         yield _open_run(run)
         return
-    clip = open_clip(request.path, request.options)
+    read = _read(request.path, request.options)
     # A folder that lists but does not decode is found out here, not in the middle of a session.
-    clip.read_image(0)
-    yield Opened(clip, notices=clip.notices, options=request.options)
+    read.bare.read_image(0)
+    yield Opened(
+        read.clip, bare=read.bare, notices=read.clip.notices, options=read.options, warning=read.warning
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Read:
+    clip: Clip
+    bare: Clip
+    options: ClipOptions
+    warning: str = ""
+
+
+def _read(path: Path, options: ClipOptions) -> _Read:
+    """With depth as the options say, or as the clip has it where there is no such depth. Raises ClipError."""
+    bare = open_case(path, options)
+    if not bare.has_one_size:
+        passed = next((said for said in bare.notices if said.startswith(NOT_READABLE)), "")
+        return _Read(bare, bare, options, passed)
+    try:
+        return _Read(with_chosen_depth(bare, options), bare, options)
+    except ClipError as error:
+        if options.depth == "auto":
+            raise
+        plain = replace(options, depth="auto")
+        return _Read(with_chosen_depth(bare, plain), bare, plain, f"opened without the chosen depth: {error}")
 
 
 def _require_file_or_folder(path: Path) -> None:
@@ -159,7 +214,7 @@ def _open_splats(path: Path) -> Opened:
 
 def _open_run(folder: RunFolder) -> Opened:
     record = folder.record()
-    clip, notices = _clip_of(record)
+    clip, bare, notices = _clip_of(record)
     finished, warning, said = folder.is_finished, "", told(folder)
     model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
     if model is not None and clip is not None and model.is_of(clip):
@@ -175,7 +230,7 @@ def _open_run(folder: RunFolder) -> Opened:
         onward = f"{folder.path.name} is not finished: Continue resumes from its last checkpoint{shown}"
         notices = (*notices, onward)
     run = OpenedRun(folder.path, record, request_of(folder, record), model, said)
-    return Opened(clip, run, notices=notices, options=record.clip.options, warning=warning)
+    return Opened(clip, run, bare, notices=notices, options=record.clip.options, warning=warning)
 
 
 def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> Scene | None:
@@ -207,12 +262,14 @@ def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
     )
 
 
-def _clip_of(record: RunRecord) -> tuple[Clip | None, tuple[str, ...]]:
+def _clip_of(record: RunRecord) -> tuple[Clip | None, Clip | None, tuple[str, ...]]:
+    """As it was trained on, and with no depth but that of its own files."""
     try:
-        clip = open_clip(Path(record.clip.path), record.clip.options)
-        return clip, clip.notices
+        bare = open_bare(Path(record.clip.path), record.clip.options)
+        clip = with_chosen_depth(bare, record.clip.options)
+        return clip, bare, clip.notices
     except ClipError as error:
-        return None, (f"the run's clip cannot be opened; only its model is shown: {error}",)
+        return None, None, (f"the run's clip cannot be opened; only its model is shown: {error}",)
 
 
 @dataclass(frozen=True)

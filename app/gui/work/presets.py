@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 from pydantic import TypeAdapter
 
-from app.enhancement.methods import EnhancementSettings, RecordedSettings
+from app.enhancement.methods import EnhancementSettings, RecordedSettings, preset_of
 from app.enhancement.settable import LONGEST_NAME
 from app.errors import UserError
 from app.files.atomic import write_bytes
+from app.files.legible import named
 from app.files.mended import mended
 from app.files.provenance import strict_json
 from app.gui.work.settings import Places
@@ -126,6 +127,19 @@ def keep_presets(request: KeepPresets) -> Iterator[dict[str, EnhancementSettings
     presets = merged_presets(request.path, request.presets, request.before)
     save_presets(request.path, presets)
     yield presets
+
+
+def loosely_named(look: EnhancementSettings, own: Mapping[str, EnhancementSettings]) -> str:
+    """The preset that these parameters are but for their strength, and that: "Vessels, strength 1.0"."""
+    name = preset_name(look, own)
+    if name == CUSTOM:
+        known = (each for each, preset in presets_with(own).items() if _is_like(preset, look))
+        name = next(known, f"{named(preset_of(look))}, custom")
+    return f"{name}, strength {look.strength:.1f}"
+
+
+def _is_like(preset: EnhancementSettings, look: EnhancementSettings) -> bool:
+    return type(preset) is type(look) and replace(preset, strength=look.strength) == look
 
 
 def preset_name(look: EnhancementSettings, own: Mapping[str, EnhancementSettings]) -> str:

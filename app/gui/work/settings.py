@@ -13,11 +13,13 @@ import platformdirs
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
+from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import VESSEL, Preset
-from app.enhancement.settable import Mode, Name, PathText, Pixels, Scope, at_most
+from app.enhancement.settable import FrameNumber, Mode, Name, PathText, Pixels, Scope, at_most
 from app.files.mended import mended_file
 from app.files.provenance import strict_json
-from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.clip_selection import ClipPart
+from renderer.readers.clip_options import DepthSource
 
 RECENT_LIMIT = 8
 MOST_FOLDERS = 32
@@ -145,15 +147,29 @@ def _last(told: Any) -> Any:
     return dict(list(told.items())[-MOST_CLIPS:]) if isinstance(told, dict) else told
 
 
-CLIPS = TypeAdapter(Annotated[dict[str, ClipPart], BeforeValidator(_last)])
+@pydantic_dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+class KnownClip:
+    """What was chosen for one clip."""
+
+    trim: tuple[FrameNumber, FrameNumber] | None = None
+    mask: PictureMask = NO_MASK
+    depth: DepthSource = "auto"
+
+    @property
+    def part(self) -> ClipPart:
+        return ClipPart(trim=self.trim, mask=self.mask)
 
 
-def load_clips(folder: Path) -> dict[str, ClipPart]:
+UNKNOWN = KnownClip()
+CLIPS = TypeAdapter(Annotated[dict[str, KnownClip], BeforeValidator(_last)])
+
+
+def load_clips(folder: Path) -> dict[str, KnownClip]:
     """By path, those that can be read: nothing in it is precious."""
     return mended_file(CLIPS, folder / FILE) or {}
 
 
-def clips_content(clips: Mapping[str, ClipPart]) -> bytes:
+def clips_content(clips: Mapping[str, KnownClip]) -> bytes:
     """The whole file: the last MOST_CLIPS of those that differ from the defaults."""
-    said = [(path, part) for path, part in clips.items() if part != WHOLE]
+    said = [(path, known) for path, known in clips.items() if known != UNKNOWN]
     return strict_json(dict(said[-MOST_CLIPS:]), indent=2).encode()

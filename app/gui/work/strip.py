@@ -57,9 +57,18 @@ def make_strip(request: StripRequest) -> Iterator[Strip]:
     for place in range(count):
         frame = int((place + 0.5) * len(clip) / count)
         with suppress(ClipError):
-            small = cv2.resize(clip.read_image(frame), (width, HEIGHT), interpolation=cv2.INTER_AREA)
-            image[:, place * width : (place + 1) * width] = small
+            _put(clip.read_image(frame), image[:, place * width : (place + 1) * width])
         yield Strip(request, image.copy())
+
+
+def _put(frame: ByteImage, place: ByteImage) -> None:
+    """In its own shape, in the middle."""
+    (rows, columns), (height, width) = frame.shape[:2], place.shape[:2]
+    scale = min(height / rows, width / columns)
+    size = max(1, min(width, round(columns * scale))), max(1, min(height, round(rows * scale)))
+    left, top = (width - size[0]) // 2, (height - size[1]) // 2
+    small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
+    place[top : top + size[1], left : left + size[0]] = small
 
 
 @dataclass(frozen=True)

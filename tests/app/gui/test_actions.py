@@ -161,7 +161,7 @@ def test_opening_a_clip_leaves_a_running_reconstruction_alone(
 
 def test_the_request_holds_what_was_chosen(state: AppState, make_job: MakeFake) -> None:
     run = state.runs.reconstruction
-    run.input, run.d_factor, run.name = "enhanced", 0.4, "my run / 1"
+    run.input, run.name = "enhanced", "my run / 1"
     run.config = replace(run.config, method="static", iterations=20)
     actions.set_params(state, EnhanceParams(z=0.3, d_factor=2.0))
     request = started(state, make_job).request
@@ -169,7 +169,7 @@ def test_the_request_holds_what_was_chosen(state: AppState, make_job: MakeFake) 
     assert request.run_path == state.places.runs / "my-run-1"
     assert (request.config.method, request.config.iterations) == ("static", 20)
     assert request.input == "enhanced"
-    assert request.enhance_params == EnhanceParams(z=0.3, d_factor=0.4)
+    assert request.enhance_params == EnhanceParams(z=0.3, d_factor=2.0)
     assert not request.resume
 
 

@@ -20,7 +20,7 @@ from app.gui.views.picture_view import Placement
 from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint
 from app.gui.work.opening import Opened
-from app.gui.work.settings import FILE, MOST_CLIPS, Places, clips_content, load_clips
+from app.gui.work.settings import FILE, MOST_CLIPS, KnownClip, Places, clips_content, load_clips
 from app.gui.work.strip import HEIGHT, MOST, StripRequest, count_for, make_strip
 from app.runs.clip_selection import ClipPart
 from renderer.clip import ByteImage, Clip, ClipError
@@ -139,8 +139,8 @@ def test_a_damaged_file_is_no_obstacle_and_the_file_stays_small(places: Places) 
     places.config.mkdir(parents=True)
     (places.config / FILE).write_text("{ no")
     assert load_clips(places.config) == {}
-    many = {f"clip {index}": ClipPart(trim=(0, index)) for index in range(MOST_CLIPS + 5)}
-    (places.config / FILE).write_bytes(clips_content({"untouched": ClipPart(), **many}))
+    many = {f"clip {index}": KnownClip(trim=(0, index)) for index in range(MOST_CLIPS + 5)}
+    (places.config / FILE).write_bytes(clips_content({"untouched": KnownClip(), **many}))
     there = load_clips(places.config)
     assert len(there) == MOST_CLIPS
     assert f"clip {MOST_CLIPS + 4}" in there

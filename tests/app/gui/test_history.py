@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from app.enhancement.image_mask import PictureMask
-from app.gui.actions import actions, clip_actions, comparing, history_actions, preset_actions
+from app.gui.actions import actions, clip_actions, comparing, history_actions, job_actions, preset_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.enhancement import SettingsSnapshot
 from app.gui.views.picture_view import PictureView
@@ -29,7 +29,8 @@ def iterations(state: AppState) -> None:
 
 
 def wishes(state: AppState) -> None:
-    state.runs.reconstruction.input, state.runs.reconstruction.d_factor = "both in turn", 0.75
+    state.runs.reconstruction.input = "both in turn"
+    job_actions.link_settings(state, linked=False)
 
 
 def trim(state: AppState) -> None:

@@ -57,14 +57,14 @@ def test_each_method_keeps_its_parameters_and_undo_goes_between_them(state: AppS
     assert state.enhancement.params == VesselParams()
 
 
-def test_a_reconstruction_takes_the_paper_s_method(state: AppState) -> None:
+def test_a_reconstruction_takes_the_image_s_method(state: AppState) -> None:
     actions.set_params(state, EnhanceParams(z=0.3))
     actions.choose_method(state, VesselParams)
     job_actions.start_reconstruction(state)
     start_due(state, FakeJob)
     request = state.runs.reconstruction.request
     assert isinstance(request, TrainRequest)
-    assert request.enhance_params == EnhanceParams(z=0.3, d_factor=state.runs.reconstruction.d_factor)
+    assert request.enhance_params == VesselParams()
 
 
 def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -> None:

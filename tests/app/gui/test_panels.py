@@ -11,10 +11,11 @@ from app.gui.actions import actions, history_actions, path_actions
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.menus import SEPARATOR, fitting
-from app.gui.panels.reconstruction import FIRST_STEP, draw_reconstruction, status_of
+from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import CHOICES, draw_welcome
 from app.gui.state.app_state import AppState
+from app.gui.state.run_words import FIRST_STEP, doing
 from app.gui.style.widgets import seconds
 from app.runs.progress_log import TrainingLog
 from assets import phantom_path
@@ -99,10 +100,10 @@ def test_the_status_bar_says_as_much_as_there_is_room_for(ui: Ui) -> None:
 def test_the_wait_before_the_first_step_has_words(ui: Ui, opened: AppState) -> None:
     run = opened.runs.reconstruction
     run.status = "running"
-    assert status_of(run) == FIRST_STEP
+    assert doing(opened) == FIRST_STEP
     ui.frame(lambda: draw_reconstruction(opened))
     run.progress = Progress(1, 100, 0.1, 25.0, 1.0, 99.0, 30_000)
-    assert status_of(run) != FIRST_STEP
+    assert doing(opened) != FIRST_STEP
 
 
 @pytest.mark.parametrize("total", [0, 27])

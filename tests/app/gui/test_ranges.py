@@ -22,7 +22,7 @@ from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import Opened
 from app.gui.work.presets import MOST_PRESETS, load_presets
-from app.gui.work.settings import FILE, RECENT_LIMIT, Places, Settings, load_clips, load_settings
+from app.gui.work.settings import FILE, RECENT_LIMIT, KnownClip, Places, Settings, load_clips, load_settings
 from app.runs.clip_selection import ClipPart
 from app.runs.queue_file import MOST_WAITING, keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
@@ -50,7 +50,8 @@ WRONG: list[tuple[str, Any]] = [
     *(("frame", value) for value in (-1, MOST_FRAME + 1, 10**30, 1.5, None, [3])),
     *(("frozen", value) for value in (-1, 10**12)),
     *((name, value) for name in ("blend", "view_time") for value in (-0.1, 1.1, 1e300)),
-    *(("d_factor", value) for value in (-1, 4.5, 1e308)),
+    *(("kept", {"params": {"d_factor": value}}) for value in (-1, 4.5, 1e308)),
+    ("kept", {"params": LOOK, "since": "x" * 101}),
     *(("comparison", {"wipe": value}) for value in (-1, 1.5, 1e300)),
     ("comparison", {"mode": "at once"}),
     ("comparison", {"left": "nothing"}),
@@ -253,7 +254,8 @@ def test_a_restored_session_is_kept_in_passing_as_it_was(state: AppState, clip: 
 
 def test_of_known_clips_the_readable_ones_are_there(tmp_path: Path) -> None:
     told = {"a": {"trim": [0, 3]}, "b": {"trim": [-1, 3]}, "c": {"mask": {"view": [0, 0, 1e300]}}, "d": 3}
+    told |= {"e": {"depth": "magic"}}
     (tmp_path / FILE).write_text(json.dumps(told))
-    assert load_clips(tmp_path) == {"a": ClipPart(trim=(0, 3))}
+    assert load_clips(tmp_path) == {"a": KnownClip(trim=(0, 3))}
     (tmp_path / FILE).write_text("[]")
     assert load_clips(tmp_path) == {}

@@ -7,13 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
-from app.gui.actions import actions, camera_actions, job_actions, second_actions
+from app.gui.actions import actions, camera_actions, job_actions, run_actions, second_actions
+from app.gui.commands import recent_commands
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.update.wishes import SLOW_VIEW, second_wish, view_wish
+from app.gui.work.settings import Places, Settings
 from app.scenes.drawer import View
 from app.scenes.view_kinds import ViewKind
 from app.scenes.view_request import FrameImage, FrameRequest
@@ -22,6 +25,7 @@ from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import SIZE, FakeJob
 from tests.app.gui.settling import served, show_live
 from tests.app.gui.test_opening import make_run
+from tests.app.gui.test_window import Driver, is_settled, wait
 
 
 @pytest.fixture
@@ -81,6 +85,62 @@ def test_what_is_no_reconstruction_is_one_line_and_leaves_what_is_there(
         assert "\n" not in seen.window.banner.message
         assert seen.scene.second.shown is shown
         assert seen.scene.second.opening is None
+
+
+def test_only_what_has_a_model_and_is_not_shown_is_offered(
+    seen: AppState, model: DynamicGaussians, tmp_path: Path
+) -> None:
+    whole = make_run(tmp_path / "whole", phantom_path(), model).path
+    other = make_run(tmp_path / "other", phantom_path(), model).path
+    empty = make_run(tmp_path / "empty", phantom_path(), None).path
+    splats = tmp_path / "splats.ply"
+    splats.write_bytes(b"")
+    recent = tuple(map(str, (whole, phantom_path(), empty, tmp_path / "gone.ply", splats, other)))
+    seen.settings = replace(seen.settings, recent=recent)
+    channels = Channels()
+    assert second_actions.offered(seen) == ()  # Not looked up yet.
+    settle(seen, channels)
+    channels.beside.run_waiting()
+    settle(seen, channels)
+    assert second_actions.offered(seen) == (whole, splats, other)
+    second_actions.open_second(seen, whole)
+    settle(seen, channels)
+    assert second_actions.offered(seen) == (splats, other)
+    assert [command.text for command in recent_commands.beside(seen)] == [str(splats), str(other)]
+    seen.scene.model = None
+    assert recent_commands.beside(seen) == ()
+
+
+@pytest.mark.display
+def test_a_run_of_the_list_is_opened_beside_and_closed_again(places: Places, model: DynamicGaussians) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    runs = [make_run(places.runs / name, phantom_path(), model).path for name in ("first", "second")]
+    make_run(places.runs / "third", phantom_path(), None)
+    actions.open_path(state, runs[0])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state) and state.scene.model is not None, "the first run")
+        ctx.window_focus("//Runs")
+        wait(ctx, lambda: state.runs.found is not None and len(state.runs.found.runs) == 3, "the list")
+        listed = {run.path.name: run for run in state.runs.found.runs} if state.runs.found else {}
+        assert "one that is shown" in run_actions.why_not_beside(state, listed["first"])
+        assert "no model" in run_actions.why_not_beside(state, listed["third"])
+        for name in ("first", "third"):  # Greyed.
+            ctx.item_click(f"//Runs/{name}/###beside")
+        ctx.yield_(3)
+        assert state.scene.second.opening is None
+        ctx.item_click("//Runs/second/###beside")
+        wait(ctx, lambda: state.second_request is not None, "the second view")
+        assert state.view_request is not None
+        assert state.second_request is not None
+        assert state.second_request.camera == state.view_request.camera
+        assert state.scene.model is not None
+        assert state.scene.model.name == "first"
+        ctx.item_click("//Runs/second/###beside")
+        wait(ctx, lambda: state.scene.second.shown is None, "none again")
+
+    driver.run(drive)
 
 
 def test_without_a_first_there_is_no_second(state: AppState, tmp_path: Path) -> None:

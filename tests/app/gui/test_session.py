@@ -23,6 +23,7 @@ from app.gui.actions.session_actions import snapshot
 from app.gui.panels.overlays import draw_notes, draw_recovery
 from app.gui.session_file import (
     Choice,
+    KeptSettings,
     Session,
     UnsavedEdits,
     autosave_path,
@@ -96,6 +97,7 @@ def worked(places: Places, clip_path: Path) -> tuple[AppState, Channels]:
     state.scene.cameras.views = Views((NamedCamera("from the left", camera),), path, loop=True, unit="mm")
     state.scene.kind, state.scene.viewer.blend = "depth", 0.25
     state.runs.reconstruction.name, state.runs.reconstruction.input = "second try", "enhanced"
+    state.runs.reconstruction.kept = KeptSettings(EnhanceParams(d_factor=0.7), "2026-01-02 03:04")
     state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=500)
     state.tuning.choices = (Choice("lift", 0.1, 0.9, 3), Choice())
     clip_actions.trim_here(state, start=True)

@@ -11,9 +11,8 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import actions, history_actions
-from app.gui.panels import enhancement, reconstruction
+from app.gui.panels import enhancement
 from app.gui.panels.enhancement import draw_enhancement
-from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state import scales
 from app.gui.state.amounts import AMOUNTS
 from app.gui.state.app_state import AppState
@@ -138,7 +137,7 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> list[Hand]:
 
     for module in (fields, enhancement):
         monkeypatch.setattr(module, "slider", seen)
-    for module in (fields, enhancement, reconstruction):
+    for module in (fields, enhancement):
         monkeypatch.setattr(module, "number", read)
     return hands
 
@@ -267,20 +266,3 @@ def test_a_tooltip_is_below_its_slider_and_gone_while_it_is_dragged(hand: Hand) 
     hand.press(spot, 60)
     assert tooltip() is None
     hand.release()
-
-
-def test_color_of_a_reconstruction_is_an_amount(ui: Ui, opened: AppState, watched: list[Hand]) -> None:
-    run = opened.runs.reconstruction
-    run.input = "enhanced"
-    hand = Hand(ui, opened, draw_reconstruction)
-    watched.append(hand)
-    hand.frame(2)
-    assert hand.numbers[0].text == "0.67"
-    hand.type("run_d", "0.5")
-    assert run.d_factor == 1.0
-    hand.frame(30)  # Or the next click is the second of two.
-    hand.drag("run_d", 0.5, 0.8)
-    assert run.d_factor == pytest.approx(0.25, abs=0.03)
-    hand.double_click("run_d", 0.3)
-    hand.frame(30)
-    assert run.d_factor == 0.5

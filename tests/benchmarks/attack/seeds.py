@@ -11,7 +11,7 @@ from PIL import Image
 
 from app.__main__ import main
 from app.enhancement.image_mask import PictureMask
-from app.gui.session_file import Choice, Session, SessionSource, UnsavedEdits, write_session
+from app.gui.session_file import Choice, KeptSettings, Session, SessionSource, UnsavedEdits, write_session
 from app.gui.views.comparison import Comparison
 from app.gui.work.presets import save_presets
 from app.gui.work.settings import Settings, settings_content
@@ -91,7 +91,7 @@ def session_of(run: RunFolder, folder: Path) -> Session:
         blend=0.3,
         config=replace(CONFIG, keep=("deformation",)),
         input="enhanced",
-        d_factor=0.7,
+        kept=KeptSettings(EnhanceParams(d_factor=0.7), "2026-01-02 03:04"),
         run_name="second try",
         varied=(Choice("d_factor", 0.0, 2.0, 3), Choice("p", 0.2, 0.8, 2)),
         tuning_shown=True,

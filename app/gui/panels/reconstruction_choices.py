@@ -1,0 +1,136 @@
+"""What the next reconstruction is of and how good it is to be: method, depth, frames, steps and name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Final, get_args
+
+from imgui_bundle import imgui
+
+from app.enhancement.methods import worded
+from app.enhancement.settable import InputKind
+from app.files.legible import named
+from app.gui.actions import depth_actions, job_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
+from app.gui.style.fields import declared, wants_default
+from app.gui.style.widgets import NAMES, button, choose_row, em, explain, explain_entry, note, row, seconds
+from app.gui.work.presets import loosely_named
+from renderer.clip import Clip
+from renderer.depth.depth_ways import DepthWay
+from renderer.train.config import Method, TrainConfig
+
+METHODS: Final[dict[Method, str]] = {method: named(method) for method in get_args(Method)}
+INPUTS: Final[dict[InputKind, str]] = {kind: named(kind) for kind in get_args(InputKind)}
+INPUTS_TEXT: Final = (
+    "Reconstruct the original frames, or frames enhanced as the image is; both in turn runs two "
+    "reconstructions to compare."
+)
+WAYS: Final[dict[DepthWay, str]] = {
+    "measured": "Measured",
+    "stereo": "Stereo",
+    "guessed": "Guessed (no scale)",
+}
+WAYS_TEXT: Final = "Where the shape starts from."
+WAY_TEXTS: Final[dict[DepthWay, str]] = {
+    "measured": "Depth maps that come with the clip.",
+    "stereo": "Matched between left and right images.",
+    "guessed": "Any video: shapes are coarse, and lengths have no scale.",
+}
+NO_WAY: Final = "Choose…"
+POINTS: Final = "Sparse points"
+LINK_TEXT: Final = (
+    "Follow the image's settings. Off: keep them as they are now, whatever the image is set to."
+)
+TAKE_TEXT: Final = "Keep the settings that the image has now instead."
+POOLED: Final = "Statistics are pooled over the training frames."
+
+
+def draw_choices(state: AppState) -> None:
+    run = state.runs.reconstruction
+    config = run.config
+    method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
+    if state.source.clip is not None:
+        _draw_depth(state, state.source.clip)
+    job_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
+    if run.input != "original":
+        _draw_link(state)
+    iterations = _steps(replace(config, iterations=_quality(run)))
+    if (method, iterations) != (config.method, config.iterations):
+        job_actions.choose_method(state, method, iterations)
+    row("Name", "Folder of the run; if empty, the clip's name and the time.")
+    _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
+    job_actions.name_run(state, name)
+
+
+def _draw_depth(state: AppState, clip: Clip) -> None:
+    """What the clip cannot give is greyed and says why."""
+    now = depth_actions.chosen_way(state)
+    row("Depth", WAYS_TEXT)
+    shown = WAYS[now] if now is not None else POINTS if clip.points is not None else NO_WAY
+    is_open = imgui.begin_combo("##depth", shown)
+    if is_open:
+        for way, label in WAYS.items():
+            reason = depth_actions.why_not(state, way)
+            flags = imgui.SelectableFlags_.disabled if reason else 0
+            if imgui.selectable(f"{label}###{way}", way == now, flags)[0]:
+                depth_actions.choose_way(state, way)
+            explain_entry(reason or WAY_TEXTS[way])
+        imgui.end_combo()
+    else:
+        explain(WAYS_TEXT if now is None else WAY_TEXTS[now])
+    if said := depth_actions.said(state):
+        _indented(said)
+
+
+def _draw_link(state: AppState) -> None:
+    """With which settings the frames are enhanced: the image's, or those kept."""
+    run, params = state.runs.reconstruction, job_actions.frame_settings(state)
+    name = loosely_named(params, state.enhancement.presets)
+    kept = run.kept
+    row("Settings", LINK_TEXT)
+    changed, linked = imgui.checkbox("As the image###linked", kept is None)
+    explain(LINK_TEXT)
+    if changed:
+        job_actions.link_settings(state, linked=linked)
+    if kept is None:
+        _indented(name)
+        explain(f"{worded(params)}. {POOLED}")
+        return
+    _indented(f"{name}, kept from {job_actions.moment(kept)}")
+    explain(f"{worded(params)}. {POOLED}")
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + em(NAMES))
+    reason = "" if kept.params != state.enhancement.params else "The image has these settings."
+    take = partial(job_actions.keep_settings_now, state)
+    button("Take the image's now", take, TAKE_TEXT, reason=reason, width=-0.1)
+
+
+def _indented(text: str) -> None:
+    """A quiet line below a control."""
+    imgui.indent(em(NAMES))
+    note(text)
+    imgui.unindent(em(NAMES))
+
+
+def _quality(run: Reconstruction) -> int:
+    """The iterations that are chosen by a word, and what they will take where that is known."""
+    now, took = quality_of(run.config.iterations), expected_seconds(run)
+    steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
+    text = f"Number of iterations: {steps}. More are slower and better."
+    shown = {name: name for name in (*QUALITIES, now)}
+    if took is not None:
+        text += f" About {seconds(took)} at the speed of the run shown."
+        shown |= {now: f"{now}, about {seconds(took)}" if took else now}
+    return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
+
+
+def _steps(config: TrainConfig) -> int:
+    about = declared(TrainConfig, "iterations")
+    text = about.text or "Training steps; more are slower and better."
+    row("Iterations", text)
+    changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
+    explain(text)
+    if wants_default("iterations"):
+        return int(about.default)
+    return int(min(max(value, about.lo), about.hi)) if changed else config.iterations

@@ -1,0 +1,66 @@
+"""What a reconstruction is doing and how long the rest of it takes, in a line."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from app.files.legible import capital, grouped
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import Reconstruction
+from app.kernels.progress import rounded
+from renderer.train.events import Finishing, Preparing, Progress
+
+STATUS: Final = {
+    "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
+    "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
+}  # fmt: skip
+FIRST_STEP: Final = "Preparing the first step…"
+COMPILING: Final = "Compiling once…"
+LONG_STEP: Final = 5.0
+"""Seconds after which a first step is known to compile: others take a fraction of one."""
+
+
+def doing(state: AppState) -> str:
+    """Of the run that is shown."""
+    run = state.runs.reconstruction
+    match run.status:
+        case "starting" if run.preparing is not None:
+            return _preparing(run.preparing)
+        case "running" if run.finishing is not None:
+            return _finishing(run.finishing)
+        case "running":
+            return _first(state, run) if run.progress is None else _step(run.progress)
+        case "paused" if run.progress is not None:
+            return f"Paused at step {_steps(run.progress)}"
+        case status:
+            return STATUS[status]
+
+
+def share_done(run: Reconstruction) -> float | None:
+    """Of what it is doing; None: not known."""
+    if run.status == "starting" and run.preparing is not None:
+        return run.preparing.done / run.preparing.total if run.preparing.total else None
+    return run.progress.iteration / run.progress.iterations if run.progress is not None else None
+
+
+def _preparing(stage: Preparing) -> str:
+    count = f" · {grouped(stage.done)} of {grouped(stage.total)}" if stage.total else ""
+    left = "" if stage.seconds_left is None else f" · {rounded(stage.seconds_left)} left"
+    return f"{capital(stage.stage)}{count}{left}"
+
+
+def _finishing(stage: Finishing) -> str:
+    return f"{capital(stage.stage)} · {rounded(stage.seconds_left)} left"
+
+
+def _first(state: AppState, run: Reconstruction) -> str:
+    waited = state.window.now - run.started_at
+    return COMPILING if state.lacks("training") or waited > LONG_STEP else FIRST_STEP
+
+
+def _step(progress: Progress) -> str:
+    return f"Step {_steps(progress)} · {rounded(progress.seconds_left)} left"
+
+
+def _steps(progress: Progress) -> str:
+    return f"{grouped(progress.iteration)} of {grouped(progress.iterations)}"

@@ -1,0 +1,39 @@
+"""Which of what was opened lately can be seen in a second 3D view: off the window's thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.runs.run_folder import RunFolder
+from renderer.splat_files import is_named_as_splats
+
+
+@dataclass(frozen=True)
+class BesideRequest:
+    """These paths; asked again when the run that is made has come further."""
+
+    paths: tuple[str, ...]
+    status: str
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Those of them that hold a model, in their order."""
+
+    paths: tuple[Path, ...]
+
+
+def find_models(request: BesideRequest) -> Iterator[Beside]:
+    yield Beside(tuple(path for path in map(Path, request.paths) if _holds_model(path)))
+
+
+def _holds_model(path: Path) -> bool:
+    try:
+        if is_named_as_splats(path):
+            return path.is_file()
+        run = RunFolder(path)
+        return run.is_finished or (run.is_run and run.has_checkpoint)
+    except OSError:
+        return False

@@ -1,0 +1,44 @@
+"""Where the depth of the open clip may come from, and the clip read anew with another: off the window's
+thread."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from renderer.clip import Clip
+from renderer.depth.depth_ways import DepthWays, depth_ways
+from renderer.readers.clip_options import ClipOptions
+from renderer.sources import with_chosen_depth
+
+
+@dataclass(frozen=True)
+class WaysRequest:
+    """Which ways a clip offers."""
+
+    bare: Clip
+    """With no depth but that of its own files."""
+    options: ClipOptions
+
+
+@dataclass(frozen=True)
+class Ways:
+    request: WaysRequest
+    found: DepthWays
+
+
+def find_ways(request: WaysRequest) -> Iterator[Ways]:
+    yield Ways(request, depth_ways(request.bare, request.options))
+
+
+@dataclass(frozen=True)
+class DepthRequest:
+    """The clip with the depth of other options."""
+
+    bare: Clip
+    options: ClipOptions
+
+
+def read_depth(request: DepthRequest) -> Iterator[Clip]:
+    """Raises ClipError: there is no such depth."""
+    yield with_chosen_depth(request.bare, request.options)

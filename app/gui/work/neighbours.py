@@ -1,0 +1,38 @@
+"""The images beside the one that is open, in its folder: off the window's thread, and none of them read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from renderer.readers.stills import images_in
+
+
+@dataclass(frozen=True)
+class NeighboursRequest:
+    image: Path
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    images: tuple[Path, ...] = ()
+    """In natural order, the one that is open among them."""
+
+    def place(self, image: Path | None) -> int | None:
+        """Of an image, from 0; None where it is none of them."""
+        return self.images.index(image) if image in self.images else None
+
+    def onward(self, image: Path | None, by: int) -> tuple[Path, ...]:
+        """From the one that is `by` on or back, as far as they go, to the last one in that direction."""
+        place = self.place(image)
+        if place is None or by == 0:
+            return ()
+        if by > 0:
+            return self.images[max(min(place + by, len(self.images) - 1), place + 1) :]
+        return tuple(reversed(self.images[: max(place + by, 0) + 1])) if place else ()
+
+
+def find_neighbours(request: NeighboursRequest) -> Iterator[Neighbours]:
+    """Raises OSError: the folder cannot be listed."""
+    yield Neighbours(images_in(request.image.parent))

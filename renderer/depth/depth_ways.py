@@ -1,0 +1,83 @@
+"""The ways in which a clip can come by depth, and why not by the others, before a person chooses one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final, Literal, get_args
+
+from renderer.clip import Clip, ClipError
+from renderer.depth.clip_depth import with_depth
+from renderer.depth.monocular import monocular_maps
+from renderer.depth.stereo_pairs import right_pictures
+from renderer.readers.clip_options import ClipOptions, DepthSource
+
+DepthWay = Literal["measured", "stereo", "guessed"]
+DEPTH_WAYS: Final[tuple[DepthWay, ...]] = get_args(DepthWay)
+
+
+@dataclass(frozen=True)
+class DepthWays:
+    """What a clip, as its own files give it, can be read with."""
+
+    why_not_measured: str
+    """In a sentence; empty: it can be. So of the others."""
+    why_not_stereo: str
+    why_not_guessed: str
+    guess: DepthSource
+    """Of what a guess would be made."""
+
+    def why_not(self, way: DepthWay) -> str:
+        return {
+            "measured": self.why_not_measured,
+            "stereo": self.why_not_stereo,
+            "guessed": self.why_not_guessed,
+        }[way]
+
+    def source(self, way: DepthWay) -> DepthSource:
+        """The option that reads the clip in this way; "auto" where that comes to the same."""
+        if way == "guessed":
+            return self.guess
+        auto: DepthWay = "stereo" if self.why_not_measured else "measured"
+        return "auto" if way == auto else way
+
+
+def way_of(clip: Clip) -> DepthWay | None:
+    """In which its depth was come by; None without any."""
+    if not clip.has_depth:
+        return None
+    if clip.depth_origin in ("monocular", "brightness"):
+        return "guessed"
+    return "stereo" if clip.depth_origin == "stereo" else "measured"
+
+
+def depth_ways(bare: Clip, options: ClipOptions) -> DepthWays:
+    """Of a clip without any depth but that of its files. Looks at the first pair of a stereo clip."""
+    if not bare.has_one_size:
+        why = f"{bare.why_no_depth[:1].upper()}{bare.why_no_depth[1:]}."
+        return DepthWays(why, why, why, "brightness")
+    moves = "" if bare.camera_is_fixed else "The camera moves by known lengths, and a guess has no scale."
+    return DepthWays(
+        why_not_measured="" if bare.has_depth else "This clip comes with no measured depth.",
+        why_not_stereo=_why_not_stereo(bare, options),
+        why_not_guessed=moves,
+        guess="monocular" if _has_maps(bare) else "brightness",
+    )
+
+
+def _why_not_stereo(bare: Clip, options: ClipOptions) -> str:
+    try:
+        if not right_pictures(bare):
+            return "This clip has no right images to match with the left ones."
+        with_depth(bare, replace(options, depth="stereo"))
+    except (ClipError, OSError) as error:
+        # A person knows which clip it is.
+        said = str(error).removesuffix(f": {bare.path}")
+        return f"{said[:1].upper()}{said[1:]}."
+    return ""
+
+
+def _has_maps(bare: Clip) -> bool:
+    try:
+        return bool(monocular_maps(bare))
+    except (ClipError, OSError):
+        return False

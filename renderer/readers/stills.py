@@ -1,0 +1,67 @@
+"""Images of a folder that are no recording: each of a size of its own, looked at one after the other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from renderer.camera import Camera
+from renderer.clip import ByteImage, Clip, ClipError, Frame
+from renderer.readers.clip_files import files_in
+from renderer.readers.frames import FIELD_OF_VIEW, without_depth
+from renderer.readers.listing import listed
+from renderer.readers.picture_kinds import PictureKinds, kinds_of
+from renderer.readers.pictures import is_picture, natural_key, read_rgb, upright_size
+
+NOT_READABLE = "left out, not readable"
+NOT_ONE_SIZE = "the images differ in size, so they are no recording to reconstruct"
+
+
+def images_in(folder: Path) -> tuple[Path, ...]:
+    """In natural order; maps and masks beside them are none. Raises OSError."""
+    return _kinds(folder).frames
+
+
+def _kinds(folder: Path) -> PictureKinds:
+    return kinds_of(filter(is_picture, sorted(files_in(folder), key=natural_key)))
+
+
+def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
+    """The images of a folder, whatever their sizes; those that cannot be read are passed over and named.
+
+    Raises ClipError: none can be read.
+    """
+    kinds, sizes, unreadable = _kinds(path), dict[Path, tuple[int, int]](), list[str]()
+    for image in kinds.frames:
+        try:
+            sizes[image] = upright_size(image)
+        except ClipError:
+            unreadable.append(image.name)
+    if not sizes:
+        raise ClipError(f"expected images in the folder, got none that can be read: {path}")
+    images = tuple(sizes)
+    cameras = tuple(Camera.from_fov(field_of_view, *size) for size in sizes.values())
+
+    def read(index: int) -> ByteImage:
+        return read_rgb(images[index])
+
+    def read_frame(index: int) -> Frame:
+        index, image = range(len(images))[index], read(index)
+        every = np.ones(image.shape[:2], dtype=bool)
+        return Frame(index, index / len(images), image, cameras[index], every, every)
+
+    clip = without_depth(
+        path,
+        "images",
+        labels=tuple(image.name for image in images),
+        size=sizes[images[0]],
+        read=read,
+        field_of_view=field_of_view,
+        notices=(
+            *kinds.notices(),
+            *((f"{NOT_READABLE}: {listed(unreadable)}",) if unreadable else ()),
+        ),
+    )
+    return replace(clip, cameras=cameras, read_frame=read_frame, why_no_depth=NOT_ONE_SIZE)

@@ -1,0 +1,235 @@
+"""What a reconstruction is made of: the depth of the clip, and the settings of its frames."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+from PIL import Image
+
+from app.gui.actions import actions, clip_actions, depth_actions, history_actions, job_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.source import Source
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
+from app.gui.views.measurement import Located, Measurement
+from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.settings import Places, Settings, load_clips
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest, run_training
+from assets import phantom_path
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from renderer.readers.clip_options import ClipOptions
+from renderer.sources import open_bare
+from renderer.train.config import TrainConfig
+from tests.app.gui.conftest import FakeJob
+from tests.app.gui.settling import keep_all, served
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+
+def write_video(path: Path) -> Path:
+    """A folder of RGB images, as a video is: no depth, no right images."""
+    path.mkdir(parents=True)
+    rng = np.random.default_rng(3)
+    lit = np.linspace(90, 200, 48)[None, :, None] * [1.0, 0.6, 0.5]
+    for index in range(6):
+        Image.fromarray((lit + rng.normal(0, 6, (40, 48, 3))).clip(0, 255).astype(np.uint8)).save(
+            path / f"{index:02d}.png"
+        )
+    return path
+
+
+def turn(state: AppState, channels: Channels, times: int = 6) -> None:
+    for _ in range(times):
+        update(state, channels, state.window.now + 0.5)
+        for channel in served(channels):
+            while channel.run_waiting():
+                pass
+
+
+def opened(places: Places, path: Path, source: Source | None = None) -> tuple[AppState, Channels]:
+    state, channels = AppState(places, Settings(acknowledged=True), source or Source()), Channels()
+    actions.open_path(state, path)
+    turn(state, channels)
+    return state, channels
+
+
+def test_a_clip_without_depth_can_be_guessed_and_loses_nothing(places: Places, tmp_path: Path) -> None:
+    state, channels = opened(places, write_video(tmp_path / "video"))
+    assert "Choose Depth first" in job_actions.why_not_reconstruct(state)
+    assert "--depth" not in job_actions.why_not_reconstruct(state)
+    assert depth_actions.chosen_way(state) is None
+    assert "no measured depth" in depth_actions.why_not(state, "measured")
+    assert "no right images" in depth_actions.why_not(state, "stereo")
+    depth_actions.choose_way(state, "stereo")  # Greyed.
+    assert state.source.depth_wish is None
+    actions.set_params(state, EnhanceParams(z=0.3))
+    actions.seek(state, 4)
+    turn(state, channels)
+    shown = state.picture.pictures
+    assert shown is not None
+    depth_actions.choose_way(state, "guessed")
+    assert "Reading" in job_actions.why_not_reconstruct(state)
+    update(state, channels, state.window.now + 0.01)
+    channels.depths.run_waiting()
+    update(state, channels, state.window.now + 0.01)
+    assert state.picture.pictures is not None
+    assert state.picture.pictures.enhanced is shown.enhanced  # Not even for a moment.
+    turn(state, channels)
+    assert job_actions.why_not_reconstruct(state) == ""
+    assert (state.timeline.frame_index, state.enhancement.params) == (4, EnhanceParams(z=0.3))
+    assert state.picture.pictures.request == state.picture_request
+    assert depth_actions.without_scale(state) == "Guessed, from brightness: no scale, so no distances in mm."
+    assert state.source.clip is not None
+    assert state.source.clip.unit == "scene units"
+
+
+def test_the_choice_is_in_the_request_and_is_there_the_next_time(places: Places, tmp_path: Path) -> None:
+    path = write_video(tmp_path / "video")
+    state, channels = opened(places, path)
+    depth_actions.choose_way(state, "guessed")
+    turn(state, channels)
+    clip_actions.untrim(state)  # What is kept besides leaves it.
+    job_actions.start_reconstruction(state)
+    assert state.runs.queue[0].request.clip_options == ClipOptions(depth="brightness")
+    keep_all(state)
+    again, _ = opened(places, path, Source(known=load_clips(places.config)))
+    assert again.source.clip is not None
+    assert again.source.clip.depth_origin == "brightness"
+    assert depth_actions.chosen_way(again) == "guessed"
+    said, _ = opened(places, path, Source(ClipOptions(depth="off"), known=load_clips(places.config)))
+    assert said.source.options.depth == "off"  # A flag goes before what was chosen.
+
+
+def test_undo_takes_the_depth_back(places: Places, tmp_path: Path) -> None:
+    state, channels = opened(places, write_video(tmp_path / "video"))
+    actions.settle_params(state)
+    depth_actions.choose_way(state, "guessed")
+    turn(state, channels)
+    actions.settle_params(state)
+    assert history_actions.undo_name(state) == "Undo depth"
+    history_actions.undo(state)
+    turn(state, channels)
+    assert state.source.clip is not None
+    assert not state.source.clip.has_depth
+    history_actions.redo(state)
+    turn(state, channels)
+    assert state.source.clip.has_depth
+
+
+def test_measured_depth_is_the_clip_s_own_again(places: Places, tmp_path: Path) -> None:
+    path = Path(shutil.copytree(phantom_path(), tmp_path / "phantom"))
+    state, channels = opened(places, path)
+    assert depth_actions.chosen_way(state) == "measured"
+    for way, unit, option in (("guessed", "scene units", "brightness"), ("measured", "mm", "auto")):
+        depth_actions.choose_way(state, way)  # type: ignore[arg-type]
+        turn(state, channels)
+        assert state.source.clip is not None
+        assert (state.source.clip.unit, state.source.options.depth) == (unit, option)
+        assert depth_actions.chosen_way(state) == way
+
+
+def test_a_depth_that_is_gone_is_no_obstacle_to_open(places: Places, tmp_path: Path) -> None:
+    path = write_video(tmp_path / "video")
+    (read,) = open_path(OpenRequest(path, ClipOptions(depth="stereo")))
+    assert "without the chosen depth" in read.warning
+    assert read.options.depth == "auto"
+    assert read.clip is not None
+
+
+def test_a_run_with_guessed_depth_has_no_lengths_in_mm(places: Places, tmp_path: Path) -> None:
+    path, run = write_video(tmp_path / "video"), places.runs / "guessed"
+    config = TrainConfig(method="static", iterations=4, n_gaussians=200)
+    options = ClipOptions(depth="brightness")
+    list(run_training(TrainRequest(clip_path=path, run_path=run, config=config, clip_options=options)))
+    assert RunFolder(run).record().clip.options.depth == "brightness"
+    state, _ = opened(places, run)
+    assert state.scene.model is not None
+    assert state.scene.model.unit == "scene units"
+    distance = (
+        Measurement().with_point(Located((0.0, 0.0, 1.0)), 0.0).with_point(Located((0.0, 0.5, 1.0)), 0.0)
+    )
+    assert distance.text(state.scene.model.unit) == "0.5 units"
+
+
+def test_a_run_cut_short_goes_on_with_the_depth_that_it_had(places: Places, tmp_path: Path) -> None:
+    state, channels = opened(places, write_video(tmp_path / "video"))
+    depth_actions.choose_way(state, "guessed")
+    turn(state, channels)
+    run = state.runs.reconstruction
+    run.request = TrainRequest(
+        clip_path=tmp_path / "video", run_path=places.runs / "cut", config=TrainConfig(),
+        clip_options=state.source.options,
+    )  # fmt: skip
+    run.clip, run.status = state.source.clip, "cancelled"
+    depth_actions.choose_source(state, "auto")
+    turn(state, channels)
+    job_actions.continue_reconstruction(state)
+    (waiting,) = state.runs.queue
+    assert waiting.request.clip_options.depth == "brightness"
+    assert waiting.clip is None
+    turn(state, channels)
+    assert state.runs.queue[0].clip is not None
+    assert state.runs.queue[0].clip.has_depth
+
+
+def test_frames_follow_the_image_unless_unlinked(state: AppState) -> None:
+    run = state.runs.reconstruction
+    run.input = "enhanced"
+    actions.set_params(state, VesselParams(strength=1.0))
+    assert job_actions.frame_settings(state) == VesselParams(strength=1.0)
+    job_actions.link_settings(state, linked=False)
+    actions.set_params(state, EnhanceParams(d_factor=0.4))
+    assert job_actions.frame_settings(state) == VesselParams(strength=1.0)
+    assert run.kept is not None
+    assert job_actions.moment(run.kept).count(":") == 1
+    assert job_actions.moment(replace(run.kept, since="2020-01-02 09:30")) == "2020-01-02"
+    job_actions.keep_settings_now(state)
+    assert job_actions.frame_settings(state) == EnhanceParams(d_factor=0.4)
+    job_actions.link_settings(state, linked=True)
+    actions.set_params(state, EnhanceParams())
+    assert job_actions.frame_settings(state) == EnhanceParams()
+
+
+@pytest.mark.display
+def test_depth_and_frames_are_chosen_by_hand(places: Places, tmp_path: Path) -> None:
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    state = driver.state
+    actions.open_path(state, write_video(tmp_path / "video"))
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the clip")
+        ctx.item_click("//Reconstruction/###start")
+        ctx.yield_(3)
+        assert not jobs  # Greyed.
+        ctx.set_ref("//Reconstruction")
+        ctx.combo_click("##depth/###guessed")
+        wait(ctx, lambda: depth_actions.without_scale(state) != "", "depth")
+        ctx.combo_click("##Frames/Enhanced")
+        ctx.yield_(2)
+        ctx.item_click("###linked")
+        kept = state.enhancement.params
+        ctx.item_input_value("//Enhancement/**/##strength", 0.5)
+        ctx.set_ref("")
+        ctx.yield_(2)
+        assert state.enhancement.params.strength == 0.5
+        assert job_actions.frame_settings(state) == kept
+        ctx.item_click("//Reconstruction/###start")
+        wait(ctx, lambda: bool(jobs), "the job")
+        request = jobs[0].request
+        assert isinstance(request, TrainRequest)
+        assert request.enhance_params == kept
+        assert request.clip_options.depth == "brightness"
+        state.window.closing = "agreed"
+
+    driver.run(drive)
+
+
+def test_a_bare_clip_is_that_of_the_files(tmp_path: Path) -> None:
+    assert not open_bare(write_video(tmp_path / "video"), ClipOptions(depth="brightness")).has_depth

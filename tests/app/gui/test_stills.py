@@ -1,0 +1,158 @@
+"""Single images: a folder of several sizes as one case, and the images beside one that is open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from imgui_bundle import icons_fontawesome_4 as icons
+from imgui_bundle import imgui
+from PIL import Image
+
+from app.gui.actions import actions, depth_actions, export_actions, job_actions
+from app.gui.commands.keys import chord
+from app.gui.panels.timeline import in_folder
+from app.gui.work.neighbours import Neighbours
+from app.gui.work.settings import Places, Settings
+from app.gui.work.strip import HEIGHT, StripRequest, make_strip
+from enhance import EnhanceParams
+from renderer.clip import ClipError
+from renderer.sources import open_case, open_clip
+from tests.app.gui.test_reconstruction_choices import opened, turn
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+SIZES = {"view.png": (80, 40), "1.png": (60, 40), "2.png": (40, 60), "10.jpg": (48, 48)}
+"""In their order."""
+
+
+def write_image(path: Path, size: tuple[int, int]) -> None:
+    pixels = np.full((size[1], size[0], 3), (180, 110, 90), np.uint8)
+    pixels[:, size[0] // 2 :] = (120, 60, 50)
+    Image.fromarray(pixels).save(path)
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    """Four images of several sizes, and two files that are none, one of them a mask by its name."""
+    folder = tmp_path / "case"
+    folder.mkdir()
+    for name, size in SIZES.items():
+        write_image(folder / name, size)
+    (folder / "3.png").write_text("no image")
+    write_image(folder / "1_mask.png", (60, 40))
+    return folder
+
+
+def test_a_folder_of_several_sizes_is_a_case(places: Places, case: Path) -> None:
+    state, channels = opened(places, case)
+    clip = state.source.clip
+    assert clip is not None
+    assert clip.labels == tuple(SIZES)
+    assert state.window.banner is not None
+    assert state.window.banner.message == "left out, not readable: 3.png"
+    actions.set_params(state, EnhanceParams(z=0.3))
+    for name, size in SIZES.items():
+        turn(state, channels)
+        shown = state.picture.pictures
+        assert shown is not None
+        assert clip.labels[shown.request.frame_index] == name
+        assert shown.request.params == EnhanceParams(z=0.3)  # One setting for all.
+        assert shown.enhanced is not None
+        assert shown.original.shape == shown.enhanced.shape == (size[1], size[0], 3)
+        actions.step(state, 1)
+
+
+def test_it_is_not_trained_on_and_makes_no_video(places: Places, case: Path) -> None:
+    state, channels = opened(places, case)
+    turn(state, channels)
+    said = "The images differ in size, so they are no recording to reconstruct."
+    assert job_actions.why_not_reconstruct(state) == depth_actions.said(state) == said
+    for way in ("measured", "stereo", "guessed"):
+        assert depth_actions.why_not(state, way) == said  # type: ignore[arg-type]
+    assert "differ in size" in export_actions.why_not_export(state, "video of both panes")
+    (case / "3.png").unlink()
+    with pytest.raises(ClipError, match="one size"):
+        open_clip(case)
+
+
+def test_small_images_keep_their_shape(case: Path) -> None:
+    clip = open_case(case)
+    *_, strip = make_strip(StripRequest(clip, 4))
+    width = strip.image.shape[1] // 4
+    for place, (columns, rows) in enumerate(SIZES.values()):
+        tile = strip.image[:, place * width : (place + 1) * width]
+        covered = tile.max(axis=2) > 50
+        scale = min(HEIGHT / rows, width / columns)
+        assert covered.any(axis=0).sum() == pytest.approx(columns * scale, abs=1)
+        assert covered.any(axis=1).sum() == pytest.approx(rows * scale, abs=1)
+
+
+def test_of_one_size_it_is_a_recording_as_ever(tmp_path: Path) -> None:
+    for name in ("1.png", "2.png"):
+        write_image(tmp_path / name, (40, 30))
+    assert open_case(tmp_path).why_no_depth == ""
+    (tmp_path / "2.png").write_text("no image")
+    with pytest.raises(ClipError, match=r"2\.png"):
+        open_case(tmp_path)
+
+
+def test_what_is_on_and_back() -> None:
+    a, b, c = (Path(name) for name in "abc")
+    found = Neighbours((a, b, c))
+    assert found.onward(a, 1) == (b, c)
+    assert found.onward(a, 10) == (c,)
+    assert found.onward(c, -1) == (b, a)
+    assert found.onward(b, -10) == (a,)
+    assert found.onward(c, 1) == found.onward(a, -1) == found.onward(Path("d"), 1) == ()
+
+
+def test_a_single_image_gives_way_to_the_next_in_its_folder(places: Places, case: Path) -> None:
+    state, channels = opened(places, case / "2.png")
+    turn(state, channels)
+    assert in_folder(state) == "3 of 5 in this folder"
+    recent = state.settings.recent
+    actions.set_params(state, EnhanceParams(z=0.3))
+    actions.step(state, 1)  # Past 3.png.
+    turn(state, channels)
+    assert state.source.path == case / "10.jpg"
+    assert in_folder(state) == "5 of 5 in this folder"
+    assert state.window.banner is not None
+    assert state.window.banner.message == "passed over, not readable: 3.png"
+    assert state.enhancement.params == EnhanceParams(z=0.3)
+    assert state.settings.recent == recent
+    actions.step(state, -10)
+    turn(state, channels)
+    assert state.source.path == case / "view.png"
+    actions.step(state, -1)
+    assert state.source.opening is None
+
+
+def test_an_image_alone_in_its_folder_has_none_beside_it(places: Places, tmp_path: Path) -> None:
+    write_image(tmp_path / "one.png", (40, 30))
+    state, channels = opened(places, tmp_path / "one.png")
+    turn(state, channels)
+    assert in_folder(state) == ""
+    actions.step(state, 1)
+    assert state.source.opening is None
+
+
+@pytest.mark.display
+def test_arrows_go_through_a_folder(places: Places, case: Path) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, case / "1.png")
+
+    def at(name: str) -> bool:
+        return state.source.path == case / name and is_settled(state) and state.source.place is not None
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: at("1.png"), "the first image")
+        ctx.key_press(chord("Right"))
+        wait(ctx, lambda: at("2.png"), "the second one")
+        ctx.item_click(f"//**/{icons.ICON_FA_STEP_FORWARD}##on")
+        wait(ctx, lambda: at("10.jpg"), "the one past what is no image")
+        ctx.key_press(chord("Left"))
+        wait(ctx, lambda: at("2.png"), "the second one again")
+
+    driver.run(drive)
