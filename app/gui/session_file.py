@@ -193,7 +193,7 @@ class Session:
 
 SUBSTANCE: Final = (
     "part", "edits", "params", "scope", "pixels", "enhancing", "stored", "comparison", "views", "config",
-    "input", "d_factor", "run_name", "varied", "notes",
+    "input", "kept", "run_name", "varied", "notes",
 )  # fmt: skip
 SESSION = TypeAdapter(Session)
 

@@ -111,7 +111,7 @@ def test_about_in_the_window(places: Places, monkeypatch: pytest.MonkeyPatch) ->
         ctx.item_click(f"//About VesselSplat/{COPY}")
         ctx.yield_(2)
         assert imgui.get_clipboard_text() == state.about.facts.report  # type: ignore[union-attr]
-        channel = driver.window._channels.folders
+        channel = driver.window._channels.reveals
         monkeypatch.setattr(channel, "_work", lambda wanted: opened.append(wanted.path) or iter(()))
         ctx.item_click(f"//About VesselSplat/{LOGS}")
         wait(ctx, lambda: bool(opened), "the folder")

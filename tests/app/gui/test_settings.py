@@ -33,7 +33,7 @@ texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
         st.sampled_from(["automatic", "image", "clip"]),
         st.sampled_from(PIXELS),
         st.sampled_from(MODES),
-        st.dictionaries(st.sampled_from(["file", "export"]), st.text(max_size=20)),
+        folders=st.dictionaries(st.sampled_from(["file", "export"]), st.text(max_size=20)),
     )
 )
 def test_what_is_saved_is_loaded(settings: Settings) -> None:
