@@ -29,6 +29,7 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
+from renderer.measuring.tissue_seen import SELDOM, seldom_seen
 from renderer.metrics import (
     OPAQUE,
     coverage,
@@ -48,8 +49,6 @@ from renderer.train.config import CHOSEN
 from renderer.train.methods import departures
 from renderer.train.trainer import split
 
-SELDOM = 0.3
-"""Tissue that at most this share of the training frames shows."""
 REPEATS = 5
 """Drawings of a frame whose time is taken."""
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
@@ -177,13 +176,8 @@ class Evaluation:
     @cached_property
     def seldom(self) -> BoolImage | None:
         """(H, W), True where few training frames show tissue, and some; None where the camera moves."""
-        if not self.clip.camera_is_fixed:
-            return None
         fit, _ = split(self.clip, self.record.config)
-        shown = np.zeros(self.clip.size[::-1])
-        for index in fit:
-            shown += self.clip.read_frame(index).tissue_mask
-        return (shown > 0) & (shown <= SELDOM * len(fit))
+        return seldom_seen(self.clip, fit)
 
     def report(self, frames: Sequence[FrameMeasures]) -> dict[str, Any]:
         """The JSON of `evaluate`."""

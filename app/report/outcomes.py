@@ -32,7 +32,13 @@ SAID: Final = {
 """Labels of points, by the setting that is changed; others are called by their names."""
 COLUMNS: Final = (
     *(Column("setting"), Column("frames"), Column("runs"), Column("PSNR, dB", ".2f", "high")),
-    *(Column("over evaluated pixels, dB", ".2f", "high"), Column("SSIM", ".4f", "high")),
+    *(Column("over evaluated pixels, dB", ".2f", "high"), Column("all tissue, dB", ".2f", "high")),
+    *(Column("seldom seen, dB", ".2f", "high"), Column("behind tools, dB", ".2f", "high")),
+    *(
+        Column("tissue covered", ".1%", "high"),
+        Column("specks, px", ".0f", "low"),
+        Column("SSIM", ".4f", "high"),
+    ),
     *(Column("depth RMSE", ".3f", "low"), Column("motion RMSE, mm", ".3f", "low")),
     *(Column("s training", ".1f", "low"), Column("± s", ".1f"), Column("s in total", ".1f", "low")),
     *(Column("MB", ".1f", "low"), Column("Gaussians")),
@@ -130,7 +136,10 @@ def _label(run: Run, usual: Sequence[str]) -> str:
 
 def table(runs: Sequence[Run], title: str, note: str = "") -> Table:
     """Means over the seeds of each setting, and the median of their seconds."""
-    measures = ("psnr", "psnr_masked", "ssim", "depth_rmse", "motion_rmse")
+    measures = (
+        *("psnr", "psnr_masked", "psnr_tissue", "psnr_seldom", "psnr_behind_tools", "coverage", "specks"),
+        *("ssim", "depth_rmse", "motion_rmse"),
+    )
     return Table(
         title=title,
         columns=COLUMNS,

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, get_args
 
 import numpy as np
 
-from renderer.clip import Clip
+from renderer.clip import ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
-from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
+from renderer.measuring.tissue_seen import SELDOM, shares_seen, specks
+from renderer.metrics import coverage, depth_rmse, psnr, psnr_masked, ssim
 from renderer.near_plane import near_plane
 from renderer.phantom import Phantom
-from renderer.rasterize.cpu import render
+from renderer.rasterize.cpu import Rendered, render
 from renderer.splats import RenderMode
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
@@ -37,25 +39,41 @@ KNOBS: Final[dict[str, tuple[dict[str, Any], ...]]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
-    """One run. Figures are means over the frames that it is measured on."""
+class Quality:
+    """Means over frames; NaN where none can tell."""
 
     psnr: float
     """dB, masked, over all pixels, 8-bit rounded."""
     psnr_masked: float
     """dB, over the evaluated pixels."""
+    psnr_tissue: float
+    """dB, over all tissue, with measured depth or without."""
+    psnr_seldom: float
+    """dB, over the tissue that few training frames show; NaN, too, where the camera moves."""
+    coverage: float
+    """Share of the tissue that is reconstructed."""
+    specks: float
+    """Pixels a frame, see `tissue_seen.specks`; NaN where the camera moves."""
     ssim: float
     depth_rmse: float
     """In the clip's unit; NaN without depth."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome(Quality):
+    """One run. Figures are means over the frames that it is measured on."""
+
     motion_rmse: float
     """Of the way from a frame to half a clip later, in the clip's unit; NaN where the truth is not known."""
+    psnr_behind_tools: float
+    """dB, over what tools hide in a frame and others show; NaN where the truth is not known."""
     seconds: float
     """Of training steps; reading frames, initialisation and compilation excluded."""
     megabytes: float
     """Of the model's numbers with their two moments."""
     n_gaussians: int
     iterations: int
-    wall_seconds: float = float("nan")
+    wall_seconds: float = math.nan
     """Of all that the run took, see `Finished`; NaN: not recorded."""
 
 
@@ -73,45 +91,93 @@ def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom 
     Args:
         truth: the phantom that the clip shows, so that motion can be measured.
     """
-    model, indices = finished.model, split(clip, config)[1] if config.hold_out else clip.test_indices
-    image, masked, likeness, depth = measured(model, clip, indices, config.render_mode)
+    fit, held_out = split(clip, config)
+    model, indices = finished.model, held_out if config.hold_out else clip.test_indices
     return Outcome(
-        psnr=image,
-        psnr_masked=masked,
-        ssim=likeness,
-        depth_rmse=depth,
-        motion_rmse=motion_rmse(model, truth, indices, config.render_mode) if truth else float("nan"),
+        **vars(measured(model, clip, indices, fit, config.render_mode)),
+        motion_rmse=motion_rmse(model, truth, indices, config.render_mode) if truth else math.nan,
+        psnr_behind_tools=behind_tools(model, truth, indices, fit, config.render_mode) if truth else math.nan,
         seconds=finished.seconds,
         megabytes=3 * sum(value.nbytes for value in model.arrays().values()) / 1e6,
         n_gaussians=len(model),
         iterations=finished.iteration,
-        wall_seconds=float("nan") if finished.wall_seconds is None else finished.wall_seconds,
+        wall_seconds=math.nan if finished.wall_seconds is None else finished.wall_seconds,
     )
 
 
 def measured(
-    model: DynamicGaussians, clip: Clip, indices: Sequence[int], mode: RenderMode = "default"
-) -> tuple[float, float, float, float]:
-    """Mean psnr, psnr_masked, ssim and depth_rmse over the frames."""
+    model: DynamicGaussians,
+    clip: Clip,
+    indices: Sequence[int],
+    fit: Sequence[int],
+    mode: RenderMode = "default",
+) -> Quality:
+    """On the frames `indices`, of a model that was trained on the frames `fit`."""
+    shares = shares_seen(clip, fit)
+    seldom = None if shares is None else (shares > 0) & (shares <= SELDOM)
     rows = []
     for index in indices:
         frame = clip.read_frame(index)
-        near = near_plane(model, frame.camera)
-        drawn = render(model.at(frame.time), frame.camera, near=near, mode=mode)
-        picture = np.rint(np.clip(drawn.image, 0, 1) * 255) / 255
-        image, mask = frame.image / 255.0, frame.evaluation_mask
+        drawn = _drawn(model, frame, mode)
+        picture = _rounded(drawn)
+        shown, image, mask, tissue = (
+            picture / 255,
+            frame.image / 255,
+            frame.evaluation_mask,
+            frame.tissue_mask,
+        )
         known = frame.measured_depth
         depth = np.zeros_like(drawn.depth) if known is None else known
         rows.append(
-            (
-                psnr(picture, image, mask),
-                psnr_masked(picture, image, mask),
-                ssim(picture, image, mask),
-                depth_rmse(drawn.depth, depth, mask),
-            )
+            {
+                "psnr": psnr(shown, image, mask),
+                "psnr_masked": psnr_masked(shown, image, mask),
+                "psnr_tissue": psnr_masked(shown, image, tissue),
+                "psnr_seldom": np.nan if seldom is None else psnr_masked(shown, image, tissue & seldom),
+                "coverage": coverage(drawn.alpha, tissue),
+                "specks": np.nan if shares is None else specks(picture, frame.image, tissue, shares > 0),
+                "ssim": ssim(shown, image, mask),
+                "depth_rmse": depth_rmse(drawn.depth, depth, mask),
+            }
         )
-    means = np.mean(rows, axis=0)
-    return float(means[0]), float(means[1]), float(means[2]), float(means[3])
+    return Quality(**{name: _mean([row[name] for row in rows]) for name in rows[0]})
+
+
+def behind_tools(
+    model: DynamicGaussians,
+    truth: Phantom,
+    indices: Sequence[int],
+    fit: Sequence[int],
+    mode: RenderMode = "default",
+) -> float:
+    """PSNR in dB against the same scene without tools, where some frame of `fit` shows the tissue that they
+    hide in a frame; NaN where there is none, or the camera moves."""
+    if truth.params.camera == "moving":
+        return math.nan
+    bare = Phantom(replace(truth.params, tools=0))
+    ever = np.any([truth.view(index).frame.tissue_mask for index in fit], axis=0)
+    found = []
+    for index in indices:
+        frame = truth.view(index).frame
+        hidden = ~frame.tissue_mask & ever
+        image = bare.view(index).frame.image / 255
+        found.append(psnr_masked(_rounded(_drawn(model, frame, mode)) / 255, image, hidden))
+    return _mean(found)
+
+
+def _drawn(model: DynamicGaussians, frame: Frame, mode: RenderMode) -> Rendered:
+    near = near_plane(model, frame.camera)
+    return render(model.at(frame.time), frame.camera, near=near, mode=mode)
+
+
+def _rounded(drawn: Rendered) -> ByteImage:
+    return np.asarray(np.rint(np.clip(drawn.image, 0, 1) * 255), np.uint8)
+
+
+def _mean(values: Sequence[float]) -> float:
+    """Of those that are numbers; NaN without any."""
+    known = [value for value in values if not np.isnan(value)]
+    return float(np.mean(known)) if known else math.nan
 
 
 def motion_rmse(

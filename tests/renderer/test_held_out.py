@@ -29,7 +29,8 @@ def run(clip: Clip) -> tuple[list[Evaluated], Finished]:
 def test_what_is_said_at_the_end_is_what_is_measured_afterwards() -> None:
     clip = moving_sheet()
     (*_, last), finished = run(clip)
-    psnr, _, _, depth = measured(finished.model, clip, clip.test_indices)
+    found = measured(finished.model, clip, clip.test_indices, clip.train_indices)
+    psnr, depth = found.psnr, found.depth_rmse
     assert last.psnr == pytest.approx(psnr, abs=0.01)
     assert last.depth_rmse == pytest.approx(depth, rel=0.01)
 
@@ -40,10 +41,11 @@ def test_a_run_is_measured_as_it_is_drawn_in_training() -> None:
     *_, last, finished = train(clip, fine)
     assert isinstance(last, Evaluated)
     assert isinstance(finished, Finished)
-    psnr, _, _, depth = measured(finished.model, clip, clip.test_indices, "mip")
+    found = measured(finished.model, clip, clip.test_indices, clip.train_indices, "mip")
+    psnr, depth = found.psnr, found.depth_rmse
     assert last.psnr == pytest.approx(psnr, abs=0.01)
     assert last.depth_rmse == pytest.approx(depth, rel=0.01)
-    assert psnr > measured(finished.model, clip, clip.test_indices)[0] + 1
+    assert psnr > measured(finished.model, clip, clip.test_indices, clip.train_indices).psnr + 1
 
 
 def test_watching_changes_nothing_and_shows_progress(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,8 @@ from renderer.measuring.training_accuracy import Outcome
 from renderer.train.config import TrainConfig
 
 OUTCOME = Outcome(
-    psnr=30.0, psnr_masked=29.0, ssim=0.9, depth_rmse=1.5, motion_rmse=math.nan, seconds=10.0, megabytes=2.0,
+    psnr=30.0, psnr_masked=29.0, psnr_tissue=28.0, psnr_seldom=math.nan, coverage=0.99, specks=3.0, ssim=0.9,
+    depth_rmse=1.5, motion_rmse=math.nan, psnr_behind_tools=math.nan, seconds=10.0, megabytes=2.0,
     n_gaussians=7, iterations=100,
 )  # fmt: skip
 DEFAULT = TrainConfig(iterations=1000, n_gaussians=500)

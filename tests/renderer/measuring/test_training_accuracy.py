@@ -85,4 +85,9 @@ def test_an_outcome_measures_all_that_the_phantom_knows(tmp_path: Any) -> None:
     assert still.motion_rmse == pytest.approx(true_way(clip.test_indices), rel=0.05)
     assert 0 < trained.depth_rmse < 3
     assert still.megabytes < trained.megabytes
-    assert np.isnan(outcome(runs[0], clip, moving).motion_rmse)
+    unknown = outcome(runs[0], clip, moving)
+    assert np.isnan(unknown.motion_rmse)
+    assert np.isnan(unknown.psnr_behind_tools)
+    assert trained.coverage > 0.9
+    assert 15 < trained.psnr_behind_tools < trained.psnr_tissue
+    assert trained.psnr_tissue == pytest.approx(trained.psnr_masked)  # Depth is known on all its tissue.

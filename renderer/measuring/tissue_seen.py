@@ -1,0 +1,56 @@
+"""Which tissue the training frames show, and how often; specks where hardly any was seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import BoolImage, ByteImage, Clip
+
+SELDOM: Final = 0.3
+"""Tissue that at most this share of the training frames shows is seldom seen."""
+NEAR: Final = 20
+"""Pixels from the edge of what was ever seen, on both sides, where specks are looked for."""
+AROUND: Final = 11
+"""Side in pixels of the window whose median a speck differs from."""
+GLARING: Final = 40
+"""Grey levels, in some channel, by which it differs."""
+
+
+def shares_seen(clip: Clip, fit: Sequence[int]) -> NDArray[np.float64] | None:
+    """(H, W) share of the frames `fit` that show tissue in a pixel; None where the camera moves, so that a
+    pixel is no place."""
+    if not clip.camera_is_fixed:
+        return None
+    shown = np.zeros(clip.size[::-1])
+    for index in fit:
+        shown += clip.read_frame(index).tissue_mask
+    return shown / max(len(fit), 1)
+
+
+def seldom_seen(clip: Clip, fit: Sequence[int]) -> BoolImage | None:
+    """(H, W), True where few of the frames `fit` show tissue, and some; None where the camera moves."""
+    shares = shares_seen(clip, fit)
+    return None if shares is None else (shares > 0) & (shares <= SELDOM)
+
+
+def specks(render: ByteImage, frame: ByteImage, tissue: BoolImage, seen: BoolImage) -> int:
+    """Pixels that differ glaringly from those around them, near the edge of what was ever seen (`seen`).
+
+    What differs in the clip's own frame, too, where that shows tissue, is no speck but a highlight.
+    """
+    ever = seen.astype(np.uint8)
+    side = 2 * NEAR + 1
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+    edge = (cv2.dilate(ever, disc) > 0) & (cv2.erode(ever, disc, borderValue=1) == 0)
+    return int(np.count_nonzero(_glaring(render) & edge & ~(tissue & _glaring(frame))))
+
+
+def _glaring(image: ByteImage) -> BoolImage:
+    medians = [cv2.medianBlur(np.ascontiguousarray(image[..., channel]), AROUND) for channel in range(3)]
+    apart = np.abs(image.astype(np.int16) - np.stack(medians, axis=2))
+    return np.asarray(apart.max(axis=2) > GLARING)
