@@ -38,7 +38,8 @@ from renderer.train.events import Finished
 PHANTOM = "phantom"
 COLUMNS = {
     "psnr": ".2f", "psnr_masked": ".2f", "psnr_tissue": ".2f", "psnr_seldom": ".2f",
-    "psnr_behind_tools": ".2f", "coverage": ".4f", "specks": ".0f", "ssim": ".4f", "depth_rmse": ".3f", "motion_rmse": ".3f",
+    "psnr_behind_tools": ".2f", "coverage": ".4f", "specks": ".0f", "ssim": ".4f",
+    "depth_rmse": ".3f", "motion_rmse": ".3f",
 }  # fmt: skip
 
 
