@@ -97,6 +97,17 @@ def test_curves_rest_while_tissue_is_hidden() -> None:
     np.testing.assert_allclose(values(still, 1.0)[seen], values(model, 1.0)[seen], atol=0.05 * wandered)
 
 
+def test_places_stay_where_they_were_last_seen() -> None:
+    """At rest they might come into sight, before tissue that is seen."""
+    model = gaussians(np.random.default_rng(4))
+    assert isinstance(model.motion, SplineMotion)
+    aside = np.full((COUNT, CONTROLS, 3), 0.05, np.float32)
+    moved = replace(model, motion=replace(model.motion, position_controls=aside))
+    still, _ = smooth_occluded_motion(moved, frames(hidden_after=0.5, first_column=SIDE // 2), near=0.1)
+    assert isinstance(still.motion, SplineMotion)
+    np.testing.assert_allclose(still.motion.position_controls, aside, atol=1e-5)
+
+
 def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(2)
     model = gaussians(rng)
