@@ -17,6 +17,8 @@ from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
 from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
 
+FEW = 3
+"""So many times more numbered images make of the others a cover, a sketch, a logo."""
 FIELD_OF_VIEW = 60.0
 """Horizontal, in degrees: taken for endoscopes whose calibration is unknown."""
 
@@ -24,7 +26,7 @@ FIELD_OF_VIEW = 60.0
 def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """The frames of a folder in natural order (2.jpg before 10.jpg).
 
-    Files that are no frames (`kinds_of`), and frames without a number beside numbered ones, are left
+    Files that are no frames (`kinds_of`), and a few without a number beside numbered ones, are left
     out and reported. Raises ClipError when there is none, when two have one name but for the suffix, or
     when sizes differ.
     """
@@ -71,8 +73,10 @@ def _kinds(files: Iterable[Path]) -> PictureKinds:
 
 
 def _frames_of(kinds: PictureKinds) -> tuple[Path, ...]:
-    """The numbered frames, else all."""
-    return tuple(entry for entry in kinds.frames if re.search(r"\d", entry.stem)) or kinds.frames
+    """The numbered frames, where few others lie beside them; else all."""
+    numbered = tuple(entry for entry in kinds.frames if re.search(r"\d", entry.stem))
+    others = len(kinds.frames) - len(numbered)
+    return numbered if FEW * others <= len(numbered) and numbered else kinds.frames
 
 
 def _check_names(paths: tuple[Path, ...], folder: Path) -> None:

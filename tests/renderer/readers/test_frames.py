@@ -34,12 +34,19 @@ def test_names_without_padding_sort_by_number(tmp_path):
 
 
 def test_strays_are_reported(tmp_path):
-    write_pictures(tmp_path / "clip", ["a1.png", "a2.jpg", "cover.png"])
+    write_pictures(tmp_path / "clip", ["a1.png", "a2.jpg", "a3.png", "cover.png"])
     (tmp_path / "clip/motion.yaml").write_text("1")
     (tmp_path / "clip/.hidden.png").write_text("1")
     clip = open_images(tmp_path / "clip")
-    assert clip.labels == ("a1.png", "a2.jpg")
+    assert clip.labels == ("a1.png", "a2.jpg", "a3.png")
     assert clip.notices == ("left out, not numbered images: cover.png, motion.yaml",)
+
+
+def test_a_case_in_which_only_some_names_have_numbers_is_whole(tmp_path):
+    write_pictures(tmp_path / "clip", ["IMG 1.jpg", "biopsy.png", "deep16.png"])
+    clip = open_images(tmp_path / "clip")
+    assert clip.labels == ("IMG 1.jpg", "biopsy.png", "deep16.png")
+    assert clip.notices == ()
 
 
 def test_pictures_without_numbers_alone_are_a_clip(tmp_path):
