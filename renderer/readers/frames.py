@@ -24,7 +24,7 @@ FIELD_OF_VIEW = 60.0
 def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """The frames of a folder in natural order (2.jpg before 10.jpg).
 
-    Files that are no frames (`kinds_of`), and frames without a number beside numbered ones, are left
+    Files that are no frames (`kinds_of`), and the few without a number beside numbered frames, are left
     out and reported. Raises ClipError when there is none, when two have one name but for the suffix, or
     when sizes differ.
     """
@@ -71,8 +71,9 @@ def _kinds(files: Iterable[Path]) -> PictureKinds:
 
 
 def _frames_of(kinds: PictureKinds) -> tuple[Path, ...]:
-    """The numbered frames, else all."""
-    return tuple(entry for entry in kinds.frames if re.search(r"\d", entry.stem)) or kinds.frames
+    """The numbered frames where they are at least half of the images, else all."""
+    numbered = tuple(entry for entry in kinds.frames if re.search(r"\d", entry.stem))
+    return numbered if 2 * len(numbered) >= len(kinds.frames) else kinds.frames
 
 
 def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
