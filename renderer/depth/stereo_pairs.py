@@ -12,6 +12,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.budget import OverBudget
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.readers.frames import open_images
@@ -24,6 +25,7 @@ LARGEST_VERTICAL_OFFSET = 1.5
 
 _FEWEST_FEATURES = 20
 _REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same one again.
+_REMEMBERED_PAIRS = 32  # Whether they show one scene, which opening a folder asks several times.
 _LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
 _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT", "l": "r", "L": "R"}
 
@@ -56,9 +58,15 @@ def right_name(name: str) -> str | None:
 
 
 def is_stereo_folder(path: Path) -> bool:
-    """Whether the folder holds left and right pictures side by side, or in two folders."""
-    names = (entry.name for entry in path.iterdir() if is_picture(entry))
-    return _left_folder(path) is not None or bool(_paired_names(names))
+    """Whether the folder holds left and right pictures in two folders, or side by side.
+
+    Side by side their names are not enough: single images of a patient's two eyes are called the same.
+    """
+    if _left_folder(path) is not None:
+        return True
+    lefts = _paired_names(entry.name for entry in path.iterdir() if is_picture(entry))
+    tried = dict.fromkeys((*lefts[:1], *lefts[len(lefts) // 2 :][:1], *lefts[-1:]))
+    return any(_may_be_one_scene(path / left, path / (right_name(left) or left)) for left in tried)
 
 
 def eye_folders(path: Path) -> tuple[Path, ...]:
@@ -155,6 +163,20 @@ def _said(rig: _Rig) -> str:
     return f"{by} with an unknown baseline: lengths have no scale (--baseline gives it in mm)"
 
 
+def _may_be_one_scene(left: Path, right: Path) -> bool:
+    """What cannot be read may: its reader says what is wrong."""
+    try:
+        return _show_one_scene(left, right, (left.stat().st_mtime_ns, right.stat().st_mtime_ns))
+    except (ClipError, OverBudget, OSError):
+        return True
+
+
+@lru_cache(_REMEMBERED_PAIRS)
+def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
+    """`changed`: when the files were, so that others of the same names are looked at again."""
+    return len(feature_shifts(read_rgb(left), read_rgb(right))) >= _FEWEST_FEATURES
+
+
 def _judge(clip: Clip, right: Path) -> None:
     """Raises ClipError unless the first two pictures look like a rectified pair."""
     shifts = feature_shifts(clip.read_image(0), read_rgb(right))
@@ -225,9 +247,12 @@ def _subfolders(path: Path) -> list[Path]:
 
 
 def _partners(folder: Path, labels: Sequence[str]) -> list[Path | None]:
-    """The right pictures: beside the left ones, or by either name in the folder of the right eye."""
+    """The right pictures: beside the left ones, or by either name in the folder of the right eye.
+
+    A frame of its own is no other frame's right picture.
+    """
     whole = folder.resolve()
-    here = {entry.name for entry in whole.iterdir() if is_picture(entry)}
+    here = {entry.name for entry in whole.iterdir() if is_picture(entry)} - set(labels)
     beside = whole.with_name(right_name(whole.name) or whole.name)
     there = {entry.name for entry in beside.iterdir() if is_picture(entry)} if beside.is_dir() else set[str]()
     found: list[Path | None] = []

@@ -19,6 +19,8 @@ SPLATS = "Splats"
 Node = imgui.internal.DockNode
 SIDE = 20.8
 """Lines of text that the panels at the side are wide."""
+SIDE_OF_TABS = 24.0
+"""The same where all of them are tabs beside each other, whose titles are whole."""
 LEAST, MOST = 0.2, 0.45
 """Share of the window's width that they have at least and at most."""
 LOW = 36.0
@@ -102,9 +104,10 @@ def follow_content(state: AppState) -> None:
 def arrange(params: hello_imgui.RunnerParams, size: tuple[int, int], text_percent: int) -> None:
     """Where panels are at first and after a reset; in a low window those below join those above, as tabs.
     Stills have the enhancement over all of the side: what reconstructs is behind it."""
-    low, side = is_low(size, text_percent), SIDE * _line(text_percent) / max(size[0], 1)
+    low, line = is_low(size, text_percent), _line(text_percent) / max(size[0], 1)
     for docking in _all_dockings(params):
         tabs = {"MainDockSpace": low, "Side": low or docking.layout_name == LAYOUTS["stills"]}
+        side = line * (SIDE_OF_TABS if tabs["Side"] else SIDE)
         docking.docking_splits = splits(min(max(side, LEAST), MOST), tabs)
         for panel in docking.dockable_windows:
             if panel.label in BELOW:

@@ -84,6 +84,13 @@ def test_each_kind_of_content_has_its_layout_and_keeps_it(places: Places, still:
         assert "Enhancement" in in_front(ctx)
         assert "Reconstruction" not in in_front(ctx)
         widths["Stills"] = width(ctx)
+        tabs = imgui.internal.find_window_by_name("Enhancement").dock_node.tab_bar
+        beside = widths["Stills"] - (tabs.bar_rect.max.x - tabs.bar_rect.min.x)
+        whole = (
+            tabs.width_all_tabs_ideal + beside
+        )  # This window is narrower than one whose side has all lines.
+        assert whole <= dockings.SIDE_OF_TABS * imgui.get_font_size()
+        assert whole > dockings.SIDE * imgui.get_font_size()
         show(ctx, state, phantom_path(), "Default")
         assert {"Enhancement", "Reconstruction"} <= in_front(ctx)
         node = imgui.internal.find_window_by_name("Enhancement").dock_node.parent_node

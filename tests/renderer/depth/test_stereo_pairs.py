@@ -21,6 +21,7 @@ from renderer.depth.stereo_pairs import (
     with_stereo_depth,
 )
 from renderer.readers.frames import open_images
+from renderer.sources import open_case
 from tests.renderer.eyes import BASELINE, Eyes, write_eyes
 
 SCARED = Path(__file__).resolve().parents[3] / "../shared/data/scared/d1k1_rectified_pair"
@@ -148,6 +149,30 @@ def test_pictures_of_one_eye_are_no_pairs(written, tmp_path):
     assert not is_stereo_folder(tmp_path)
     assert not is_stereo_folder(tmp_path / "left")
     assert right_pictures(open_images(tmp_path / "left")) == ()
+
+
+def test_images_of_two_eyes_of_a_patient_are_stills(tmp_path):
+    """01L and 01R are called as pairs are but show two scenes: all are frames, none is a right one."""
+    for patient in range(2):
+        for side, letter in enumerate("LR"):
+            seed = 60 + 2 * patient + side
+            write_eyes(tmp_path / f"{seed}", *LAYOUTS["folders"], count=1, **{**SIZE, "seed": seed})
+            shutil.copy(tmp_path / f"{seed}/left/000000.png", tmp_path / f"0{patient}{letter}.png")
+            shutil.rmtree(tmp_path / f"{seed}")
+    assert not is_stereo_folder(tmp_path)
+    clip = open_case(tmp_path)
+    assert clip.labels == ("00L.png", "00R.png", "01L.png", "01R.png")
+    assert (clip.has_depth, right_pictures(clip)) == (False, ())
+
+
+def test_pairs_side_by_side_after_a_black_one_are_still_pairs(written, tmp_path):
+    for index in range(3):
+        for eye in ("left", "right"):
+            shutil.copy(written[0] / eye / f"{min(index, 1):06d}.png", tmp_path / f"{index}_{eye}.png")
+    for eye in ("left", "right"):
+        change(tmp_path / f"0_{eye}.png", np.zeros_like)
+    assert is_stereo_folder(tmp_path)
+    assert len(open_stereo_folder(tmp_path, FIELD_OF_VIEW)) == 3
 
 
 def test_depth_in_millimetres(written):

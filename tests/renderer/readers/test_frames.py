@@ -54,6 +54,13 @@ def test_pictures_without_numbers_alone_are_a_clip(tmp_path):
     assert open_images(tmp_path / "clip").labels == ("left.png", "right.png")
 
 
+def test_a_few_names_with_a_digit_leave_out_no_others(tmp_path):
+    write_pictures(tmp_path / "clip", ["b.png", "case 1.png", "d.png", "deep.png", "scan16.png"])
+    clip = open_images(tmp_path / "clip")
+    assert clip.labels == ("b.png", "case 1.png", "d.png", "deep.png", "scan16.png")
+    assert clip.notices == ()
+
+
 def test_an_empty_folder_is_refused_and_a_way_shown(tmp_path):
     with pytest.raises(ClipError, match="expected images"):
         open_images(tmp_path)
