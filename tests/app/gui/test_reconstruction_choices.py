@@ -205,6 +205,8 @@ def test_depth_and_frames_are_chosen_by_hand(places: Places, tmp_path: Path) -> 
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the clip")
+        ctx.window_focus("//Reconstruction")
+        ctx.yield_(2)
         ctx.item_click("//Reconstruction/###start")
         ctx.yield_(3)
         assert not jobs  # Greyed.
@@ -215,11 +217,15 @@ def test_depth_and_frames_are_chosen_by_hand(places: Places, tmp_path: Path) -> 
         ctx.yield_(2)
         ctx.item_click("###linked")
         kept = state.enhancement.params
+        ctx.window_focus("//Enhancement")
+        ctx.yield_(2)
         ctx.item_input_value("//Enhancement/**/##strength", 0.5)
         ctx.set_ref("")
         ctx.yield_(2)
         assert state.enhancement.params.strength == 0.5
         assert job_actions.frame_settings(state) == kept
+        ctx.window_focus("//Reconstruction")
+        ctx.yield_(2)
         ctx.item_click("//Reconstruction/###start")
         wait(ctx, lambda: bool(jobs), "the job")
         request = jobs[0].request
