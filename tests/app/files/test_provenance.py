@@ -119,14 +119,14 @@ def test_the_digest_of_a_clip_is_of_what_is_read(clip_path: Path, tmp_path: Path
 
 
 def test_the_digest_of_a_folder_of_pictures_is_of_those_that_are_frames(tmp_path: Path) -> None:
-    for name in ("1.png", "2.png"):
+    for name in ("1.png", "2.png", "3.png"):
         (tmp_path / name).write_text(name)
     before = digest(tmp_path)
     (tmp_path / "cover.png").write_text("no frame, it has no number")
     (tmp_path / "run").mkdir()
-    (tmp_path / "run" / "3.png").write_text("below")
+    (tmp_path / "run" / "4.png").write_text("below")
     assert digest(tmp_path) == before
-    (tmp_path / "3.png").write_text("a frame")
+    (tmp_path / "4.png").write_text("a frame")
     assert digest(tmp_path) != before
 
 
