@@ -18,7 +18,6 @@ from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
 from app.scenes.drawer import Drawer
-from app.scenes.records import BACKGROUND
 from app.scenes.renderers import drawer
 from app.scenes.view_kinds import SHAPES, has_scale
 from app.scenes.view_request import view_record
@@ -30,7 +29,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--transparent",
         action="store_true",
-        help="transparent background: straight alpha in the PNG, not premultiplied",
+        help="transparent where nothing was observed: straight alpha in the PNG, not premultiplied",
     )
     view_flags.add_flag(parser)
     parser.add_argument(
@@ -45,12 +44,12 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError(f"--depth: expected a --view of unaltered Gaussians, got {flags.view}")
     scene, wanted = view_selection.chosen(flags)
     pen = Drawer(*drawer(flags.renderer))
-    behind = None if flags.transparent else BACKGROUND
     views = view_flags.asked_for(flags, scene, wanted)
     sources = Opened(tuple(views), pen=pen)
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
         for done, (moment, view) in enumerate(zip(wanted, views, strict=True), start=1):
-            said = replace(view_record(view, pen.name), frame=moment.frame, background=behind)
+            said = replace(view_record(view, pen.name), frame=moment.frame)
+            said = replace(said, background=None) if flags.transparent else said
             records: dict[str, Export] = {".png": extended(Render, said)}
             if flags.depth:
                 records |= {"-depth.npy": extended(Depth, said), "-depth.png": extended(Depth, said)}

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 
 from app.errors import UserError
 from app.runs.run_folder import RunFolder, input_clip, run_clip
+from app.scenes.backgrounds import BACKGROUNDS
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
 from app.scenes.view_request import FrameRequest, ViewRequest
@@ -17,7 +19,14 @@ from renderer.splat_files import is_named_as_splats
 
 
 def add_flag(parser: argparse.ArgumentParser) -> None:
-    """Which kind of view is drawn."""
+    """Which kind of view is drawn, and over what."""
+    parser.add_argument(
+        "--background",
+        choices=BACKGROUNDS,
+        default="grey",
+        help="what stands where nothing was observed; smooth: the colours of the surroundings, hatched "
+        "(default grey)",
+    )
     parser.add_argument(
         "--view",
         choices=EXPLAINED,
@@ -35,6 +44,7 @@ def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment])
         reference = None if clip is None or moment.frame is None else FrameRequest(clip, moment.frame)
         near = near_plane(scene.model, moment.camera)
         view = ViewRequest(scene, moment.time, moment.camera, near_plane=near, supersampling=finer)
+        view = replace(view, background=BACKGROUNDS[flags.background])
         views.append(view.of_kind(flags.view, reference))
     return views
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import EnhancementSettings
+from app.scenes.backgrounds import GREY, Background
 from app.scenes.drawer import draw_view
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import Scale
@@ -35,6 +36,8 @@ class OtherRequest:
     original: PictureRequest
     """The frame; its own params do not matter and are None."""
     by: EnhancementSettings | str | Scene
+    background: Background = GREY
+    """Of a reconstruction, where nothing was observed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +82,7 @@ class OtherMaker:
     def _made(self, request: OtherRequest) -> Other:
         by, original = request.by, request.original
         if isinstance(by, Scene):
-            return Other(request, _render(by, original.frame_index))
+            return Other(request, _render(by, original.frame_index, request.background))
         if isinstance(by, str):
             return Other(request, BASELINES[by](original.clip.read_image(original.frame_index)))
         *_, made = self._pictures.make(replace(original, params=by))
@@ -87,9 +90,10 @@ class OtherMaker:
         return Other(request, made.enhanced, made)
 
 
-def _render(scene: Scene, index: int) -> ByteImage:
+def _render(scene: Scene, index: int, background: Background) -> ByteImage:
     """The model through the clip's own camera of that frame."""
-    (view,) = draw_view(ViewRequest.of_clip_frame(scene, index))
+    seen = ViewRequest.of_clip_frame(scene, index)
+    (view,) = draw_view(replace(seen, background=background))
     return view.image
 
 

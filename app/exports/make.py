@@ -42,6 +42,7 @@ from app.files.stepping import map_steps
 from app.files.timing import Timing
 from app.files.video import write_frames
 from app.scenes import view_request
+from app.scenes.backgrounds import BLACK
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import colored_depth
 from app.scenes.drawer import Drawer
@@ -228,6 +229,7 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
         record.view,
         supersampling=record.supersampling,
         scale=record.scale,
+        background=record.background or BLACK,
         near_plane=record.near if moment.near is None else moment.near,
         caption=record.caption,
     )

@@ -22,6 +22,7 @@ from app.exports.page import Panel, describe
 from app.exports.records import Arrangement, PaneRecord, PanesRecord
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
+from app.scenes.backgrounds import BLACK, GREY, Background
 from app.scenes.color_bar import INK, with_bar
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.records import ViewRecord
@@ -37,13 +38,14 @@ Shown = EnhancementSettings | str | Scene | None
 """A setting, a method without parameters, or a model; None: the frame itself."""
 
 
-def pane_record(title: str, original: PictureRequest, by: Shown = None) -> PaneRecord:
+def pane_record(
+    title: str, original: PictureRequest, by: Shown = None, background: Background = GREY
+) -> PaneRecord:
     """Of a frame and how its statistics are taken, whatever its own params."""
-    view = (
-        view_record(ViewRequest.of_clip_frame(by, original.frame_index), ON_CPU)
-        if isinstance(by, Scene)
-        else None
-    )
+    view = None
+    if isinstance(by, Scene):
+        seen = replace(ViewRequest.of_clip_frame(by, original.frame_index), background=background)
+        view = view_record(seen, ON_CPU)
     method = by if isinstance(by, str) else None
     params = by if isinstance(by, EnhanceParams | VesselParams) else None
     return PaneRecord(
@@ -108,7 +110,8 @@ class PaneMaker:
         if isinstance(by, EnhanceParams | VesselParams):
             known = self._sources.of_clip(original.statistics_request(by))
             original = replace(original, of_clip=known)
-        (other,) = self._maker.make(OtherRequest(original, by))
+        behind = (pane.view and pane.view.background) or BLACK
+        (other,) = self._maker.make(OtherRequest(original, by, behind))
         said = describe(other.made) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None
         return Made(Panel(f"{pane.title}   {said}".rstrip(), sizing.of(other.image)), used)

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from app.scenes.backgrounds import Background, laid_over
 from renderer.camera import Camera
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
@@ -27,9 +28,12 @@ class Drawn:
 
     @property
     def bytes(self) -> NDArray[np.uint8]:
-        """(H, W, 3) rounded to 8 bits."""
-        rounded: NDArray[np.uint8] = np.rint(np.clip(self.image, 0.0, 1.0) * 255.0).astype(np.uint8)
-        return rounded
+        """(H, W, 3) over black, rounded to 8 bits."""
+        return _rounded(self.image)
+
+    def over(self, background: Background) -> NDArray[np.uint8]:
+        """(H, W, 3) over that, rounded to 8 bits."""
+        return _rounded(laid_over(self.image, self.alpha, background))
 
     @property
     def straight(self) -> NDArray[np.uint8]:
@@ -41,8 +45,12 @@ class Drawn:
         seen = self.alpha[..., None]
         color = np.divide(self.image, seen, out=np.zeros_like(self.image), where=seen > 0)
         rgba = np.concatenate([color, seen], axis=2)
-        rounded: NDArray[np.uint8] = np.rint(np.clip(rgba, 0.0, 1.0) * 255.0).astype(np.uint8)
-        return rounded
+        return _rounded(rgba)
+
+
+def _rounded(values: Float32Array) -> NDArray[np.uint8]:
+    rounded: NDArray[np.uint8] = np.rint(np.clip(values, 0.0, 1.0) * 255.0).astype(np.uint8)
+    return rounded
 
 
 class Draw(Protocol):

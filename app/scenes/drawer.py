@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
+from app.scenes.backgrounds import BLACK
 from app.scenes.cpu_rendering import ON_CPU, Draw, Drawn, draw_on_cpu
 from app.scenes.view_kinds import Composed, Scale
 from app.scenes.view_request import ViewRequest
@@ -23,7 +24,7 @@ class Drawer:
 
     def drawn(self, view: ViewRequest) -> Drawn:
         """Raises UserError where it cannot be drawn."""
-        wanted = replace(view, reference=None, scale=None)
+        wanted = replace(view, reference=None, scale=None, background=BLACK)
         if self._last is None or self._last[0] != wanted:
             self._last = None
             self._last = wanted, wanted.drawn(self.draw)

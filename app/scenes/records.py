@@ -15,12 +15,11 @@ from app.files.records import LENIENT, Record, Source, Told
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import LeftOut
 from app.runs.run_folder import Enhancement, Input
+from app.scenes.backgrounds import BLACK, Background
 from app.scenes.view_kinds import Scale, ViewKind
 from renderer.camera import Camera
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
-
-BACKGROUND = (0.0, 0.0, 0.0)
 
 
 def _camera(given: Any) -> Camera:
@@ -99,8 +98,8 @@ class DrawnRecord(SceneRecord):
     iteration: Annotated[int | None, Told] = None
     near: float | None = None
     """In scene units; None: the near plane of the scene."""
-    background: tuple[float, float, float] | None = BACKGROUND
-    """None: alpha says where nothing is."""
+    background: Background | None = BLACK
+    """Where nothing was observed; None: alpha says where."""
     renderer: str
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
     view: ViewKind = "color"

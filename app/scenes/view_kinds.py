@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from app.scenes.backgrounds import BLACK, Background
 from app.scenes.cpu_rendering import Drawn
 from renderer.camera import Camera
 from renderer.clip import ByteImage
@@ -122,10 +123,12 @@ def composed(
     unit: str,
     reference: ByteImage | None = None,
     scale: Scale | None = None,
+    background: Background = BLACK,
 ) -> Composed:
     """The view of splats drawn in its shape and colours; `reference` (H', W', 3) is what a difference is to.
 
-    Without a `scale`, values have that which holds those of this picture.
+    What has no scale is laid over the background. Without a `scale`, values have that which holds those of
+    this picture.
     """
     if kind == "depth":
         scale = scale or _scale_of(drawn.depth[drawn.depth > 0], unit)
@@ -144,7 +147,7 @@ def composed(
         end = max(_nice_end(away, 90), LEAST_DIFFERENCE)
         scale = scale or Scale(0.0, end, "grey levels", "inferno")
         return Composed(scale.colored(away, np.ones(away.shape, bool)), scale)
-    return Composed(drawn.bytes)
+    return Composed(drawn.over(background))
 
 
 def spread(moments: Sequence[Looked]) -> list[Looked]:

@@ -6,6 +6,7 @@ from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from app.files.records import extended
+from app.scenes.backgrounds import GREY, Background
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.free_camera import FreeView
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
@@ -67,6 +68,8 @@ class ViewRequest:
     """Drawn with so many times as many pixels each way, and averaged."""
     scale: Scale | None = None
     """Of its values; None: that which holds those of this picture."""
+    background: Background = GREY
+    """Where nothing was observed."""
     near_plane: float | None = None
     """In scene units; None: that of the scene."""
     caption: str | None = None
@@ -124,7 +127,7 @@ class ViewRequest:
     def composed(self, drawn: Drawn) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""
         reference = self.reference.image if self.reference else None
-        return composed(self.kind, drawn, self.scene.unit, reference, self.scale)
+        return composed(self.kind, drawn, self.scene.unit, reference, self.scale, self.background)
 
     def picture(self, draw: Draw) -> Composed:
         """Raises ClipError for a reference, UserError where it cannot be drawn."""
@@ -161,6 +164,7 @@ def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
         view.scene.record,
         iteration=view.scene.iteration,
         near=view.near,
+        background=view.background,
         renderer=renderer,
         supersampling=view.supersampling,
         view=view.kind,

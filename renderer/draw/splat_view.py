@@ -20,6 +20,7 @@ from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
 from renderer.draw.storage import Storage
+from renderer.hatching import PERIOD, WIDTH
 from renderer.projection import ALPHA_CUT
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
@@ -150,15 +151,17 @@ class SplatView:
         framebuffer: moderngl.Framebuffer,
         *,
         background: Rgb = (0.0, 0.0, 0.0),
+        lines: Rgb | None = None,
     ) -> None:
         """Fill the framebuffer's viewport with the view of `camera`, resampled to its size, alpha 1.
 
-        The image is stored as OpenGL stores images, bottom row first; background is RGB.
+        The image is stored as OpenGL stores images, bottom row first; background is RGB, and so are the
+        lines of the hatching over it, if any.
         """
         with self._state.preserved():
             pivot = self._mean_color if self._precision == "half" else _NO_PIVOT
             target = self._accumulate(_fitted(camera, framebuffer), self._precision, pivot=pivot)
-            self._resolve(target, framebuffer, background, pivot)
+            self._resolve(target, framebuffer, background, lines or background, pivot)
 
     def read_color(self, camera: Camera, shape: Shape = "soft", paint: Paint = "color") -> Float32Array:
         """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first."""
@@ -248,11 +251,13 @@ class SplatView:
         self._program["size"] = (camera.width, camera.height)
 
     def _resolve(
-        self, target: _Target, framebuffer: moderngl.Framebuffer, background: Rgb, pivot: Rgb
+        self, target: _Target, framebuffer: moderngl.Framebuffer, background: Rgb, lines: Rgb, pivot: Rgb
     ) -> None:
         framebuffer.use()
         self._ctx.enable_only(moderngl.NOTHING)
         self._resolve_program["background"], self._resolve_program["pivot"] = background, pivot
+        self._resolve_program["lines"] = lines
+        self._resolve_program["period"], self._resolve_program["line_width"] = PERIOD, WIDTH
         self._resolve_program["origin"] = framebuffer.viewport[:2]
         target.texture.use(0)
         self._screen.render(moderngl.TRIANGLES, vertices=3)

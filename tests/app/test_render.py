@@ -17,6 +17,7 @@ from app.evaluation.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from app.scenes.backgrounds import BACKGROUNDS, GREY, BackgroundName
 from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.renderers import Renderer, drawer
 from renderer.camera import Camera
@@ -47,7 +48,7 @@ def test_render_writes_pictures_that_know_where_they_come_from(
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
     drawn = draw_on_cpu(model.at(record.time(9)), record.camera(9), near_plane(model, record.camera(9)))
-    assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], drawn.bytes)
+    assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], drawn.over(GREY))
     assert np.array_equal(np.load(out / "frame-000009-depth.npy"), drawn.depth)
     facts = read_provenance(out / "frame-000009.png")
     assert (facts["frame"], facts["time"]) == (9, record.time(9))
@@ -63,8 +64,8 @@ def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
     run = RunFolder(path)
     record, model = run.record(), run.model()
     at = model.at(record.time(9)), record.camera(9), near_plane(model, record.camera(9))
-    picture = draw_on_cpu(*at, "mip").bytes
-    assert not np.array_equal(picture, draw_on_cpu(*at).bytes)
+    picture = draw_on_cpu(*at, "mip").over(GREY)
+    assert not np.array_equal(picture, draw_on_cpu(*at).over(GREY))
     assert vesselsplat("render", path, "--out", tmp_path / "out", "--frames", 9).code == 0
     assert np.array_equal(cv2.imread(str(tmp_path / "out" / "frame-000009.png"))[..., ::-1], picture)
     assert vesselsplat("export", path, "--ply", tmp_path / "ply", "--frames", 9).code == 0
@@ -72,7 +73,8 @@ def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
     evaluation = open_evaluation(path)
     *_, last = evaluation.frames()
     frame = evaluation.trained_clip.read_frame(9)
-    assert last.psnr == psnr(picture / 255.0, frame.image / 255.0, frame.evaluation_mask)
+    over_black = draw_on_cpu(*at, "mip").bytes
+    assert last.psnr == psnr(over_black / 255.0, frame.image / 255.0, frame.evaluation_mask)
 
 
 @pytest.mark.gl
@@ -180,6 +182,21 @@ def test_straight_alpha_lies_over_any_background_as_if_drawn_there(renderer: Ren
     for background in ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.1, 0.9, 0.3)):
         over = alpha * color + (1 - alpha) * np.array(background)
         assert np.abs(over - render(splats, camera, background).image).max() <= 1.01 / 255
+
+
+@pytest.mark.parametrize("name", BACKGROUNDS)
+def test_what_was_not_observed_is_told_by_the_background(
+    name: BackgroundName, runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    flags = ("--frames", 3, "--size", 32, 24, "--background", name)
+    assert vesselsplat("render", runs["original"], "--out", tmp_path / "out", *flags).code == 0
+    path = tmp_path / "out" / "frame-000003.png"
+    run = RunFolder(runs["original"])
+    record, model = run.record(), run.model()
+    camera = record.camera(3).resized(32, 24)
+    drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
+    assert np.array_equal(cv2.imread(str(path))[..., ::-1], drawn.over(BACKGROUNDS[name]))
+    assert vesselsplat("replay", path, "--source", runs["original"]).code == 0
 
 
 def test_a_transparent_picture_has_straight_alpha(

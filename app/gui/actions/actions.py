@@ -21,6 +21,7 @@ from app.gui.views.picture_view import PictureView
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
 from app.gui.work.settings import UNKNOWN, Theme, settings_content
 from app.gui.work.writing import WriteRequest
+from app.scenes.backgrounds import BackgroundName
 from assets import phantom_path
 
 TOAST_SECONDS = 6.0
@@ -66,6 +67,12 @@ def acknowledge(state: AppState) -> None:
 
 def choose_theme(state: AppState, theme: Theme) -> None:
     state.settings = replace(state.settings, theme=theme)
+    save_settings(state)
+
+
+def choose_background(state: AppState, name: BackgroundName) -> None:
+    """Of reconstructions, where nothing was observed."""
+    state.settings = replace(state.settings, background=name)
     save_settings(state)
 
 

@@ -118,7 +118,7 @@ def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
         return pane_record("Original", original)
     frames = request.by.record.trained_on if isinstance(request.by, Scene) else ""
     title = f"{label_of(source)}   from {frames}" if frames else label_of(source)
-    return pane_record(title, request.original, request.by)
+    return pane_record(title, request.original, request.by, request.background)
 
 
 def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
@@ -139,6 +139,7 @@ def _with_second(state: AppState, first: ViewRequest) -> Views:
 
 def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
     """In the size and with the averaging that are chosen."""
+    view = state.over_background(view)
     return replace(sized(view, state.exports.view_size), supersampling=state.exports.supersampling)
 
 

@@ -8,6 +8,7 @@ from app.gui.actions import actions, path_actions, window_actions
 from app.gui.commands.command import Asks, Command, Section, WindowServices, menu
 from app.gui.commands.presenting_commands import presenting_commands, second_section
 from app.gui.work.settings import TEXT_PERCENTS, Theme
+from app.scenes.backgrounds import BACKGROUNDS, EXPLAINED, BackgroundName
 
 
 def view_sections(outside: WindowServices) -> tuple[Section, ...]:
@@ -37,13 +38,23 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes),
                 ticked=lambda s: s.scene.cameras.path_shown),
     )  # fmt: skip
+    backgrounds = tuple(_background(name) for name in BACKGROUNDS)
     layout = (
         Command("Standard layout", lambda s: outside.layout(),
                 text="all panels back to their standard places",
                 synonyms=("reset", "panels", "windows", "arrange", "dock")),
     )  # fmt: skip
     others = menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
-    return Section("View", whole), second_section(), *others
+    unobserved = Section("View", backgrounds, "Where nothing was observed")
+    return Section("View", whole), second_section(), others[0], unobserved, *others[1:]
+
+
+def _background(name: BackgroundName) -> Command:
+    choose = partial(actions.choose_background, name=name)
+    ticked: Asks = lambda s: s.settings.background == name  # noqa: E731
+    words = ("background", "unseen", "fill", "empty", "observed")
+    return Command(f"{name.capitalize()} background", choose, text=EXPLAINED[name], ticked=ticked,
+                   applies=lambda s: s.scene.model is not None, synonyms=words)  # fmt: skip
 
 
 def _theme(theme: Theme) -> Command:

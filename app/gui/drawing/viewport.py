@@ -13,9 +13,9 @@ from imgui_bundle import imgui
 from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
 from app.gui.work.baking import Baked
+from app.scenes.backgrounds import GREY, LINES
 from app.scenes.cpu_rendering import Drawn
 from app.scenes.drawer import View
-from app.scenes.records import BACKGROUND
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
 from app.scenes.view_request import ViewRequest
@@ -124,7 +124,7 @@ class GraphicsViewport:
         """Raises moderngl.Error for a context that is lost, or has run out of memory."""
         _forget_errors(self._ctx)
         splats, size = self._upload(request, keyframes), (request.camera.width, request.camera.height)
-        if request.kind != "color":
+        if request.kind != "color" or request.background == "smooth":
             paint, with_depth = _paint(request.kind, keyframes), request.kind == "depth"
             shape = SHAPES[request.kind]
             layers = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
@@ -135,7 +135,9 @@ class GraphicsViewport:
                 self._release_target()
                 self._texture = self._ctx.texture(size, 4)
                 self._target = self._ctx.framebuffer([self._texture])
-            splats.draw(request.camera, self._target, background=BACKGROUND)
+            lines = LINES if request.background == "hatched" else None
+            ground = GREY if request.background == "hatched" else request.background
+            splats.draw(request.camera, self._target, background=ground, lines=lines)
         if (error := self._ctx.error) != "GL_NO_ERROR":
             raise moderngl.Error(error)
         self._drawn = request

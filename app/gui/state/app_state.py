@@ -28,6 +28,7 @@ from app.gui.work.opening import VIEW_SUFFIXES
 from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
 from app.kernels.progress import Kind
+from app.scenes.backgrounds import BACKGROUNDS, Background
 from app.scenes.scene import Scene
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
 from renderer.train.config import TrainConfig
@@ -226,9 +227,18 @@ class AppState:
             return None
         if self.scene.viewer.snapped:
             nearest = ViewRequest.of_frame(model, model.frame_at(self.time))
-            return nearest.of_kind(self.scene.kind, self.frame_image)
+            return self.over_background(nearest.of_kind(self.scene.kind, self.frame_image))
         whole = ViewRequest.fitted(model, self.time, self.scene.viewer.free, self.scene.size)
-        return whole.of_kind(self.scene.kind)
+        return self.over_background(whole.of_kind(self.scene.kind))
+
+    def over_background(self, view: ViewRequest) -> ViewRequest:
+        """With what is chosen for where nothing was observed."""
+        return replace(view, background=self.background)
+
+    @property
+    def background(self) -> Background:
+        """Of reconstructions, where nothing was observed."""
+        return BACKGROUNDS[self.settings.background]
 
     @property
     def second_request(self) -> ViewRequest | None:

@@ -93,7 +93,7 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
     alone = replace(original, scope="image", pixels="automatic", of_clip=None)
     if source == RENDER:
         assert state.scene.model is not None
-        return OtherRequest(alone, state.scene.model)
+        return OtherRequest(alone, state.scene.model, state.background)
     look = _look(state, source)
     return OtherRequest(alone, source) if look is None else OtherRequest(original, look)
 

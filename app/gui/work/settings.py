@@ -19,6 +19,7 @@ from app.enhancement.settable import FrameNumber, Mode, Name, PathText, Pixels, 
 from app.files.mended import mended_file
 from app.files.provenance import strict_json
 from app.runs.clip_selection import ClipPart
+from app.scenes.backgrounds import BackgroundName
 from renderer.readers.clip_options import DepthSource
 
 RECENT_LIMIT = 8
@@ -98,6 +99,8 @@ class Settings:
     second_place: tuple[int, int, int, int] | None = None
     """Of the second window: left, top, width and height."""
     second_full_screen: bool = False
+    background: BackgroundName = "grey"
+    """Of reconstructions, where nothing was observed."""
     folders: Annotated[dict[Name, PathText], at_most(MOST_FOLDERS)] = field(default_factory=dict)
     """Where a person was last, by purpose of the dialog."""
 

@@ -17,6 +17,7 @@ from app.gui.work.settings import (
     load_settings,
     settings_content,
 )
+from app.scenes.backgrounds import BACKGROUNDS
 
 texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
 
@@ -33,6 +34,7 @@ texts = st.lists(st.text(max_size=20), max_size=RECENT_LIMIT).map(tuple)
         st.sampled_from(["automatic", "image", "clip"]),
         st.sampled_from(PIXELS),
         st.sampled_from(MODES),
+        background=st.sampled_from(list(BACKGROUNDS)),
         folders=st.dictionaries(st.sampled_from(["file", "export"]), st.text(max_size=20)),
     )
 )

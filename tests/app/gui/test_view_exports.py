@@ -7,14 +7,16 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 from app.exports.make import steady, view_moments, view_pages
 from app.exports.records import ViewVideo
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_sidecar
 from app.files.stepping import run_to_end
-from app.gui.actions import camera_actions, export_actions, second_actions
+from app.gui.actions import actions, camera_actions, export_actions, second_actions
 from app.gui.state.exports import What
+from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.drawer import Drawer, draw_view
 from app.scenes.free_camera import FreeView
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
@@ -53,6 +55,23 @@ def test_the_3d_view_comes_again_as_picture_and_as_videos(run: Exporter) -> None
         assert capture.get(cv2.CAP_PROP_FRAME_WIDTH) == 96
         capture.release()
         assert same(video, run_path)
+
+
+@pytest.mark.parametrize("name", BACKGROUNDS)
+def test_what_stands_where_nothing_was_observed_is_exported_and_comes_again(
+    run: Exporter, name: BackgroundName
+) -> None:
+    state, run_path = run.state, run.state.runs.reconstruction.run_path
+    assert run_path is not None
+    assert state.scene.model is not None
+    actions.choose_background(state, name)
+    back = -2 * state.scene.model.distance
+    state.scene.viewer.free = FreeView.of(state.scene.model.camera_at(0.3)).flown(0, 0, back)
+    run.turn()
+    image = run.made("3D view")
+    assert same(image, run_path)
+    said = read_provenance(image)["views"][0]["background"]
+    assert (tuple(said) if isinstance(said, list) else said) == BACKGROUNDS[name]
 
 
 def test_two_3d_views_stand_beside_each_other_and_come_again(run: Exporter, runs: dict[str, Path]) -> None:

@@ -11,6 +11,7 @@ from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, processor_picture
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
+from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.drawer import draw_view
 from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
 from app.scenes.view_request import ViewRequest, read_frame
@@ -37,7 +38,11 @@ def read(ctx: moderngl.Context, name: int, channels: int) -> np.ndarray:
 
 
 @pytest.mark.gl
-def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live: AppState) -> None:
+@pytest.mark.parametrize("background", BACKGROUNDS)
+def test_both_ways_of_drawing_show_the_same_picture(
+    ctx: moderngl.Context, live: AppState, background: BackgroundName
+) -> None:
+    actions.choose_background(live, background)
     graphics, textures = GraphicsViewport(ctx, Textures(ctx)), Textures(ctx)
     assert live.view_request is not None
     (live.scene.view,) = draw_view(live.view_request)
@@ -45,11 +50,13 @@ def test_both_ways_of_drawing_show_the_same_picture(ctx: moderngl.Context, live:
     assert drawn is not None
     assert made is not None
     assert drawn.request == made.request == live.view_request
-    upside_down = read(ctx, drawn.texture.get_tex_id(), 4).astype(int)
+    smooth = background == "smooth"  # Laid over on the processor, in either way.
+    upside_down = read(ctx, drawn.texture.get_tex_id(), 3 if smooth else 4).astype(int)
+    upside_down = upside_down[::-1] if smooth else upside_down
     upright = read(ctx, made.texture.get_tex_id(), 3).astype(int)
     assert upright.max() > 60
     assert np.abs(upside_down[::-1] - upright).max() <= 3
-    assert (drawn.uv0, drawn.uv1) == ((0, 1), (1, 0))
+    assert (drawn.uv0, drawn.uv1) == (((0, 0), (1, 1)) if smooth else ((0, 1), (1, 0)))
     graphics.release()
     textures.release()
 

@@ -1,0 +1,69 @@
+"""What stands behind the Gaussians, where nothing was observed: it must not look like tissue."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final, Literal
+
+import cv2
+import numpy as np
+
+from renderer.hatching import line_mask
+from renderer.splats import Float32Array
+
+Rgb = tuple[float, float, float]
+Background = Rgb | Literal["hatched", "smooth"]
+BackgroundName = Literal["grey", "hatched", "smooth", "black"]
+BLACK: Final[Rgb] = (0.0, 0.0, 0.0)
+GREY: Final[Rgb] = (0.25, 0.25, 0.25)
+LINES: Final[Rgb] = (0.4, 0.4, 0.4)
+"""Of the hatching, over grey."""
+BACKGROUNDS: Final[Mapping[BackgroundName, Background]] = MappingProxyType(
+    {"grey": GREY, "hatched": "hatched", "smooth": "smooth", "black": BLACK}
+)
+EXPLAINED: Final[Mapping[BackgroundName, str]] = MappingProxyType(
+    {
+        "grey": "Plain grey where nothing was observed.",
+        "hatched": "Diagonal lines where nothing was observed.",
+        "smooth": "The colours of the surroundings, hatched, where nothing was observed.",
+        "black": "Black where nothing was observed.",
+    }
+)
+_LINE_SHARE = np.float32(0.5)
+"""Of the colour of the lines in a smooth background."""
+
+
+def laid_over(image: Float32Array, alpha: Float32Array, background: Background) -> Float32Array:
+    """(H, W, 3) of a premultiplied `image` (H, W, 3) with `alpha` (H, W) in [0, 1], not clipped."""
+    laid: Float32Array = image + (1 - alpha[..., None]) * _behind(image, alpha, background)
+    return laid
+
+
+def _behind(image: Float32Array, alpha: Float32Array, background: Background) -> Float32Array:
+    """(H, W, 3), or (3,) where it is the same everywhere."""
+    if not isinstance(background, str):
+        return np.array(background, np.float32)
+    lines, color = line_mask(*alpha.shape)[..., None], np.array(LINES, np.float32)
+    if background == "hatched":
+        return np.where(lines, color, np.array(GREY, np.float32))
+    smooth = _smooth(image, alpha)
+    return np.where(lines, smooth + _LINE_SHARE * (color - smooth), smooth)
+
+
+def _smooth(image: Float32Array, alpha: Float32Array) -> Float32Array:
+    """(H, W, 3) of what surrounds each pixel: every level of a pyramid is laid over the next coarser one."""
+    height, width = alpha.shape
+    half = (width + 1) // 2, (height + 1) // 2
+    if half == (width, height):
+        return np.divide(image, alpha[..., None], out=np.zeros_like(image), where=alpha[..., None] > 0)
+    fewer = _resized(image, half, cv2.INTER_AREA)
+    share = _resized(alpha, half, cv2.INTER_AREA)
+    coarse: Float32Array = fewer + (1 - share[..., None]) * _smooth(fewer, share)
+    return _resized(coarse, (width, height), cv2.INTER_LINEAR)
+
+
+def _resized(values: Float32Array, size: tuple[int, int], interpolation: int) -> Float32Array:
+    """To (width, height); OpenCV leaves out an axis of length 1 at the end."""
+    resized = cv2.resize(values, size, interpolation=interpolation).astype(np.float32, copy=False)
+    return resized.reshape(*size[::-1], *values.shape[2:])
