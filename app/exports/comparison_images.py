@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import EnhancementSettings
-from app.scenes.backgrounds import GREY, Background
+from app.scenes.backgrounds import Background
 from app.scenes.drawer import draw_view
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import Scale
 from app.scenes.view_request import ViewRequest
 from enhance.baselines import BASELINES
 from renderer.clip import ByteImage, Clip
+from renderer.unobserved import GREY
 
 KEPT_BYTES = 64 << 20
 """Of pictures that are kept, the last used ones, and of the models that they show."""

@@ -42,7 +42,6 @@ from app.files.stepping import map_steps
 from app.files.timing import Timing
 from app.files.video import write_frames
 from app.scenes import view_request
-from app.scenes.backgrounds import BLACK
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import colored_depth
 from app.scenes.drawer import Drawer
@@ -54,6 +53,7 @@ from enhance.surround import inside
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.splat_files.inria_ply import ply_bytes
+from renderer.unobserved import BLACK
 
 Steps = Generator[int, None, None]
 Views = tuple[ViewRequest, ...]

@@ -22,7 +22,7 @@ from app.exports.page import Panel, describe
 from app.exports.records import Arrangement, PaneRecord, PanesRecord
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
-from app.scenes.backgrounds import BLACK, GREY, Background
+from app.scenes.backgrounds import Background
 from app.scenes.color_bar import INK, with_bar
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.records import ViewRecord
@@ -33,6 +33,7 @@ from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage
 from renderer.near_plane import NEAR_SHARE
+from renderer.unobserved import BLACK, GREY
 
 Shown = EnhancementSettings | str | Scene | None
 """A setting, a method without parameters, or a model; None: the frame itself."""

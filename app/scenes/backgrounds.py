@@ -9,16 +9,11 @@ from typing import Final, Literal
 import cv2
 import numpy as np
 
-from renderer.hatching import line_mask
 from renderer.splats import Float32Array
+from renderer.unobserved import BLACK, GREY, LINES, Rgb, line_mask
 
-Rgb = tuple[float, float, float]
 Background = Rgb | Literal["hatched", "smooth"]
 BackgroundName = Literal["grey", "hatched", "smooth", "black"]
-BLACK: Final[Rgb] = (0.0, 0.0, 0.0)
-GREY: Final[Rgb] = (0.25, 0.25, 0.25)
-LINES: Final[Rgb] = (0.4, 0.4, 0.4)
-"""Of the hatching, over grey."""
 BACKGROUNDS: Final[Mapping[BackgroundName, Background]] = MappingProxyType(
     {"grey": GREY, "hatched": "hatched", "smooth": "smooth", "black": BLACK}
 )

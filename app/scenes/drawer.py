@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from app.scenes.backgrounds import BLACK
 from app.scenes.cpu_rendering import ON_CPU, Draw, Drawn, draw_on_cpu
 from app.scenes.view_kinds import Composed, Scale
 from app.scenes.view_request import ViewRequest
 from renderer.clip import ByteImage
+from renderer.unobserved import BLACK
 
 
 @dataclass(eq=False)

@@ -15,11 +15,12 @@ from app.files.records import LENIENT, Record, Source, Told
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import LeftOut
 from app.runs.run_folder import Enhancement, Input
-from app.scenes.backgrounds import BLACK, Background
+from app.scenes.backgrounds import Background
 from app.scenes.view_kinds import Scale, ViewKind
 from renderer.camera import Camera
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
+from renderer.unobserved import BLACK
 
 
 def _camera(given: Any) -> Camera:

@@ -12,12 +12,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.scenes.backgrounds import BLACK, Background
+from app.scenes.backgrounds import Background
 from app.scenes.cpu_rendering import Drawn
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.paint import by_motion, by_normal
 from renderer.splats import Float32Array, Shape, Splats
+from renderer.unobserved import BLACK
 
 ViewKind = Literal["color", "depth", "normals", "opacity", "ellipsoids", "points", "motion", "difference"]
 SHAPES: Final[Mapping[ViewKind, Shape]] = MappingProxyType(

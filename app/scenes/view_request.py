@@ -6,7 +6,7 @@ from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from app.files.records import extended
-from app.scenes.backgrounds import GREY, Background
+from app.scenes.backgrounds import Background
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.free_camera import FreeView
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
@@ -25,6 +25,7 @@ from app.scenes.view_kinds import (
 )
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
+from renderer.unobserved import GREY
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
 from renderer.draw.storage import Storage
-from renderer.hatching import PERIOD, WIDTH
 from renderer.projection import ALPHA_CUT
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
+from renderer.unobserved import PERIOD, WIDTH
 
 Precision = Literal["byte", "half", "float"]
 """The target in which colour is blended: 16 bits for the screen, 32 for exports; 8 lose a level or two."""

@@ -19,6 +19,8 @@ AROUND: Final = 11
 """Side in pixels of the window whose median a speck differs from."""
 GLARING: Final = 40
 """Grey levels, in some channel, by which it differs."""
+STRAYS: Final = 3
+"""Pixels that a highlight may lie beside where some frame shows it."""
 
 
 def shares_seen(clip: Clip, fit: Sequence[int]) -> NDArray[np.float64] | None:
@@ -38,16 +40,30 @@ def seldom_seen(clip: Clip, fit: Sequence[int]) -> BoolImage | None:
     return None if shares is None else (shares > 0) & (shares <= SELDOM)
 
 
-def specks(render: ByteImage, frame: ByteImage, tissue: BoolImage, seen: BoolImage) -> int:
+def highlights(clip: Clip, fit: Sequence[int]) -> BoolImage:
+    """(H, W) True where tissue differs glaringly from what is around it in some of the frames `fit`, or
+    within STRAYS of that."""
+    width, height = clip.size
+    found = np.zeros((height, width), bool)
+    for index in fit:
+        frame = clip.read_frame(index)
+        found |= frame.tissue_mask & _glaring(frame.image)
+    return cv2.dilate(found.astype(np.uint8), _disc(STRAYS)) > 0
+
+
+def specks(render: ByteImage, seen: BoolImage, shown: BoolImage) -> int:
     """Pixels that differ glaringly from those around them, near the edge of what was ever seen (`seen`).
 
-    What differs in the clip's own frame, too, where that shows tissue, is no speck but a highlight.
+    What frames show so themselves (`shown`) is no speck but a highlight.
     """
-    ever = seen.astype(np.uint8)
-    side = 2 * NEAR + 1
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+    ever, disc = seen.astype(np.uint8), _disc(NEAR)
     edge = (cv2.dilate(ever, disc) > 0) & (cv2.erode(ever, disc, borderValue=1) == 0)
-    return int(np.count_nonzero(_glaring(render) & edge & ~(tissue & _glaring(frame))))
+    return int(np.count_nonzero(_glaring(render) & edge & ~shown))
+
+
+def _disc(radius: int) -> ByteImage:
+    side = 2 * radius + 1
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side)).astype(np.uint8)
 
 
 def _glaring(image: ByteImage) -> BoolImage:

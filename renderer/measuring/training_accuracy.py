@@ -11,7 +11,7 @@ import numpy as np
 
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.tissue_seen import SELDOM, shares_seen, specks
+from renderer.measuring.tissue_seen import SELDOM, highlights, shares_seen, specks
 from renderer.metrics import coverage, depth_rmse, psnr, psnr_masked, ssim
 from renderer.near_plane import near_plane
 from renderer.phantom import Phantom
@@ -20,6 +20,7 @@ from renderer.splats import RenderMode
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
 from renderer.train.trainer import split
+from renderer.unobserved import BLACK, GREY, Rgb
 
 OPAQUE: Final = 0.5
 """Alpha from which the motion of a pixel is compared."""
@@ -115,6 +116,7 @@ def measured(
     """On the frames `indices`, of a model that was trained on the frames `fit`."""
     shares = shares_seen(clip, fit)
     seldom = None if shares is None else (shares > 0) & (shares <= SELDOM)
+    bright = highlights(clip, [*fit, *indices])
     rows = []
     for index in indices:
         frame = clip.read_frame(index)
@@ -135,7 +137,7 @@ def measured(
                 "psnr_tissue": psnr_masked(shown, image, tissue),
                 "psnr_seldom": np.nan if seldom is None else psnr_masked(shown, image, tissue & seldom),
                 "coverage": coverage(drawn.alpha, tissue),
-                "specks": np.nan if shares is None else specks(picture, frame.image, tissue, shares > 0),
+                "specks": np.nan if shares is None else specks(_rounded(drawn, GREY), shares > 0, bright),
                 "ssim": ssim(shown, image, mask),
                 "depth_rmse": depth_rmse(drawn.depth, depth, mask),
             }
@@ -170,8 +172,9 @@ def _drawn(model: DynamicGaussians, frame: Frame, mode: RenderMode) -> Rendered:
     return render(model.at(frame.time), frame.camera, near=near, mode=mode)
 
 
-def _rounded(drawn: Rendered) -> ByteImage:
-    return np.asarray(np.rint(np.clip(drawn.image, 0, 1) * 255), np.uint8)
+def _rounded(drawn: Rendered, behind: Rgb = BLACK) -> ByteImage:
+    laid = drawn.image + (1 - drawn.alpha[..., None]) * np.array(behind, np.float32)
+    return np.asarray(np.rint(np.clip(laid, 0, 1) * 255), np.uint8)
 
 
 def _mean(values: Sequence[float]) -> float:

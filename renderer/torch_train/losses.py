@@ -10,7 +10,7 @@ from torch import Tensor
 
 from renderer.rasterize.reference import Rendered
 from renderer.train.frames import TrainFrame
-from renderer.train.losses import SPARSE, LossWeights, guess_line
+from renderer.train.losses import CLEAR, SPARSE, LossWeights, guess_line
 
 HALF = 0.5
 """Depth is compared where alpha is larger."""
@@ -24,6 +24,8 @@ class Target:
     """(H, W, 3) in [0, 1]."""
     mask: Tensor
     """(H, W) True: supervised."""
+    unseen: Tensor
+    """(H, W) True: no frame shows tissue there."""
     depth: Tensor
     """(H, W), 0 = not supervised."""
 
@@ -31,9 +33,11 @@ class Target:
     def of(cls, frame: TrainFrame, device: torch.device) -> Target:
         """The bytes cross to the device, not the floats."""
         inside = slice(frame.camera.height), slice(frame.camera.width)
-        arrays = frame.colors[:, *inside], frame.color_mask[inside], frame.depth[inside]
-        colors, mask, depth = (torch.from_numpy(np.ascontiguousarray(array)).to(device) for array in arrays)
-        return cls(colors.permute(1, 2, 0).float() * (1 / 255), mask, depth)
+        arrays = frame.colors[:, *inside], frame.color_mask[inside], frame.unseen[inside], frame.depth[inside]
+        colors, mask, unseen, depth = (
+            torch.from_numpy(np.ascontiguousarray(array)).to(device) for array in arrays
+        )
+        return cls(colors.permute(1, 2, 0).float() * (1 / 255), mask, unseen, depth)
 
 
 def picture_loss(
@@ -50,6 +54,10 @@ def picture_loss(
     per_color = 1.0 / max(3 * frame.n_colors, 1)
     errors = (picture.image - target.colors) * target.mask[:, :, None]
     loss = weights.color * per_color * errors.abs().sum()
+    if weights.opacity > 0:
+        through = (1 - picture.alpha - float(CLEAR)).clamp(min=0.0) * target.mask
+        per_opacity = weights.opacity / max(frame.n_colors + frame.n_unseen, 1)
+        loss = loss + per_opacity * (through.sum() + (picture.alpha * target.unseen).sum())
     if weights.depth > 0 or weights.inverse_depth > 0:
         known = _fitted(target.depth, picture) if frame.depth_is_guess else target.depth
         compared = target.mask & (known > 0) & (picture.alpha > HALF)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import cv2
@@ -21,19 +22,32 @@ class TrainFrame:
     camera: Camera
     colors: NDArray[np.uint8]  # (3, H, W)
     color_mask: NDArray[np.bool_]  # (H, W)
+    unseen: NDArray[np.bool_]  # (H, W), True: no frame shows tissue there; on wanted tiles
     depth: NDArray[np.float32]  # (H, W), 0 = not supervised
     tile_wanted: NDArray[np.bool_]  # (tile rows, tile columns)
     n_colors: int
     """Supervised pixels."""
+    n_unseen: int
     n_depths: int
     depth_is_guess: bool
 
 
-def train_frame(frame: Frame) -> TrainFrame:
-    """A frame at its own resolution. Only tissue is supervised, and depth only where it is measured."""
+def train_frame(frame: Frame, unseen: NDArray[np.bool_] | None = None) -> TrainFrame:
+    """A frame at its own resolution. Only tissue is supervised, and depth only where it is measured.
+
+    `unseen` (H, W) is where no frame shows tissue; None: that is not known.
+    """
     depth = np.zeros(frame.tissue_mask.shape, np.float32) if frame.depth is None else frame.depth
     depth = np.where(frame.depth_mask, depth, np.float32(0.0))
-    return _padded(frame.time, frame.camera, frame.image, frame.tissue_mask, depth, frame.depth_is_guess)
+    unseen = np.zeros(depth.shape, bool) if unseen is None else unseen
+    masks = frame.tissue_mask, unseen
+    return _padded(frame.time, frame.camera, frame.image, *masks, depth, frame.depth_is_guess)
+
+
+def unseen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
+    """(H, W) where none of the frames, of one camera that stands still, shows tissue."""
+    seen: NDArray[np.bool_] = np.logical_or.reduce([frame.tissue_mask for frame in frames])
+    return ~seen
 
 
 def tissue_tiles(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -58,9 +72,10 @@ def halved(frame: TrainFrame, has_masks: bool = True) -> TrainFrame:
     depth_values = frame.depth[:height, :width]
     depth = _masked_mean(depth_values, (depth_values > 0).astype(np.float32), half)
     tissue = cv2.resize(mask, half, interpolation=cv2.INTER_AREA) >= 0.5
+    unseen = cv2.resize(frame.unseen[:height, :width].astype(np.float32), half, interpolation=cv2.INTER_AREA)
     camera = frame.camera.resized(*half)
     bytes_, known = np.rint(colors).astype(np.uint8), np.where(tissue, depth, 0.0)
-    return _padded(frame.time, camera, bytes_, tissue, known, frame.depth_is_guess)
+    return _padded(frame.time, camera, bytes_, tissue, unseen == 1, known, frame.depth_is_guess)
 
 
 def _masked_mean(
@@ -81,6 +96,7 @@ def _padded(
     camera: Camera,
     colors: NDArray[np.uint8],
     mask: NDArray[np.bool_],
+    unseen: NDArray[np.bool_],
     depth: NDArray[np.float32],
     depth_is_guess: bool,
 ) -> TrainFrame:
@@ -88,14 +104,20 @@ def _padded(
     below, beside = rows * TILE - camera.height, columns * TILE - camera.width
     mask = np.pad(mask, ((0, below), (0, beside)))
     depth = np.pad(depth.astype(np.float32), ((0, below), (0, beside)))
+    wanted = tissue_tiles(mask)
+    unseen = np.pad(unseen, ((0, below), (0, beside)))
+    height, width = mask.shape
+    unseen &= wanted.repeat(TILE, axis=0).repeat(TILE, axis=1)[:height, :width]
     return TrainFrame(
         time=time,
         camera=camera,
         colors=np.pad(colors.transpose(2, 0, 1), ((0, 0), (0, below), (0, beside))),
         color_mask=mask,
+        unseen=unseen,
         depth=depth,
-        tile_wanted=tissue_tiles(mask),
+        tile_wanted=wanted,
         n_colors=int(mask.sum()),
+        n_unseen=int(unseen.sum()),
         n_depths=int((depth > 0).sum()),
         depth_is_guess=depth_is_guess,
     )

@@ -32,10 +32,12 @@ from renderer.train.similarity import add_dissimilarity
 from renderer.train.variation import add_variation
 
 # Columns of the sums that each picture row leaves.
-COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, SQUARED_ERROR = range(4)
-N_SUMS = 4
+COLOR_LOSS, DEPTH_LOSS, INVERSE_LOSS, SQUARED_ERROR, OPACITY_LOSS = range(5)
+N_SUMS = 5
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 BYTE = np.float32(1.0 / 255.0)
+CLEAR = np.float32(0.02)
+"""Share of the light that tissue may let through: what stands behind it does not show."""
 SPARSE = slice(None, None, 4), slice(None, None, 4)
 """Rows and columns of a guessed depth that are compared with what is drawn."""
 FEWEST_GUESSES = 50
@@ -47,6 +49,8 @@ class LossWeights:
 
     color: float = 1.0
     """Of |colour - image| over tissue and channels."""
+    opacity: float = 0.0
+    """Of max(0, 1 - alpha - CLEAR) over tissue, and of alpha where no frame shows tissue."""
     depth: float = 0.0
     """Of |depth - measured| / scene size."""
     inverse_depth: float = 0.0
@@ -81,17 +85,18 @@ class Measured:
 def picture_loss(rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights, size: float) -> Measured:
     """The loss of the picture that `rasterizer` holds; its adjoint is left there. `size` is the scene's."""
     per_color = 1.0 / max(3 * frame.n_colors, 1)
+    per_opacity = weights.opacity / max(frame.n_colors + frame.n_unseen, 1)
     per_depth = weights.depth / (max(frame.n_depths, 1) * size)
     per_inverse = weights.inverse_depth * size / max(frame.n_depths, 1)
     rows = np.empty((frame.color_mask.shape[0], N_SUMS))
     loss, extra = _extra_terms(rasterizer, frame, weights, size)
     depth = _fitted(rasterizer.planes, frame) if frame.depth_is_guess else frame.depth
     masked_loss(
-        rasterizer.planes, frame.colors, frame.color_mask, depth, rasterizer.wanted,
-        weights.color * per_color, per_depth, per_inverse, extra, rasterizer.adjoint, rows,
+        rasterizer.planes, frame.colors, frame.color_mask, frame.unseen, depth, rasterizer.wanted,
+        weights.color * per_color, per_opacity, per_depth, per_inverse, extra, rasterizer.adjoint, rows,
     )  # fmt: skip
     sums = rows.sum(axis=0)
-    loss += weights.color * per_color * sums[COLOR_LOSS]
+    loss += weights.color * per_color * sums[COLOR_LOSS] + per_opacity * sums[OPACITY_LOSS]
     loss += per_depth * sums[DEPTH_LOSS] + per_inverse * sums[INVERSE_LOSS]
     return Measured(float(loss), float(per_color * sums[SQUARED_ERROR]))
 
@@ -151,24 +156,28 @@ def masked_loss(
     planes: NDArray[np.float32],  # (5, H, W) blended picture, black background
     colors: NDArray[np.uint8],  # (3, H, W)
     color_mask: NDArray[np.bool_],  # (H, W)
+    unseen: NDArray[np.bool_],  # (H, W)
     depths: NDArray[np.float32],  # (H, W), 0 = not supervised
     tile_wanted: NDArray[np.bool_],
     color_weight: float,
+    opacity_weight: float,
     depth_weight: float,
     inverse_weight: float,
     extra: NDArray[np.float32],  # (4, H, W) gradient by colours and depth of other terms, or empty
     adjoint: NDArray[np.float32],  # (6, H, W), out on the wanted tiles
     sums: NDArray[np.float64],  # (H, N_SUMS), out: unweighted, of the absolute errors and the squared ones
 ) -> None:
-    """L1 of colour on tissue plus L1 of expected depth where it is measured and alpha > 0.5.
+    """L1 of colour on tissue, of alpha, and of expected depth where it is measured and alpha > 0.5.
 
-    Loss = color_weight * sum |color - image| + depth_weight * sum |D - depth|
-    + inverse_weight * sum |1 / D - 1 / depth| with D = sum(w z) / sum(w).
+    Loss = color_weight * sum |color - image|
+    + opacity_weight * (sum max(0, 1 - alpha - CLEAR) over tissue + sum alpha over what is unseen)
+    + depth_weight * sum |D - depth| + inverse_weight * sum |1 / D - 1 / depth| with D = sum(w z) / sum(w).
     """
     for y in prange(planes.shape[1]):
         _row_loss(
-            planes[:, y], colors[:, y], color_mask[y], depths[y], tile_wanted[y // TILE],
-            np.float32(color_weight), np.float32(depth_weight), np.float32(inverse_weight),
+            planes[:, y], colors[:, y], color_mask[y], unseen[y], depths[y], tile_wanted[y // TILE],
+            np.float32(color_weight), np.float32(opacity_weight),
+            np.float32(depth_weight), np.float32(inverse_weight),
             adjoint[:, y], sums[y],
         )  # fmt: skip
         if len(extra) > 0:
@@ -182,9 +191,11 @@ def _row_loss(
     planes: NDArray[np.float32],  # (5, W)
     colors: NDArray[np.uint8],  # (3, W)
     color_mask: NDArray[np.bool_],
+    unseen: NDArray[np.bool_],
     depths: NDArray[np.float32],
     wanted: NDArray[np.bool_],  # one a tile
     color_gradient: np.float32,
+    opacity_gradient: np.float32,
     depth_gradient: np.float32,
     inverse_gradient: np.float32,
     adjoint: NDArray[np.float32],  # (6, W), out
@@ -193,7 +204,7 @@ def _row_loss(
     """One row, a tile's width at a time: fetched to the stack, reckoned there as vectors, and put back."""
     drawn, image = stack_array(PLANES, TILE), stack_array(3, TILE)
     by, lanes = stack_array(ADJOINT_PLANES, TILE), stack_array(N_SUMS, TILE)
-    kept, measured = stack_array(TILE), stack_array(TILE)
+    kept, empty, measured = stack_array(TILE), stack_array(TILE), stack_array(TILE)
     for row in range(N_SUMS):
         for lane in range(TILE):
             lanes[row, lane] = ZERO
@@ -203,6 +214,7 @@ def _row_loss(
         left = TILE * tile
         for lane in range(TILE):
             kept[lane] = ONE if color_mask[left + lane] else ZERO
+            empty[lane] = ONE if unseen[left + lane] else ZERO
             measured[lane] = depths[left + lane]
             for plane in range(PLANES):
                 drawn[plane, lane] = planes[plane, left + lane]
@@ -219,13 +231,18 @@ def _row_loss(
             by_green = color_gradient * _sign(green)
             by_blue = color_gradient * _sign(blue)
             by[BY_RED, lane], by[BY_GREEN, lane], by[BY_BLUE, lane] = by_red, by_green, by_blue
+            weight, depth = ONE - drawn[LEFT, lane], measured[lane]
+            through = drawn[LEFT, lane] - CLEAR
+            shines = keep > ZERO and through > ZERO
+            lanes[OPACITY_LOSS, lane] += (through if shines else ZERO) + empty[lane] * weight
+            by_opacity = opacity_gradient * (empty[lane] - (ONE if shines else ZERO))
             # The depth terms of the total cancel: sum(w z) h - sum(w) D h = 0.
             by[TOTAL, lane] = (
                 drawn[PLANE_RED, lane] * by_red
                 + drawn[PLANE_GREEN, lane] * by_green
                 + drawn[PLANE_BLUE, lane] * by_blue
+                + weight * by_opacity
             )
-            weight, depth = ONE - drawn[LEFT, lane], measured[lane]
             compared = keep > ZERO and depth > ZERO and weight > HALF
             weight = weight if compared else ONE
             depth = depth if compared else ONE
@@ -236,7 +253,7 @@ def _row_loss(
             slope = depth_gradient + inverse_gradient / (expected * expected)
             by_depth = slope * _sign(error) / weight
             by[BY_DEPTH, lane] = by_depth
-            by[BY_WEIGHT, lane] = -by_depth * expected
+            by[BY_WEIGHT, lane] = by_opacity - by_depth * expected
         for plane in range(ADJOINT_PLANES):
             for lane in range(TILE):
                 adjoint[plane, left + lane] = by[plane, lane]

@@ -28,7 +28,7 @@ from renderer.train.events import (
     Warned,
 )
 from renderer.train.frame_store import FrameStore, nearest_folder
-from renderer.train.frames import TrainFrame, halved, train_frame
+from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.guards import LossWatch
 from renderer.train.held_out import MOST, HeldOut, evaluated
@@ -117,7 +117,8 @@ def train(
     recipe = recipe_for(config, needs)
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
-    taken = (train_frame(frames.take(place)) for place in range(len(frames)))
+    unseen = unseen_by(frames) if clip.camera_is_fixed else None
+    taken = (train_frame(frames.take(place), unseen) for place in range(len(frames)))
     pool = _Pool(FrameStore.of(taken, spilled), config.seed, needs.has_masks, spilled)
     del frames, seeds, taken
     watch = LossWatch()

@@ -17,7 +17,7 @@ from app.evaluation.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
-from app.scenes.backgrounds import BACKGROUNDS, GREY, BackgroundName
+from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.renderers import Renderer, drawer
 from renderer.camera import Camera
@@ -29,6 +29,7 @@ from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import render
 from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
+from renderer.unobserved import GREY
 from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.fake_steps import model_of
 from tests.renderer.scenes import random_splats, turned_camera

@@ -33,7 +33,7 @@ from tests.renderer.sheet import SMALL, moving_sheet, needs_of
 from tests.renderer.test_densify import blobs
 
 WEIGHTS = {
-    "vesselsplat": LossWeights(depth=0.2),
+    "vesselsplat": LossWeights(opacity=0.3, depth=0.2),
     "deform3dgs": LossWeights(inverse_depth=0.5),
     "endogaussian": LossWeights(inverse_depth=0.5, image_variation=0.3, inverse_depth_variation=2.0),
     "color": LossWeights(color=0.7),
@@ -60,7 +60,7 @@ def noisy_frame(camera: Camera, *, guess: bool = False) -> TrainFrame:
     depth = (50 + 5 * np.sin(np.arange(shape[1]) / 7) + rng.normal(0, 0.2, shape)).astype(np.float32)
     depth[:, ::9] = 0
     frame = Frame(0, 0.3, image, camera, tissue, tissue, depth, depth_is_guess=guess)
-    return train_frame(frame)
+    return train_frame(frame, ~tissue)
 
 
 def with_harmonics(raw: RawGaussians, bands: int) -> RawGaussians:

@@ -177,7 +177,8 @@ def test_half_resolution_frame_keeps_means_and_masks() -> None:
 
 def test_loss_adjoint_is_the_slope_of_the_loss() -> None:
     """Central differences of the loss through the raster, with splats so wide that no cut-off moves."""
-    frame = train_frame(moving_sheet().read_frame(1))
+    seen = moving_sheet().read_frame(1)
+    frame = train_frame(seen, ~seen.tissue_mask)
     rng = np.random.default_rng(0)
     count = 20
     means = np.column_stack(
@@ -190,7 +191,7 @@ def test_loss_adjoint_is_the_slope_of_the_loss() -> None:
     )  # fmt: skip
     rasterizer = Rasterizer(*SIZE)
     weights = LossWeights(
-        color=0.7, depth=0.2, inverse_depth=0.3, dissimilarity=0.1, image_variation=0.1,
+        color=0.7, opacity=0.5, depth=0.2, inverse_depth=0.3, dissimilarity=0.1, image_variation=0.1,
         inverse_depth_variation=0.4,
     )  # fmt: skip
 

@@ -13,7 +13,6 @@ from imgui_bundle import imgui
 from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
 from app.gui.work.baking import Baked
-from app.scenes.backgrounds import GREY, LINES
 from app.scenes.cpu_rendering import Drawn
 from app.scenes.drawer import View
 from app.scenes.scene import Scene
@@ -23,6 +22,7 @@ from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
 from renderer.draw.splat_view import Paint, SplatView
+from renderer.unobserved import GREY, LINES
 
 
 @dataclass(frozen=True)

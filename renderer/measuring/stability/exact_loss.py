@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from renderer.clip import Frame
 from renderer.rasterize.tiles import LEFT, PLANE_BLUE, PLANE_DEPTH, PLANE_RED
-from renderer.train.losses import LossWeights
+from renderer.train.losses import CLEAR, LossWeights
 
 FloatArray = NDArray[np.float64]
 STEP: Final = 1e-7
@@ -27,6 +27,8 @@ class ExactLoss:
     frame: Frame
     weights: LossWeights
     size: float
+    unseen: NDArray[np.bool_]
+    """(H, W) True: no frame shows tissue there."""
 
     def value(self, planes: FloatArray) -> float:
         """All terms."""
@@ -42,6 +44,9 @@ class ExactLoss:
         weights, image = self.weights, self.frame.image / 255.0
         mask, picture = self.frame.tissue_mask, planes[PLANE_RED : PLANE_BLUE + 1].transpose(1, 2, 0)
         loss = weights.color * np.abs(picture - image)[mask].sum() / max(1, 3 * mask.sum())
+        left = planes[LEFT]
+        through = np.maximum(left - np.float64(CLEAR), 0)[mask].sum() + (1 - left)[self.unseen].sum()
+        loss += weights.opacity * through / max(1, mask.sum() + self.unseen.sum())
         if mask.any():
             loss += weights.dissimilarity * (1 - _similarity(picture, image, mask))
         loss += weights.image_variation * sum(_steps(picture[..., c]) for c in range(3)) / picture.size

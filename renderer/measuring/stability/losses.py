@@ -35,7 +35,12 @@ SHAPE: Final = (CAMERA.height, CAMERA.width)
 SIZE: Final = 10.0
 COLOR_AND_DEPTH: Final = LossWeights(depth=0.2)
 EVERY_TERM: Final = LossWeights(
-    depth=0.2, inverse_depth=0.1, dissimilarity=0.2, image_variation=0.1, inverse_depth_variation=0.1
+    opacity=0.3,
+    depth=0.2,
+    inverse_depth=0.1,
+    dissimilarity=0.2,
+    image_variation=0.1,
+    inverse_depth_variation=0.1,
 )
 STIFF: Final = {"every term, one pixel": 1e-4}
 """Errors of losses that float32 leaves: a window of one pixel has no variance, which SSIM divides by."""
@@ -76,7 +81,8 @@ def rows() -> Iterator[Row]:
 
 def _of(name: str, given: Frame, weights: LossWeights, splats: int) -> Iterator[Row]:
     got, by, planes = _loss(given, weights, splats)
-    exact = ExactLoss(given, weights, SIZE)
+    unseen = train_frame(given, ~given.tissue_mask).unseen[: SHAPE[0], : SHAPE[1]]
+    exact = ExactLoss(given, weights, SIZE, unseen)
     wanted = exact.value(planes)
     bar = STIFF.get(name, 1e-5)
     yield Row(HAZARD, name, abs(got - wanted) / wanted, bar, "of itself")
@@ -84,8 +90,9 @@ def _of(name: str, given: Frame, weights: LossWeights, splats: int) -> Iterator[
 
 
 def _loss(given: Frame, weights: LossWeights, count: int) -> tuple[float, FloatArray, FloatArray]:
-    """As trained: the loss, its adjoint and the planes that it is of, without padding."""
-    rasterizer, ready = Rasterizer(CAMERA.width, CAMERA.height), train_frame(given)
+    """As trained: the loss, its adjoint and the planes that it is of, without padding. What is no tissue was
+    never seen."""
+    rasterizer, ready = Rasterizer(CAMERA.width, CAMERA.height), train_frame(given, ~given.tissue_mask)
     rasterizer.forward(ordinary(count), CAMERA, NEAR)
     with warnings.catch_warnings():
         # Depths of 1e30 have no square.

@@ -23,6 +23,7 @@ from renderer.train.config import Method, TrainConfig
 from renderer.train.frames import train_frame
 from renderer.train.losses import LossWeights
 from renderer.train.methods import recipe_for
+from renderer.train.methods.vesselsplat import OPACITY
 from renderer.train.model import TrainModel
 from renderer.train.needs import Needs
 from renderer.train.unseen import without_unseen
@@ -33,12 +34,12 @@ HAZARD: Final = "one step of training"
 SIZE: Final = 10.0
 NEEDS: Final = Needs(sh_degree=3, moves=True, recolors=True, n_controls=5, has_depth=True, has_masks=True)
 WEIGHTS: Final[dict[Method, LossWeights]] = {
-    "vesselsplat": LossWeights(depth=0.2),
+    "vesselsplat": LossWeights(opacity=OPACITY, depth=0.2),
     "deform3dgs": LossWeights(inverse_depth=1 / 68),
     "endogaussian": LossWeights(
         inverse_depth=1 / 68, image_variation=0.03, inverse_depth_variation=0.03 / 68
     ),
-    "static": LossWeights(depth=0.2),
+    "static": LossWeights(opacity=OPACITY, depth=0.2),
 }
 """As chosen or published, for scenes of 68 mm."""
 WAYS: Final = 2
@@ -53,7 +54,7 @@ def rows() -> Iterator[Row]:
         recipe = recipe_for(TrainConfig(method=method, iterations=60), NEEDS)
         own = RawGaussians.from_arrays({name: value.copy() for name, value in raw.arrays().items()})
         model = TrainModel(own, recipe.make_trainer(own, [given], SIZE), recipe, SIZE)
-        model.step(train_frame(given), 0)
+        model.step(train_frame(given, ~given.tissue_mask), 0)
         # After the first step, a mean gradient is a tenth of the gradient.
         found = {name: model.state()[f"first.{name}"] / 0.1 for name in raw.arrays()}
         loss = _Loss(given, WEIGHTS[method])
@@ -110,7 +111,8 @@ class _Loss:
         drawn = rasterize_reference(means, quats, scales, alphas, seen, self.frame.camera, near=near)
         image, alpha, depth = (part.numpy() for part in (drawn.image, drawn.alpha, drawn.depth))
         planes = np.stack([1 - alpha, *image.transpose(2, 0, 1), alpha * depth])
-        return ExactLoss(self.frame, self.weights, SIZE).value(planes)
+        ready, inside = train_frame(self.frame, ~self.frame.tissue_mask), np.s_[: SHAPE[0], : SHAPE[1]]
+        return ExactLoss(self.frame, self.weights, SIZE, ready.unseen[inside]).value(planes)
 
     def off(self, name: str, found: FloatArray, raw: RawGaussians) -> float:
         """The error of one array's gradient, by differences of the loss."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Final
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from renderer.train.needs import Needs
 from renderer.train.rates import Rate, RowRates
 from renderer.train.recipe import Recipe, Stage
 from renderer.train.spline_trainer import SplineRates, SplineTrainer
+
+OPACITY: Final = 0.03
+"""Weight of the loss on alpha."""
 
 
 def recipe(config: TrainConfig, needs: Needs) -> Recipe:
@@ -53,7 +57,7 @@ def stages(config: TrainConfig) -> tuple[Stage, ...]:
 
 
 def losses(config: TrainConfig, needs: Needs) -> LossWeights:
-    return LossWeights(depth=config.depth_weight if needs.has_depth else 0.0)
+    return LossWeights(opacity=OPACITY, depth=config.depth_weight if needs.has_depth else 0.0)
 
 
 def row_rates(config: TrainConfig, needs: Needs) -> RowRates:

@@ -22,7 +22,6 @@ from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
-from app.scenes.backgrounds import GREY
 from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.drawer import draw_view
 from renderer.clip import ByteImage
@@ -33,6 +32,7 @@ from renderer.near_plane import near_plane
 from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splats import RenderMode
+from renderer.unobserved import GREY
 from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.exporting import Exporter, same

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.scenes.backgrounds import BACKGROUNDS, BLACK, GREY, LINES, BackgroundName, laid_over
-from renderer.hatching import line_mask
+from app.scenes.backgrounds import BACKGROUNDS, BackgroundName, laid_over
 from renderer.splats import Float32Array
+from renderer.unobserved import BLACK, GREY, LINES, line_mask
 
 
 def half_seen(height: int = 40, width: int = 60) -> tuple[Float32Array, Float32Array]:

@@ -30,8 +30,10 @@ def _losses() -> list[Fault]:
             "dropped", "the scene's size", LOSSES, "(max(frame.n_depths, 1) * size)", "max(frame.n_depths, 1)"
         ),
         edit("swapped", "red and blue", LOSSES, "image[channel, lane] =", "image[2 - channel, lane] ="),
-        Fault("loss", "float16", "the adjoint", ("losses",), rounded(f"{LOSSES}:masked_loss", 9), quick=True),
-        Fault("loss", "float16", "sums of rows", ("losses",), rounded(f"{LOSSES}:masked_loss", 10)),
+        Fault(
+            "loss", "float16", "the adjoint", ("losses",), rounded(f"{LOSSES}:masked_loss", 11), quick=True
+        ),
+        Fault("loss", "float16", "sums of rows", ("losses",), rounded(f"{LOSSES}:masked_loss", 12)),
         edit("dropped", "the mask", LOSSES, "ONE if color_mask[left + lane] else ZERO", "ONE"),
         edit(
             "sign", "of the total", LOSSES, "adjoint[TOTAL, y, x] += planes", "adjoint[TOTAL, y, x] -= planes"

@@ -13,10 +13,10 @@ from renderer.draw import splat_view
 from renderer.draw.offscreen import Layers, Offscreen, read_image, render_offscreen
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.splat_view import Precision, SplatView
-from renderer.hatching import line_mask
 from renderer.measuring.stability.scenes import joined
 from renderer.rasterize.cpu import render
 from renderer.splats import Splats
+from renderer.unobserved import line_mask
 from tests.renderer.draw.oracle import levels, psnr, reference
 from tests.renderer.scenes import random_splats, turned_camera
 

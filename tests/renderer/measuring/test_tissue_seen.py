@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from renderer.clip import Clip
-from renderer.measuring.tissue_seen import NEAR, seldom_seen, shares_seen, specks
+from renderer.clip import Clip, Frame
+from renderer.measuring.tissue_seen import NEAR, STRAYS, highlights, seldom_seen, shares_seen, specks
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 
@@ -47,18 +47,41 @@ def test_a_pixel_is_no_place_where_the_camera_moves(clip: Clip) -> None:
     assert seldom_seen(moved, (0, 2)) is None
 
 
+NOWHERE = np.zeros(SHAPE, bool)
+
+
 def test_specks_are_counted_on_both_sides_of_the_edge_and_nowhere_else() -> None:
     near, far = (20, 80 - NEAR + 2), (20, 80 - NEAR - 4)
     beyond, outside = (50, 80 + NEAR - 3), (50, 80 + NEAR + 4)
-    assert specks(image(near, far, beyond, outside), image(), SEEN, SEEN) == 2
+    assert specks(image(near, far, beyond, outside), SEEN, NOWHERE) == 2
 
 
-def test_a_highlight_of_the_frame_itself_is_no_speck() -> None:
-    at = (40, 75)
-    assert specks(image(at), image(at), SEEN, SEEN) == 0
-    assert specks(image(at), image(at), np.zeros(SHAPE, bool), SEEN) == 1
+def test_what_frames_show_is_no_speck() -> None:
+    at, shown = (40, 75), NOWHERE.copy()
+    shown[at] = True
+    assert specks(image(at), SEEN, shown) == 0
+    assert specks(image(at), SEEN, NOWHERE) == 1
+
+
+def test_highlights_are_those_of_tissue_in_any_frame_and_what_lies_beside_them(clip: Clip) -> None:
+    lit, on_tool = (30, 40), (50, 20)
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        dark, tissue = np.full_like(frame.image, 60), np.ones(frame.tissue_mask.shape, bool)
+        tissue[on_tool] = False
+        if index == 2:
+            dark[lit] = dark[on_tool] = 255
+        return replace(frame, image=dark, tissue_mask=tissue)
+
+    lamps = replace(clip, read_frame=read_frame)
+    found = highlights(lamps, (0, 2, 3))
+    rows, columns = np.nonzero(found)
+    assert found[lit]
+    assert (np.hypot(rows - lit[0], columns - lit[1]) <= STRAYS + 0.5).all()
+    assert not highlights(lamps, (0, 3)).any()
 
 
 def test_a_smooth_fill_has_no_specks() -> None:
     ramp = np.broadcast_to(np.linspace(0, 255, SHAPE[1]).astype(np.uint8)[None, :, None], (*SHAPE, 3))
-    assert specks(ramp, image(), SEEN, SEEN) == 0
+    assert specks(ramp, SEEN, NOWHERE) == 0

@@ -1,12 +1,18 @@
-"""Diagonal lines over what was not observed."""
+"""How it looks where nothing was observed: grey, and diagonal lines, which no tissue looks like."""
 
 from __future__ import annotations
+
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-PERIOD = 8
-WIDTH = 2
+Rgb = tuple[float, float, float]
+BLACK: Final[Rgb] = (0.0, 0.0, 0.0)
+GREY: Final[Rgb] = (0.25, 0.25, 0.25)
+LINES: Final[Rgb] = (0.4, 0.4, 0.4)
+PERIOD: Final = 8
+WIDTH: Final = 2
 """Pixels along a row: from a line to the next, and of a line."""
 
 
