@@ -8,7 +8,7 @@ import numpy as np
 from numba import get_num_threads
 from numpy.typing import NDArray
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import Camera
 from renderer.harmonics import harmonics_backward
 from renderer.projection import (
     NEAR,
@@ -22,19 +22,10 @@ from renderer.projection import (
     project_backward,
 )
 from renderer.rasterize.binning import TILE, balanced_order, count_entries, depth_order, fill_entries
+from renderer.rasterize.picture import adjoint_of, compose
 from renderer.rasterize.tiles import (
     ADJOINT_PLANES,
-    BY_BLUE,
-    BY_DEPTH,
-    BY_GREEN,
-    BY_RED,
-    BY_WEIGHT,
-    LEFT,
-    PLANE_BLUE,
-    PLANE_DEPTH,
-    PLANE_RED,
     PLANES,
-    TOTAL,
     blend,
     blend_backward,
     reduce_sums,
@@ -42,6 +33,7 @@ from renderer.rasterize.tiles import (
 from renderer.splats import Float32Array, RenderMode, Splats
 
 BoolArray = NDArray[np.bool_]
+Floats = NDArray[np.floating]
 Background = tuple[float, float, float]
 BLACK: Background = (0.0, 0.0, 0.0)
 
@@ -106,7 +98,7 @@ class Rasterizer:
         >>> rendered = rasterizer.rendered(camera.width, camera.height, background=(0.0, 0.0, 0.0))
         >>> by_image = np.ones(rendered.image.shape)  # of the loss that is the sum of the picture
         >>> nothing = np.zeros(rendered.alpha.shape)
-        >>> rasterizer.set_adjoint(by_image, nothing, nothing, rendered, (0.0, 0.0, 0.0))
+        >>> rasterizer.set_adjoint(by_image, nothing, nothing, (0.0, 0.0, 0.0))
         >>> bool((rasterizer.backward(splats).colors > 0).all())
         True
     """
@@ -215,40 +207,17 @@ class Rasterizer:
 
     def rendered(self, width: int, height: int, background: Background) -> Rendered:
         """The blended planes as an image over the background."""
-        planes = self.planes[:, :height, :width]
-        alpha = 1.0 - planes[LEFT]
-        color = (
-            planes[PLANE_RED : PLANE_BLUE + 1]
-            + planes[LEFT] * np.array(background, np.float32)[:, None, None]
-        )
-        weight = np.where(alpha > 0, alpha, np.float32(1.0))
-        depth = np.where(alpha > 0, planes[PLANE_DEPTH] / weight, np.float32(0.0))
-        return Rendered(np.ascontiguousarray(color.transpose(1, 2, 0)), alpha, depth)
+        image = np.empty((height, width, 3), np.float32)
+        alpha, depth = np.empty((2, height, width), np.float32)
+        compose(self.planes, np.array(background, np.float32), image, alpha, depth)
+        return Rendered(image, alpha, depth)
 
     def set_adjoint(
-        self,
-        by_image: FloatArray,
-        by_alpha: FloatArray,
-        by_depth: FloatArray,
-        rendered: Rendered,
-        background: Background,
+        self, by_image: Floats, by_alpha: Floats, by_depth: Floats, background: Background
     ) -> None:
         """Adjoint from gradients by image (H, W, 3), alpha (H, W) and expected depth (H, W)."""
-        height, width = rendered.alpha.shape
-        adjoint, planes = self.adjoint[:, :height, :width], self.planes[:, :height, :width]
-        weight = np.where(rendered.alpha > 0, rendered.alpha, np.inf)
-        self.adjoint[:] = 0.0
-        adjoint[BY_RED : BY_BLUE + 1] = by_image.transpose(2, 0, 1)
-        adjoint[BY_DEPTH] = by_depth / weight
-        behind = (by_image * np.array(background)).sum(axis=2)
-        adjoint[BY_WEIGHT] = by_alpha - behind - adjoint[BY_DEPTH] * rendered.depth
-        adjoint[TOTAL] = (
-            planes[PLANE_RED] * adjoint[BY_RED]
-            + planes[PLANE_RED + 1] * adjoint[BY_GREEN]
-            + planes[PLANE_BLUE] * adjoint[BY_BLUE]
-            + planes[PLANE_DEPTH] * adjoint[BY_DEPTH]
-            + rendered.alpha * adjoint[BY_WEIGHT]
-        )
+        image, alpha, depth = (np.ascontiguousarray(by, np.float32) for by in (by_image, by_alpha, by_depth))
+        adjoint_of(self.planes, np.array(background, np.float32), image, alpha, depth, self.adjoint)
 
 
 def render(

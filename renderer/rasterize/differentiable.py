@@ -2,15 +2,34 @@
 
 from __future__ import annotations
 
+from collections import deque
+from functools import lru_cache
 from typing import Any
+from weakref import finalize
 
-import numpy as np
 import torch
 from torch import Tensor
 
 from renderer.camera import Camera
 from renderer.rasterize.cpu import Background, Rasterizer
 from renderer.splats import RenderMode, Splats
+
+
+@lru_cache(maxsize=2)
+def _spare(width: int, height: int) -> deque[Rasterizer]:
+    """The rasteriser of that size that no graph holds any more, if any: its memory is there already."""
+    return deque(maxlen=1)
+
+
+class _Lent:
+    """A rasteriser for as long as a graph needs what it keeps between forward and backward."""
+
+    def __init__(self, spare: deque[Rasterizer], width: int, height: int) -> None:
+        try:
+            self.rasterizer = spare.pop()
+        except IndexError:  # Taken, perhaps by another thread in between.
+            self.rasterizer = Rasterizer(width, height)
+        finalize(self, spare.append, self.rasterizer)
 
 
 class CpuRasterize(torch.autograd.Function):
@@ -31,11 +50,11 @@ class CpuRasterize(torch.autograd.Function):
     ) -> tuple[Tensor, Tensor, Tensor]:
         arrays = [value.detach().numpy() for value in (means, quats, scales, opacities, colors)]
         ctx.splats = Splats(*arrays)
-        ctx.rasterizer = Rasterizer(camera.width, camera.height)
+        ctx.lent = _Lent(_spare(camera.width, camera.height), camera.width, camera.height)
+        ctx.rasterizer = ctx.lent.rasterizer
         ctx.rasterizer.forward(ctx.splats, camera, near, mode=mode)
         ctx.background = background
-        ctx.rendered = ctx.rasterizer.rendered(camera.width, camera.height, background)
-        picture = ctx.rendered
+        picture = ctx.rasterizer.rendered(camera.width, camera.height, background)
         return (
             torch.from_numpy(picture.image),
             torch.from_numpy(picture.alpha),
@@ -44,8 +63,7 @@ class CpuRasterize(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
-        by_image, by_alpha, by_depth = (value.numpy().astype(np.float64) for value in gradients)
-        ctx.rasterizer.set_adjoint(by_image, by_alpha, by_depth, ctx.rendered, ctx.background)
+        ctx.rasterizer.set_adjoint(*(value.numpy() for value in gradients), ctx.background)
         result = ctx.rasterizer.backward(ctx.splats)
         arrays = (result.means, result.quats, result.scales, result.opacities, result.colors)
         return (*(torch.from_numpy(array) for array in arrays), None, None, None, None)

@@ -167,12 +167,34 @@ def test_results_repeat_bit_for_bit_whatever_the_threads() -> None:
             rasterizer.forward(splats, camera)
             picture = rasterizer.rendered(80, 64, (0, 0, 0))
             ones = np.ones((64, 80))
-            rasterizer.set_adjoint(np.ones((64, 80, 3)), ones, ones, picture, (0, 0, 0))
+            rasterizer.set_adjoint(np.ones((64, 80, 3)), ones, ones, (0, 0, 0))
             gradients = rasterizer.backward(splats)
             pictures.append(picture.image.tobytes() + gradients.means.tobytes() + gradients.quats.tobytes())
     finally:
         numba.set_num_threads(before)
     assert pictures[0] == pictures[1] == pictures[2]
+
+
+def test_graphs_that_live_at_once_do_not_share_what_they_keep() -> None:
+    """Nor does one of another number of splats that went before, or a graph that is gone through twice."""
+    camera = turned_camera(80, 64)
+    given = [random_splats(count, camera, seed) for count, seed in ((500, 7), (60, 8))]
+
+    def graph(splats: Splats) -> tuple[list[torch.Tensor], torch.Tensor]:
+        inputs = [torch.from_numpy(getattr(splats, name).copy()).requires_grad_() for name in NAMES]
+        drawn = rasterize(*inputs, camera, backend="cpu")
+        return inputs, (drawn.image**2).sum() + drawn.depth.sum() + drawn.alpha.sum()
+
+    def alone(splats: Splats) -> list[torch.Tensor]:
+        inputs, loss = graph(splats)
+        return list(torch.autograd.grad(loss, inputs))
+
+    wanted = [alone(splats) for splats in given]
+    together = [graph(splats) for splats in given]
+    for _ in range(2):
+        for (inputs, loss), right in zip(together, wanted, strict=True):
+            found = torch.autograd.grad(loss, inputs, retain_graph=True)
+            assert all(torch.equal(*pair) for pair in zip(found, right, strict=True))
 
 
 POISON = [np.nan, np.inf, -np.inf, 1e-38, 1e-8, 1e8, 1e38, 0.0, -1.0, 1 / 255]
@@ -192,7 +214,7 @@ def test_poison_leaves_the_rest_of_the_picture_whole(name: str, value: float) ->
     assert np.isfinite(picture.image).all()
     assert np.isfinite(picture.depth).all()
     ones = np.ones((32, 40))
-    rasterizer.set_adjoint(np.ones((32, 40, 3)), ones, ones, picture, (0, 0, 0))
+    rasterizer.set_adjoint(np.ones((32, 40, 3)), ones, ones, (0, 0, 0))
     gradients = rasterizer.backward(splats)
     others = np.arange(40) != 7
     for field in NAMES:

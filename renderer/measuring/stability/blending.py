@@ -109,7 +109,7 @@ def _differentiated(
     """The picture over BACKDROP."""
     rasterizer.forward(splats, camera, NEAR)
     drawn = rasterizer.rendered(CAMERA.width, CAMERA.height, BACKDROP)
-    rasterizer.set_adjoint(*slopes(), drawn, BACKDROP)
+    rasterizer.set_adjoint(*slopes(), BACKDROP)
     return drawn, rasterizer.backward(splats)
 
 
