@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.panels.reconstruction_choices import draw_choices
+from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.run_words import COMPILING, doing, share_done
@@ -57,6 +58,8 @@ def draw_reconstruction(state: AppState) -> None:
         _draw_next(state, run)
     if run.status != "none":
         _draw_status(state, run)
+    if run.status == "finished":
+        draw_run_measures(state)
     _draw_curves(run)
     _draw_messages(run)
     if run.is_alive:
