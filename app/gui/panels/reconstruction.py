@@ -48,36 +48,48 @@ PART = (
 
 
 def draw_reconstruction(state: AppState) -> None:
-    """Choices before, buttons always, progress during and after."""
+    """Progress and what came of it, choices, buttons that never scroll out of sight."""
     run = state.runs.reconstruction
     if run.is_alive:
         _draw_hold(state)
-    else:
-        if run.status in ("failed", "cancelled"):
-            _draw_end(state, run)
-        _draw_next(state, run)
-    if run.status != "none":
         _draw_status(state, run)
-    if run.status == "finished":
-        draw_run_measures(state)
-    _draw_curves(run)
-    _draw_messages(run)
-    if run.is_alive:
+        _draw_curves(run)
+        _draw_messages(run)
         waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
         if imgui.tree_node(f"Queue another{waiting}###another"):
-            _draw_next(state, run)
+            _draw_next(state)
+            _draw_start(state)
             imgui.tree_pop()
+        return
+    below = imgui.get_frame_height_with_spacing()
+    with imgui_ctx.begin_child("choices", ImVec2(0, -below)):
+        _draw_ended(state, run)
+        _draw_next(state)
+        if state.source.clip is not None:
+            _draw_omissions(state)
+        _draw_curves(run)
+    _draw_start(state)
 
 
-def _draw_next(state: AppState, run: Reconstruction) -> None:
+def _draw_ended(state: AppState, run: Reconstruction) -> None:
+    """What became of the run that is shown."""
+    if run.status == "none":
+        return
+    if run.status in ("failed", "cancelled"):
+        _draw_end(state, run)
+    _draw_status(state, run)
+    if run.status == "finished":
+        draw_run_measures(state)
+    _draw_messages(run)
+    imgui.separator()
+
+
+def _draw_next(state: AppState) -> None:
     draw_choices(state)
     if (clip := state.source.clip) is not None and (told := state.source.training_part.told(len(clip))):
         note(f"Trains on {told}", theme.now().warning)
         explain(PART)
     imgui.spacing()
-    _draw_start(state)
-    if not run.is_alive and state.source.clip is not None:
-        _draw_omissions(state)
 
 
 def _draw_start(state: AppState) -> None:
@@ -102,7 +114,6 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
     )
     for (label, act, text, why), width in in_line(ways):
         button(label, partial(act, state), text, reason=why, width=width)
-    imgui.separator()
 
 
 def _draw_hold(state: AppState) -> None:

@@ -37,7 +37,7 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.set_ref("//Reconstruction")
+        ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
         ctx.combo_click("##Frames/Both in turn")
         ctx.set_ref("")
         ctx.item_click("//Reconstruction/###start")
