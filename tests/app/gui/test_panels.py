@@ -109,7 +109,7 @@ def test_the_wait_before_the_first_step_has_words(ui: Ui, opened: AppState) -> N
 @pytest.mark.parametrize("total", [0, 27])
 def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) -> None:
     run, shown = opened.runs.reconstruction, []
-    run.status, run.preparing = "starting", Preparing("match left and right images", 3, total, 2.0, None)
+    run.status, run.preparing = "starting", Preparing("matching left and right images", 3, total, 2.0, None)
 
     def draw() -> None:
         top = imgui.get_cursor_pos_y()
