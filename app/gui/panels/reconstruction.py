@@ -68,6 +68,7 @@ def draw_reconstruction(state: AppState) -> None:
         if state.source.clip is not None:
             _draw_omissions(state)
         _draw_curves(run)
+        _draw_messages(run)
     _draw_start(state)
 
 
@@ -80,7 +81,6 @@ def _draw_ended(state: AppState, run: Reconstruction) -> None:
     _draw_status(state, run)
     if run.status == "finished":
         draw_run_measures(state)
-    _draw_messages(run)
     imgui.separator()
 
 
