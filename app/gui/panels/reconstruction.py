@@ -142,7 +142,7 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
         note(capital(run.planned))
     if progress is not None and not run.is_alive:
         _draw_took(progress)
-    if (share := share_done(run)) is not None:
+    if run.status != "finished" and (share := share_done(run)) is not None:
         imgui.progress_bar(share, ImVec2(-1, em(1.25)), f"{share:.0%}")
         if progress is not None:
             explain(f"{capital(in_all(progress.wall_seconds, progress.seconds, '.0f'))}. {PAUSES}")
