@@ -124,6 +124,14 @@ def test_a_clip_is_shown_before_the_depth_that_was_chosen_for_it_is_read(
     assert depth_actions.chosen_way(state) == "guessed"
 
 
+def test_why_there_is_no_depth_names_no_path(places: Places, tmp_path: Path) -> None:
+    state, _ = opened(places, write_video(tmp_path / "video"))
+    assert state.source.clip is not None
+    why = f"no stereo depth: the rows are apart: {state.source.clip.path}"
+    state.source.clip = replace(state.source.clip, why_no_depth=why)
+    assert depth_actions.why_no_depth(state).startswith("No stereo depth: the rows are apart. Guessed")
+
+
 def test_undo_takes_the_depth_back(places: Places, tmp_path: Path) -> None:
     state, channels = opened(places, write_video(tmp_path / "video"))
     actions.settle_params(state)
