@@ -11,7 +11,6 @@ from app.gui.actions import laid_out
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import cell, explain, in_table, muted
-from app.gui.work.run_measures import RunMeasures
 from renderer.measuring.tissue_seen import SELDOM
 from renderer.metrics import OPAQUE
 
@@ -50,6 +49,8 @@ def draw_run_measures(state: AppState) -> None:
         return
     if found is None or found.request != request or not found.is_whole:
         muted("Measuring the held-out frames…")
+        # As high as it will be: what is below stays where it is.
+        _draw_rows(lambda name, said: "…")
         return
     if found.count == 0:
         muted("Not measured: see the log.")
@@ -57,11 +58,15 @@ def draw_run_measures(state: AppState) -> None:
     kind = "held-out" if found.are_held_out else "training"
     muted(f"Mean of {found.count} {kind} frame{'s' * (found.count > 1)}")
     explain(HELD_OUT if found.are_held_out else SHORT)
-    _draw_rows(found)
+
+    def value(name: str, said: Callable[[float], str]) -> str:
+        mean = found.mean(name)
+        return "—" if mean is None else said(mean)
+
+    _draw_rows(value)
 
 
-def _draw_rows(found: RunMeasures) -> None:
+def _draw_rows(value: Callable[[str, Callable[[float], str]], str]) -> None:
     for label, name, said, text in in_table("run measures", (None, 0.0), ROWS, imgui.TableFlags_.row_bg):
-        value = found.mean(name)
         cell(label, tooltip=text)
-        cell("—" if value is None else said(value), theme.now().text, text)
+        cell(value(name, said), theme.now().text, text)

@@ -82,7 +82,7 @@ def test_a_finished_run_is_measured_as_evaluate_does_and_says_so(
 ) -> None:
     channels = Channels()
     ui.frame(lambda: draw_reconstruction(opened))
-    assert lines == ["Measuring the held-out frames…"]
+    assert lines == ["Measuring the held-out frames…", *(text for row in ROWS for text in (row[0], "…"))]
     follow(opened, ui, lambda: draw_reconstruction(opened), channels)
     found = opened.runs.measures
     assert found is not None
