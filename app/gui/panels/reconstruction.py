@@ -32,8 +32,8 @@ from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
-FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
-"""Its kernels are compiled then."""
+FIRST_USE = "Once on a computer: about a minute, longer while it is busy."
+"""Kernels are compiled then."""
 PAUSES = "Pauses are not counted."
 PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
 DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
@@ -135,7 +135,7 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
     if words == COMPILING:
-        note(FIRST_USE)
+        note(f"{FIRST_USE} {seconds(state.window.now - run.started_at)} so far.")
     if run.status == "starting":
         if run.preparing is not None:
             note(f"{seconds(run.preparing.seconds)} so far")
