@@ -146,6 +146,7 @@ def test_clicks_measure_and_drags_still_turn(
     ui.drag(draw, (400, 300), (400, 300))
     assert opened.scene.viewer.pick is None
     camera_actions.toggle_measuring(opened)
+    assert "click two points" in texts(view_tags(opened, StillViewport().show(opened)))
     ui.drag(draw, (400, 300), (460, 300))
     assert opened.scene.viewer.pick is None
     assert opened.scene.viewer.free is not None
