@@ -29,17 +29,9 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
+from renderer.measuring.closeness import closeness
 from renderer.measuring.tissue_seen import SELDOM, seldom_seen
-from renderer.metrics import (
-    OPAQUE,
-    coverage,
-    depth_abs_rel,
-    depth_coverage,
-    depth_rmse,
-    psnr,
-    psnr_masked,
-    ssim,
-)
+from renderer.metrics import OPAQUE, depth_abs_rel, depth_coverage, depth_rmse
 from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.readers.endonerf import OUTLIER
@@ -100,8 +92,8 @@ class FrameMeasures:
     psnr: float
     psnr_masked: float
     psnr_tissue: float
-    psnr_seldom: float | None
-    """None where the camera moves."""
+    psnr_seldom: float
+    """NaN also where the camera moves."""
     coverage: float
     ssim: float
     lpips: float | None
@@ -277,8 +269,7 @@ def measure_frame(
 
     seldom: (H, W), True where tissue was seldom seen; None: that is not known.
     """
-    tissue = frame.tissue_mask
-    render, image, mask = drawn.bytes / 255.0, frame.image / 255.0, frame.evaluation_mask
+    render, mask = drawn.bytes, frame.evaluation_mask
     original = clip.read_image(frame.index)
     vessels = vessel_mask(original, tissue_mask=mask)
     pair = None if frame.measured_depth is None else (drawn.depth, frame.measured_depth)
@@ -287,22 +278,17 @@ def measure_frame(
         label=clip.labels[frame.index],
         time=frame.time,
         evaluated_share=float(mask.mean()),
-        psnr=psnr(render, image, mask),
-        psnr_masked=psnr_masked(render, image, mask),
-        psnr_tissue=psnr_masked(render, image, tissue),
-        psnr_seldom=None if seldom is None else psnr_masked(render, image, tissue & seldom),
-        coverage=coverage(drawn.alpha, tissue),
-        ssim=ssim(render, image, mask),
-        lpips=None if lpips is None else lpips.distance(render, image, mask),
+        lpips=None if lpips is None else lpips.distance(render / 255.0, frame.image / 255.0, mask),
         depth_rmse_mm=depth_rmse(*pair, mask) if pair and clip.unit == "mm" else None,
         depth=pair and {"abs_rel": depth_abs_rel(*pair, mask), "covered": depth_coverage(*pair, mask)},
-        visibility=_visibility(drawn.bytes, original, mask, vessels),
+        visibility=_visibility(render, original, mask, vessels),
         ms_per_frame=sum(milliseconds.values()),
         parts_ms=milliseconds,
-        whole_picture=_dvbv(drawn.bytes),
+        whole_picture=_dvbv(render),
         original_photo=_dvbv(original, mask) | _visibility(original, original, mask, vessels),
         input_photo=_dvbv(frame.image, mask) | _visibility(frame.image, original, mask, vessels),
-        **_dvbv(drawn.bytes, mask),
+        **vars(closeness(render, drawn.alpha, frame, seldom)),
+        **_dvbv(render, mask),
     )
 
 

@@ -83,8 +83,13 @@ class Preparation:
         return self._seconds(max(place for place, task in enumerate(self.tasks, 1) if task.kind == kind))
 
     def _seconds(self, end: int) -> float:
-        left = [self.pace * task.seconds for task in self.tasks[self.done : end]]
-        return sum(left[1:]) + max(left[0] - self.seconds, OVER * self.seconds) if left else 0.0
+        todo = self.tasks[self.done : end]
+        if not todo:
+            return 0.0
+        # A step that takes longer than it should tells of this computer before it has ended.
+        pace = max(self.pace, self.seconds / todo[0].seconds)
+        under_way = max(pace * todo[0].seconds - self.seconds, OVER * self.seconds)
+        return under_way + pace * sum(task.seconds for task in todo[1:])
 
 
 def paced(tasks: Sequence[Task], taken: Sequence[float]) -> float:

@@ -67,7 +67,7 @@ def planned_in(folder: Path, clip: Clip, config: TrainConfig) -> Planned:
     for needed, free, where in ((planned.memory, free_memory(), "memory"), (planned.disk, disk, "disk")):
         if needed > free:
             expected = f"expected {amount(needed)} of free {where} to train on {what}"
-            way = "take fewer frames (--frames, --frame-step)"
+            way = "trim the clip to fewer frames (in the window by In and Out, else by --frames)"
             raise UserError(f"{expected}, got {amount(free)} ({way}): {folder}")
     return planned
 

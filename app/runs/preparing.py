@@ -16,7 +16,7 @@ from renderer.train.events import Preparing
 from renderer.train.frame_store import FrameStore
 
 SECONDS_BETWEEN = 0.5
-STAGES = {"stereo": "match left and right images", "brightness": "estimate depth from brightness"}
+STAGES = {"stereo": "matching left and right images", "brightness": "estimating depth from brightness"}
 """What reading frames is, by where their depth comes from."""
 PROBED = 3
 """Pairs that are matched before all others, to see that anything matches, of clips of more."""
@@ -122,4 +122,4 @@ def _probes(indices: Sequence[int]) -> list[int]:
 
 def reading(clip: Clip) -> str:
     """What the reading of its frames is called."""
-    return STAGES.get(clip.depth_origin, "read frames") if clip.has_depth else "read frames"
+    return STAGES.get(clip.depth_origin, "reading frames") if clip.has_depth else "reading frames"

@@ -95,7 +95,7 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
     clip = yield from told_meanwhile(
-        "open the clip", lambda _: request.part.of(open_clip(request.clip_path, request.clip_options))
+        "opening the clip", lambda _: request.part.of(open_clip(request.clip_path, request.clip_options))
     )
     record = run.record() if run.is_run else None
     if record is not None:
@@ -110,11 +110,11 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     device = device_of(request).device
     ahead = ReadAhead(clip, nearest_folder(run.path))
     yield from told_meanwhile(reading(clip), ahead.fill)
-    moves = yield from told_meanwhile("check for camera motion", lambda _: camera_notice(ahead.clip))
+    moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_notice(ahead.clip))
     notices = (*clip.notices, moves) if moves else clip.notices
     if record is None:
         record = yield from told_meanwhile(
-            "record the clip", lambda _: _new_record(request, ahead.clip, device)
+            "recording the clip", lambda _: _new_record(request, ahead.clip, device)
         )
     ahead.hand_over()
     try:
@@ -145,7 +145,7 @@ def _train(
         if run.is_run:
             meanwhile.enter_context(locked(run.path))
         events = train(clip, record.config, folder=run.path, resume=run.is_run, pictures=pictures)
-        first = yield from told_meanwhile("analyse the clip", lambda _: next(events))
+        first = yield from told_meanwhile("analysing the clip", lambda _: next(events))
         for event in chain((first,), events):
             # A clip that cannot be trained on has failed by now: nothing is left behind for it.
             if not run.is_run:

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 Float32Image = NDArray[np.float32]
 
-WIDEST = 1280
-"""Pixels across, beyond which the average is taken of a smaller picture: else a picture of 4K takes half a
-minute."""
+WIDEST = 640
+"""Pixels across, beyond which the average is taken of a smaller picture: else one of 1280 takes a second, one
+of 4K half a minute."""
 
 
 def averaged(values: Float32Image, share: float) -> Float32Image:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import cv2
@@ -29,15 +29,25 @@ def shares_seen(clip: Clip, fit: Sequence[int]) -> NDArray[np.float64] | None:
     if not clip.camera_is_fixed:
         return None
     shown = np.zeros(clip.size[::-1])
-    for index in fit:
-        shown += clip.read_frame(index).tissue_mask
+    for mask in tissue_masks(clip, fit):
+        shown += mask
     return shown / max(len(fit), 1)
+
+
+def tissue_masks(clip: Clip, fit: Sequence[int]) -> Iterator[BoolImage]:
+    """(H, W) True where tissue is shown, of one frame after the other."""
+    return (clip.read_frame(index).tissue_mask for index in fit)
+
+
+def is_seldom(shares: NDArray[np.float64]) -> BoolImage:
+    """(H, W), True where few frames show tissue, and some."""
+    return np.asarray((shares > 0) & (shares <= SELDOM))
 
 
 def seldom_seen(clip: Clip, fit: Sequence[int]) -> BoolImage | None:
     """(H, W), True where few of the frames `fit` show tissue, and some; None where the camera moves."""
     shares = shares_seen(clip, fit)
-    return None if shares is None else (shares > 0) & (shares <= SELDOM)
+    return None if shares is None else is_seldom(shares)
 
 
 def highlights(clip: Clip, fit: Sequence[int]) -> BoolImage:

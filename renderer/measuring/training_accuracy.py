@@ -11,8 +11,9 @@ import numpy as np
 
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.tissue_seen import SELDOM, highlights, shares_seen, specks
-from renderer.metrics import coverage, depth_rmse, psnr, psnr_masked, ssim
+from renderer.measuring.closeness import closeness
+from renderer.measuring.tissue_seen import highlights, is_seldom, shares_seen, specks
+from renderer.metrics import depth_rmse, psnr_masked
 from renderer.near_plane import near_plane
 from renderer.phantom import Phantom
 from renderer.rasterize.cpu import Rendered, render
@@ -115,30 +116,20 @@ def measured(
 ) -> Quality:
     """On the frames `indices`, of a model that was trained on the frames `fit`."""
     shares = shares_seen(clip, fit)
-    seldom = None if shares is None else (shares > 0) & (shares <= SELDOM)
+    seldom = None if shares is None else is_seldom(shares)
     bright = highlights(clip, [*fit, *indices])
     rows = []
     for index in indices:
         frame = clip.read_frame(index)
         drawn = _drawn(model, frame, mode)
         picture = _rounded(drawn)
-        shown, image, mask, tissue = (
-            picture / 255,
-            frame.image / 255,
-            frame.evaluation_mask,
-            frame.tissue_mask,
-        )
+        mask = frame.evaluation_mask
         known = frame.measured_depth
         depth = np.zeros_like(drawn.depth) if known is None else known
         rows.append(
             {
-                "psnr": psnr(shown, image, mask),
-                "psnr_masked": psnr_masked(shown, image, mask),
-                "psnr_tissue": psnr_masked(shown, image, tissue),
-                "psnr_seldom": np.nan if seldom is None else psnr_masked(shown, image, tissue & seldom),
-                "coverage": coverage(drawn.alpha, tissue),
+                **vars(closeness(picture, drawn.alpha, frame, seldom)),
                 "specks": np.nan if shares is None else specks(_rounded(drawn, GREY), shares > 0, bright),
-                "ssim": ssim(shown, image, mask),
                 "depth_rmse": depth_rmse(drawn.depth, depth, mask),
             }
         )

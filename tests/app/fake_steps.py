@@ -88,5 +88,5 @@ def exited(request: TrainRequest) -> Steps:
 
 def preparing(request: TrainRequest) -> Steps:
     """Tells what it prepares, and then goes on endlessly."""
-    yield Preparing("match left and right images", 3, 27, 2.0, 16.0)
+    yield Preparing("matching left and right images", 3, 27, 2.0, 16.0)
     yield from endless(request)

@@ -165,7 +165,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     state = person.state
     person.ctx.window_focus("//Reconstruction")
     yield "reconstruction idle"
-    person.click("//Reconstruction/What will be left out")
+    person.click("//Reconstruction/**/What will be left out")
     person.wait(lambda: state.runs.omissions is not None, "what is left out")
     person.ctx.mouse_move("//Reconstruction/###start")
     yield "reconstruction left out"
@@ -176,8 +176,8 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.ctx.sleep_no_skip(1.0, 0.1)
     yield "reconstruction kept"
     person.press(chord("Ctrl+Z"))
-    person.click("//Reconstruction/What will be left out")
-    person.choose("//Reconstruction", "##Frames", "Both in turn")
+    person.click("//Reconstruction/**/What will be left out")
+    person.choose("//Reconstruction/choices", "##Frames", "Both in turn")
     person.click("//Reconstruction/###start")
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)
@@ -204,11 +204,11 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: state.runs.reconstruction.status == "failed", "the failure")
     yield "reconstruction failed"
     state.window.banner = None
-    person.click("//Reconstruction/View model")
+    person.click("//Reconstruction/**/View model")
     person.ctx.window_focus("//3D view")
     person.wait(lambda: state.scene.view is not None, "the model as it was last seen")
     yield "reconstruction unfinished"
-    person.choose("//Reconstruction", "##Frames", "Original")
+    person.choose("//Reconstruction/choices", "##Frames", "Original")
     person.click("//Reconstruction/###start")
     job = state.runs.reconstruction.job
     assert isinstance(job, FakeJob)

@@ -76,7 +76,7 @@ class Person:
         self.pace()
 
     def choose(self, panel: str, combo: str, entry: str) -> None:
-        self.ctx.set_ref(panel)
+        self.ctx.set_ref(self.ctx.window_info(panel).id_)
         self.ctx.combo_click(f"{combo}/{entry}")
         self.ctx.set_ref("")
         self.pace()

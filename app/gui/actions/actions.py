@@ -18,6 +18,7 @@ from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.scene import CameraList, Second, Viewer
 from app.gui.state.window import Banner, Toast
 from app.gui.views.picture_view import PictureView
+from app.gui.work.depths import DepthRequest
 from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
 from app.gui.work.settings import UNKNOWN, Theme, settings_content
 from app.gui.work.writing import WriteRequest
@@ -133,7 +134,7 @@ def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, and unsaved edits for good."""
 
     def go() -> None:
-        state.source.opening = OpenRequest(path.absolute(), state.source.options_for(path.absolute()))
+        state.source.opening = OpenRequest(path.absolute(), state.source.clip_options)
         state.window.banner = None
 
     if path.suffix.lower() in VIEW_SUFFIXES:
@@ -170,7 +171,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         state.scene.cameras = CameraList()
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
     state.source.content = opened.content
-    state.source.bare, state.source.depth_ways, state.source.depth_wish = opened.bare, None, None
+    state.source.bare, state.source.depth_ways = opened.bare, None
+    state.source.depth_wish = _kept_depth(state, opened)
     state.picture.measured = None
     state.timeline.playing, state.timeline.frozen_index = False, None
     state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
@@ -192,6 +194,15 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if not opened.in_passing:
         state.settings = state.settings.opened(path)
         save_settings(state)
+
+
+def _kept_depth(state: AppState, opened: Opened) -> DepthRequest | None:
+    """What was chosen for this clip, to be read while its frames are shown already: it may take long."""
+    clip, bare = opened.clip, opened.bare
+    if clip is None or bare is None or opened.run is not None or opened.session is not None:
+        return None
+    options = replace(opened.options, depth=state.source.kept_depth(clip.path))
+    return DepthRequest(bare, options) if options != opened.options and bare.has_one_size else None
 
 
 def _show_run(state: AppState, opened: Opened) -> None:
@@ -256,7 +267,7 @@ def _open_beside(state: AppState, by: int) -> None:
 
     def go() -> None:
         first, *onward = images
-        state.source.opening = OpenRequest(first, state.source.options_for(first), tuple(onward))
+        state.source.opening = OpenRequest(first, state.source.clip_options, tuple(onward))
         state.window.banner = None
 
     leave(state, go)

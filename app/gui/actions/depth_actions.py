@@ -54,7 +54,9 @@ def why_no_depth(state: AppState) -> str:
         return ""
     if not clip.has_one_size:
         return f"{capital(clip.why_no_depth)}."
-    why = f"{capital(legible(clip.why_no_depth))}." if clip.why_no_depth else "This clip has no depth."
+    # What is open needs no path.
+    known = legible(clip.why_no_depth.removesuffix(f": {clip.path}"))
+    why = f"{capital(known)}." if known else "This clip has no depth."
     return f"{why} Guessed: no scale, so no distances in mm."
 
 

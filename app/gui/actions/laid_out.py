@@ -50,6 +50,11 @@ def list_runs(state: AppState) -> None:
     state.runs.is_listed = state.source.clip is not None
 
 
+def see_run_measures(state: AppState) -> None:
+    """The measures of the run that is shown are on screen."""
+    state.runs.sees_measures = True
+
+
 def unfold_omissions(state: AppState, unfolded: bool) -> None:
     """The list of what the next reconstruction leaves out."""
     state.runs.asks_for_omissions = unfolded

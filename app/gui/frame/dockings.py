@@ -124,7 +124,7 @@ def splits(side: float, tabs: Mapping[str, bool]) -> list[hello_imgui.DockingSpl
     that share of the width; where there are `tabs`, nothing is below."""
     split, down = hello_imgui.DockingSplit, imgui.Dir.down
     column = split("MainDockSpace", "Side", imgui.Dir.right, side)
-    below = split("Side", "SideBelow", down, 0.4), split("MainDockSpace", "Below", down, 0.52)
+    below = split("Side", "SideBelow", down, 0.46), split("MainDockSpace", "Below", down, 0.52)
     return [column, *(one for one in below if not tabs[one.initial_dock])]
 
 

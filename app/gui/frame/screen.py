@@ -9,6 +9,7 @@ from imgui_bundle import glfw_utils, hello_imgui
 from app.gui.actions import presenting, window_actions
 from app.gui.frame import dockings
 from app.gui.frame.bare import ALONE, Bare
+from app.gui.frame.below import Below
 from app.gui.frame.full_screen import FullScreen
 from app.gui.state.app_state import AppState
 
@@ -19,6 +20,7 @@ class Screen:
     def __init__(self, add_timeline: Callable[[hello_imgui.RunnerParams], None]) -> None:
         self._add_timeline = add_timeline
         self._bare, self._full_screen, self._ends = Bare(), FullScreen(), False
+        self._below = Below()
 
     def follow(self, state: AppState, params: hello_imgui.RunnerParams) -> None:
         """Before a frame."""
@@ -29,6 +31,7 @@ class Screen:
         presents = state.presenting.pane is not None
         kept = () if presents else ALONE if state.window.bare else None
         self._bare.follow(kept, params.docking_params.dockable_windows)
+        self._below.follow()
         self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)
         self._show_bars(params, shown=not presents)
         if self._ends:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from app.files.legible import capital, grouped, legible, named
 from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.panels.reconstruction_choices import draw_choices
+from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.run_words import COMPILING, doing, share_done
@@ -31,8 +32,8 @@ from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
-FIRST_USE = "The first reconstruction on a computer takes up to a minute longer."
-"""Its kernels are compiled then."""
+FIRST_USE = "Once on a computer: about a minute, longer while it is busy."
+"""Kernels are compiled then."""
 PAUSES = "Pauses are not counted."
 PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
 DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
@@ -47,34 +48,50 @@ PART = (
 
 
 def draw_reconstruction(state: AppState) -> None:
-    """Choices before, buttons always, progress during and after."""
+    """Progress and what came of it, choices, buttons that never scroll out of sight."""
     run = state.runs.reconstruction
     if run.is_alive:
         _draw_hold(state)
-    else:
-        if run.status in ("failed", "cancelled"):
-            _draw_end(state, run)
-        _draw_next(state, run)
-    if run.status != "none":
         _draw_status(state, run)
-    _draw_curves(run)
-    _draw_messages(run)
-    if run.is_alive:
+        _draw_curves(run)
+        _draw_messages(run)
         waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
         if imgui.tree_node(f"Queue another{waiting}###another"):
-            _draw_next(state, run)
+            _draw_next(state)
+            _draw_start(state)
             imgui.tree_pop()
+        return
+    room = imgui.get_content_region_avail() - ImVec2(0, imgui.get_frame_height_with_spacing())
+    # As high as what is in it, or as there is room above the button.
+    imgui.set_next_window_size_constraints(ImVec2(0, 0), ImVec2(room.x, max(room.y, em())))
+    with imgui_ctx.begin_child("choices", ImVec2(0, 0), imgui.ChildFlags_.auto_resize_y):
+        _draw_ended(state, run)
+        _draw_next(state)
+        if state.source.clip is not None:
+            _draw_omissions(state)
+        _draw_curves(run)
+        _draw_messages(run)
+    _draw_start(state)
 
 
-def _draw_next(state: AppState, run: Reconstruction) -> None:
+def _draw_ended(state: AppState, run: Reconstruction) -> None:
+    """What became of the run that is shown."""
+    if run.status == "none":
+        return
+    if run.status in ("failed", "cancelled"):
+        _draw_end(state, run)
+    _draw_status(state, run)
+    if run.status == "finished":
+        draw_run_measures(state)
+    imgui.separator()
+
+
+def _draw_next(state: AppState) -> None:
     draw_choices(state)
     if (clip := state.source.clip) is not None and (told := state.source.training_part.told(len(clip))):
         note(f"Trains on {told}", theme.now().warning)
         explain(PART)
     imgui.spacing()
-    _draw_start(state)
-    if not run.is_alive and state.source.clip is not None:
-        _draw_omissions(state)
 
 
 def _draw_start(state: AppState) -> None:
@@ -99,7 +116,6 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
     )
     for (label, act, text, why), width in in_line(ways):
         button(label, partial(act, state), text, reason=why, width=width)
-    imgui.separator()
 
 
 def _draw_hold(state: AppState) -> None:
@@ -119,14 +135,14 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
     if words == COMPILING:
-        note(FIRST_USE)
+        note(f"{FIRST_USE} {seconds(state.window.now - run.started_at)} so far.")
     if run.status == "starting":
         if run.preparing is not None:
             note(f"{seconds(run.preparing.seconds)} so far")
         note(capital(run.planned))
     if progress is not None and not run.is_alive:
         _draw_took(progress)
-    if (share := share_done(run)) is not None:
+    if run.status != "finished" and (share := share_done(run)) is not None:
         imgui.progress_bar(share, ImVec2(-1, em(1.25)), f"{share:.0%}")
         if progress is not None:
             explain(f"{capital(in_all(progress.wall_seconds, progress.seconds, '.0f'))}. {PAUSES}")

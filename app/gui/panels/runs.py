@@ -11,6 +11,7 @@ from imgui_bundle import imgui, imgui_ctx
 from app.files.legible import legible, named
 from app.gui.actions import laid_out, queue_actions, run_actions
 from app.gui.panels.reconstruction import LOOK_TEXT
+from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
@@ -81,6 +82,8 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     _draw_beside(state, run)
     if run.made == "unfinished" and not run_actions.is_present(state, run):
         _draw_unfinished(state, run)
+    if shown:
+        draw_run_measures(state)
     imgui.spacing()
 
 

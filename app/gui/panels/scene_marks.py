@@ -83,7 +83,16 @@ def draw_marks(state: AppState, request: ViewRequest, area: Area) -> None:
         text = measured.text(request.scene.unit)
         if request.time != measured.time:
             text += f" at {request.scene.moment(measured.time)}"
-        tag(text, (shown[0] + shown[1]) / 2 + ImVec2(em(0.5), 0), theme.TAG_CAUTION)
+        tag(text, _beside_line(shown, text, area), theme.TAG_CAUTION)
+
+
+def _beside_line(ends: list[ImVec2], text: str, area: Area) -> ImVec2:
+    """Where a label covers neither end of a line: right of it, or left of it where the area ends."""
+    left, right = sorted(ends, key=lambda end: end.x)
+    across = imgui.calc_text_size(text).x + em(0.9)
+    if right.x + em(0.6) + across <= area.end.x:
+        return right + ImVec2(em(0.6), -em(0.7))
+    return ImVec2(max(left.x - em(0.6) - across, area.corner.x), left.y - em(0.7))
 
 
 def _draw_path(state: AppState, request: ViewRequest, sight: Sight) -> None:

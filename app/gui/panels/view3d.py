@@ -296,7 +296,7 @@ def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     if viewer.flying:
         tags.append((f"FLYING · W A S D Q E · speed {viewer.speed:.2f} · G to stop", theme.TAG_CAUTION))
     if viewer.measuring:
-        tags.append(("MEASURING on the model, at expected depth", theme.TAG_CAUTION))
+        tags.append(("MEASURING on the model · click two points", theme.TAG_CAUTION))
     if viewer.snapped and state.frame_image is None:
         tags.append(("READING THE FRAME…", theme.TAG_ENHANCED))
     elif viewer.snapped and shown.request.kind == "difference":

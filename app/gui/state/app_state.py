@@ -25,6 +25,7 @@ from app.gui.state.window import WindowFrame
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import OmissionsRequest
 from app.gui.work.opening import VIEW_SUFFIXES
+from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
 from app.kernels.progress import Kind
@@ -216,6 +217,18 @@ class AppState:
         if not self.runs.is_listed or self.source.clip is None:
             return None
         return RunsRequest(self.places.runs, self.source.clip, int(self.window.now / LOOK_AGAIN))
+
+    @property
+    def run_measures_request(self) -> RunMeasuresRequest | None:
+        """What the finished run that is shown is measured by; None where its clip is not open as it was."""
+        run, clip = self.runs.reconstruction, self.source.clip
+        shown = self.editing.base or self.scene.model
+        if run.status != "finished" or run.request is None or shown is None or clip is None:
+            return None
+        is_shown = shown.path == run.run_path and not shown.live and self.has_frames
+        if not is_shown or run.request.clip_options != self.source.options:
+            return None
+        return RunMeasuresRequest(shown, clip, run.request.part, run.request.config)
 
     @property
     def plain_view_request(self) -> ViewRequest | None:

@@ -10,6 +10,7 @@ from typing import Literal
 from app.enhancement.settable import InputKind
 from app.gui.session_file import KeptSettings
 from app.gui.work.omissions import Omissions
+from app.gui.work.run_measures import RunMeasures
 from app.gui.work.runs import FoundRuns, LeftRequest, ModelRequest
 from app.runs.job import TrainingJob
 from app.runs.progress_log import EMPTY_LOG, TrainingLog
@@ -132,6 +133,10 @@ class Runs:
     found: FoundRuns | None = None
     """The newest such list."""
     trouble: str = ""
+    sees_measures: bool = False
+    """Measures of the run that is shown were drawn in the last frame."""
+    measures: RunMeasures | None = None
+    """The newest of them."""
     asks_for_omissions: bool = False
     """The list of what the next reconstruction leaves out is unfolded."""
     omissions: Omissions | None = None

@@ -68,12 +68,11 @@ class Source:
         """Where it comes from in the open clip, or will in a moment."""
         return (self.depth_wish.options if self.depth_wish is not None else self.options).depth
 
-    def options_for(self, path: Path) -> ClipOptions:
-        """To read a clip with: as said at the start, else with the depth that was chosen for it."""
+    def kept_depth(self, path: Path) -> DepthSource:
+        """Of a clip: as said at the start, else as it was chosen for it."""
         known = self.known.get(str(path))
-        if known is None or self.clip_options.depth != "auto":
-            return self.clip_options
-        return replace(self.clip_options, depth=known.depth)
+        said = self.clip_options.depth
+        return said if known is None or said != "auto" else known.depth
 
 
 @dataclass

@@ -53,6 +53,7 @@ from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
 from app.gui.work.presets import KeepPresets, keep_presets
 from app.gui.work.recents import find_recents
 from app.gui.work.revealing import RevealRequest, reveal
+from app.gui.work.run_measures import measure_run
 from app.gui.work.runs import RunFinder, left_of, run_model
 from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
@@ -136,6 +137,7 @@ class Channels:
         self.strip, self.left_out = Channel(make_strip), Channel(left_out)
         self.measures = Channel(Measurer().measure)
         self.omissions = Channel(look)
+        self.run_measures = SteppedChannel(measure_run)
         self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
         self.files = Channel(write_file, depth=256)
         self.presets = Channel(keep_presets, depth=64)
@@ -195,6 +197,7 @@ class Channels:
                 difference_request),
             Row(self.measures, told("the frame cannot be measured", taking.take_measured, actions.say),
                 wishes.to_measure, SECOND, forgets=False),
+            Row(self.run_measures, taking.take_run_measures, wishes.run_measures_wish, forgets=False),
             Row(self.statistics, taking.take_statistics, wishes.statistics_wish),
             Row(self.thumbnails, told(NO_THUMBNAILS, preset_actions.take_thumbnails, actions.say),
                 wishes.thumbnails_wish, forgets=False),

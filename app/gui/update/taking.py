@@ -20,6 +20,7 @@ from app.gui.work.neighbours import Neighbours, NeighboursRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest
 from app.gui.work.recents import Recents, RecentsRequest
+from app.gui.work.run_measures import RunMeasures, RunMeasuresRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
 from app.gui.work.writing import WriteRequest
 from app.scenes.drawer import View
@@ -78,6 +79,13 @@ def take_measured(state: AppState, request: Pictures, measured: Measured) -> Non
     """Of a clip that is no longer open, it is dropped."""
     if request.request.clip is state.source.clip:
         state.picture.measured = measured
+
+
+def take_run_measures(state: AppState, request: RunMeasuresRequest, answer: RunMeasures | Failure) -> None:
+    if isinstance(answer, Failure):
+        actions.say(state, f"the run cannot be measured: {answer.message}")
+        answer = RunMeasures(request, 0)
+    state.runs.measures = answer
 
 
 def take_strip(state: AppState, request: StripRequest, strip: Strip) -> None:

@@ -103,7 +103,7 @@ def _ask(state: AppState, channels: Channels) -> None:
     state.comparing.waits = any(side_wish(state, side) is not None for side in SIDES)
     for row in channels.rows:
         row.ask(state)
-    state.runs.is_listed = state.tuning.in_sight = False
+    state.runs.is_listed = state.runs.sees_measures = state.tuning.in_sight = False
     channels.ask_once(state)
 
 

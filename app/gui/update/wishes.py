@@ -18,6 +18,7 @@ from app.gui.work.neighbours import NeighboursRequest
 from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
 from app.gui.work.recents import RecentsRequest
+from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.strip import LeftOutRequest, StripRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tidying import OnScreen
@@ -161,6 +162,14 @@ def bake_wish(state: AppState, shown: Scene | None, baked: Baked | None) -> Bake
     if baked is None or baked.request.shown is not shown:
         return BakeRequest(shown)
     return BakeRequest(shown, baked.baker, baked.request.part + 1) if baked.keyframes is None else None
+
+
+def run_measures_wish(state: AppState) -> RunMeasuresRequest | None:
+    """Of the run that is shown, while its measures are on screen and not known."""
+    wanted, known = state.run_measures_request, state.runs.measures
+    if not state.runs.sees_measures or wanted is None or not at_rest(state) or state.lacks("3D view"):
+        return None
+    return None if known is not None and known.request == wanted else wanted
 
 
 def recents_wish(state: AppState) -> RecentsRequest | None:

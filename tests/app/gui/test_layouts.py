@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import cv2
+import glfw
 import numpy as np
 import pytest
-from imgui_bundle import ImVec2, hello_imgui, imgui
+from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
 from app.gui.actions import actions
@@ -143,5 +144,44 @@ def test_another_layout_waits_until_all_panels_are_there(places: Places, still: 
         ctx.yield_(6)
         assert shown() == before
         assert in_front(ctx) == {"Pictures", "Enhancement", "Reconstruction"}
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it_is_shown(
+    places: Places, model: DynamicGaussians
+) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def share() -> float:
+            view, pictures = (ctx.window_info(f"//{name}").window.size.y for name in ("3D view", "Pictures"))
+            return float(view / (view + pictures))
+
+        def grow(height: int) -> None:
+            glfw.set_window_size(glfw_utils.glfw_window_hello_imgui(), 1280, height)
+            wait(ctx, lambda: imgui.get_main_viewport().size.y == height, "the size")
+            ctx.yield_(4)
+
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        grow(1000)
+        start_live(state, model)
+        wait(ctx, lambda: state.scene.view is not None, "the 3D view")
+        ctx.yield_(4)
+        first = share()
+        assert first == pytest.approx(0.52, abs=0.02)
+        grow(720)
+        assert share() == pytest.approx(first, abs=0.01)
+        node = imgui.internal.find_window_by_name("3D view").dock_node
+        imgui.internal.dock_builder_set_node_size(node.id_, ImVec2(node.size.x, 0.7 * node.size.y))
+        ctx.yield_(4)
+        smaller = share()
+        assert smaller < first - 0.1
+        grow(1000)
+        assert share() == pytest.approx(smaller, abs=0.01)
+        state.window.closing = "agreed"
 
     driver.run(drive)

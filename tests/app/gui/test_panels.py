@@ -8,14 +8,15 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions, history_actions, path_actions
+from app.gui.panels import reconstruction
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.menus import SEPARATOR, fitting
-from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.reconstruction import FIRST_USE, draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import CHOICES, draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.run_words import FIRST_STEP, doing
+from app.gui.state.run_words import COMPILING, FIRST_STEP, doing
 from app.gui.style.widgets import seconds
 from app.runs.progress_log import TrainingLog
 from assets import phantom_path
@@ -106,10 +107,20 @@ def test_the_wait_before_the_first_step_has_words(ui: Ui, opened: AppState) -> N
     assert doing(opened) != FIRST_STEP
 
 
+def test_while_it_compiles_the_panel_counts_the_seconds(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, said = opened.runs.reconstruction, list[str]()
+    run.status, run.started_at, opened.window.now = "running", 10.0, 195.0
+    monkeypatch.setattr(reconstruction, "note", lambda text, color=None: said.append(text))
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert said == [COMPILING, f"{FIRST_USE} 3 min 05 s so far."]
+
+
 @pytest.mark.parametrize("total", [0, 27])
 def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) -> None:
     run, shown = opened.runs.reconstruction, []
-    run.status, run.preparing = "starting", Preparing("match left and right images", 3, total, 2.0, None)
+    run.status, run.preparing = "starting", Preparing("matching left and right images", 3, total, 2.0, None)
 
     def draw() -> None:
         top = imgui.get_cursor_pos_y()

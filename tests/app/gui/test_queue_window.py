@@ -37,9 +37,16 @@ def test_two_reconstructions_are_queued_watched_and_asked_about(
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        ctx.set_ref("//Reconstruction")
+        ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
         ctx.combo_click("##Frames/Both in turn")
+        ctx.item_click("###linked")
         ctx.set_ref("")
+        ctx.yield_(3)
+        choices = ctx.window_info("//Reconstruction/choices").window
+        assert choices.scroll_max.y > 0  # More than there is room for, and yet the button is in sight.
+        start = ctx.item_info("//Reconstruction/###start")
+        assert start.rect_clipped.max.y == start.rect_full.max.y
+        assert start.rect_full.min.y >= choices.pos.y + choices.size.y
         ctx.item_click("//Reconstruction/###start")
         wait(ctx, lambda: bool(jobs), "the first job")
         assert len(state.runs.queue) == 1

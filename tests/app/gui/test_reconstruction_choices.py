@@ -18,7 +18,7 @@ from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.views.measurement import Located, Measurement
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.settings import Places, Settings, load_clips
+from app.gui.work.settings import UNKNOWN, Places, Settings, load_clips
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
 from assets import phantom_path
@@ -104,6 +104,32 @@ def test_the_choice_is_in_the_request_and_is_there_the_next_time(places: Places,
     assert depth_actions.chosen_way(again) == "guessed"
     said, _ = opened(places, path, Source(ClipOptions(depth="off"), known=load_clips(places.config)))
     assert said.source.options.depth == "off"  # A flag goes before what was chosen.
+
+
+def test_a_clip_is_shown_before_the_depth_that_was_chosen_for_it_is_read(
+    places: Places, tmp_path: Path
+) -> None:
+    path = write_video(tmp_path / "video")
+    known = {str(path): replace(UNKNOWN, depth="brightness")}
+    state, channels = AppState(places, Settings(acknowledged=True), Source(known=known)), Channels()
+    actions.open_path(state, path)
+    update(state, channels, 0.5)
+    channels.opening.run_waiting()
+    update(state, channels, 1.0)
+    assert state.source.clip is not None
+    assert not state.source.clip.has_depth
+    assert depth_actions.said(state) == "Reading the clip with this depth…"
+    turn(state, channels)
+    assert state.source.clip.depth_origin == "brightness"
+    assert depth_actions.chosen_way(state) == "guessed"
+
+
+def test_why_there_is_no_depth_names_no_path(places: Places, tmp_path: Path) -> None:
+    state, _ = opened(places, write_video(tmp_path / "video"))
+    assert state.source.clip is not None
+    why = f"no stereo depth: the rows are apart: {state.source.clip.path}"
+    state.source.clip = replace(state.source.clip, why_no_depth=why)
+    assert depth_actions.why_no_depth(state).startswith("No stereo depth: the rows are apart. Guessed")
 
 
 def test_undo_takes_the_depth_back(places: Places, tmp_path: Path) -> None:
@@ -210,7 +236,7 @@ def test_depth_and_frames_are_chosen_by_hand(places: Places, tmp_path: Path) -> 
         ctx.item_click("//Reconstruction/###start")
         ctx.yield_(3)
         assert not jobs  # Greyed.
-        ctx.set_ref("//Reconstruction")
+        ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
         ctx.combo_click("##depth/###guessed")
         wait(ctx, lambda: depth_actions.without_scale(state) != "", "depth")
         ctx.combo_click("##Frames/Enhanced")

@@ -47,7 +47,8 @@ def going(state: AppState) -> AppState:
 def test_a_run_says_what_it_is_doing_from_its_start_to_its_end(going: AppState) -> None:
     assert tell(going) == "Starting…"
     assert (
-        tell(going, Preparing("read frames", 12, 54, 3.0, 14.0)) == "Read frames · 12 of 54 · about 10 s left"
+        tell(going, Preparing("reading frames", 12, 54, 3.0, 14.0))
+        == "Reading frames · 12 of 54 · about 10 s left"
     )
     assert share_done(going.runs.reconstruction) == pytest.approx(12 / 54)
     assert tell(going, Started(0, 2000, 30, ())) == FIRST_STEP

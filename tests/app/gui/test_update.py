@@ -256,7 +256,7 @@ def test_a_job_is_followed_from_start_to_end(
     job, run = state.runs.reconstruction.job, state.runs.reconstruction
     assert isinstance(job, FakeJob)
     progress = Progress(10, 100, 0.5, 20.0, 1.0, 9.0, 30)
-    stage = Preparing("match left and right images", 3, 27, 2.0, 16.0)
+    stage = Preparing("matching left and right images", 3, 27, 2.0, 16.0)
     job.inbox = [stage]
     update(state, channels, 0.1)
     assert (run.status, run.preparing) == ("starting", stage)

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2, ImVec4, imgui
 
 from app.enhancement.methods import worded
 from app.exports.records import PanesPicture
 from app.gui.actions import actions, camera_actions, comparing, export_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
+from app.gui.panels import scene_marks
 from app.gui.panels.scene_marks import Sight
 from app.gui.panels.view3d import frame_over, view_tags
 from app.gui.state.app_state import AppState
@@ -136,13 +137,16 @@ def test_white_light_never_shows_an_enhanced_model_unnoticed(
     assert "FRAME 50 %" in said()
 
 
-def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+def test_clicks_measure_and_drags_still_turn(
+    ui: Ui, opened: AppState, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
+) -> None:
     start_live(opened, model)
     draw: Draw = lambda: view3d(opened)  # noqa: E731
     ui.frame(draw)
     ui.drag(draw, (400, 300), (400, 300))
     assert opened.scene.viewer.pick is None
     camera_actions.toggle_measuring(opened)
+    assert "click two points" in texts(view_tags(opened, StillViewport().show(opened)))
     ui.drag(draw, (400, 300), (460, 300))
     assert opened.scene.viewer.pick is None
     assert opened.scene.viewer.free is not None
@@ -160,6 +164,17 @@ def test_clicks_measure_and_drags_still_turn(ui: Ui, opened: AppState, model: Dy
     expected = 60 / request.camera.fx * 50.0  # On the model's sheet, which is 50 before the camera.
     assert opened.scene.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
     assert "mm" in opened.scene.viewer.measurement.text("mm")
+    labels: list[tuple[float, float]] = []
+    mark = scene_marks.tag
+
+    def noted(text: str, position: ImVec2, color: ImVec4) -> float:
+        labels.append((position.x, position.y))
+        return mark(text, position, color)
+
+    monkeypatch.setattr(scene_marks, "tag", noted)
+    ui.frame(draw)
+    ((across, _),) = labels
+    assert across > 480  # Beside both points, over neither.
     camera_actions.toggle_measuring(opened)
     assert opened.scene.viewer.measurement.points == ()
 

@@ -19,7 +19,7 @@ from app.gui.update.preparing import COMPLETE, ENDED, follow_preparation
 from app.gui.work.settings import Places
 from app.kernels import preparer, stamp
 from app.kernels.preparer import Preparer
-from app.kernels.progress import Preparation, paced, tasks, worded
+from app.kernels.progress import OVER, Preparation, paced, tasks, worded
 
 SECONDS = 60.0
 
@@ -163,3 +163,11 @@ def test_what_both_methods_share_is_counted_once() -> None:
 
     assert seconds(PAPER) == seconds(VESSEL)
     assert all(task.seconds > 0 for task in tasks())
+
+
+def test_a_step_that_takes_longer_than_it_should_tells_of_all_that_follow() -> None:
+    todo = tasks()
+    slow = Preparation(todo, 0, seconds=3 * todo[0].seconds)
+    assert slow.seconds_until(todo[0].kind) == OVER * slow.seconds
+    rest = sum(task.seconds for task in todo[1:])
+    assert slow.seconds_left == pytest.approx(OVER * slow.seconds + 3 * rest)

@@ -88,7 +88,7 @@ def test_a_run_tells_its_events_in_order_and_ends_with_the_model(tmp_path: Path)
 def test_what_comes_before_the_start_is_told(tmp_path: Path) -> None:
     with job_of(fake_steps.preparing, tmp_path) as job:
         events = events_until(job, is_a(Started))
-        assert events[0] == Preparing("match left and right images", 3, 27, 2.0, 16.0)
+        assert events[0] == Preparing("matching left and right images", 3, 27, 2.0, 16.0)
         assert isinstance(events[1], Started)
 
 

@@ -134,11 +134,11 @@ def test_the_command_prints_it(
     def slowly(request: TrainRequest) -> Generator[TrainEvent, None, None]:
         for done in range(3):
             now[0] += 3.0
-            yield Preparing("match left and right images", done, 3, now[0], None)
+            yield Preparing("matching left and right images", done, 3, now[0], None)
         now[0] += 3.0
-        yield Preparing("analyse the clip", 0, 0, 3.0, None)
+        yield Preparing("analysing the clip", 0, 0, 3.0, None)
         now[0] += 3.0
-        yield Preparing("analyse the clip", 0, 0, 6.0, None)
+        yield Preparing("analysing the clip", 0, 0, 6.0, None)
         yield from run_training(request)
 
     now = [0.0]
@@ -146,9 +146,9 @@ def test_the_command_prints_it(
     monkeypatch.setattr("app.commands.train.run_training", slowly)
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run", "--iterations", 2)
     assert call.code == 0
-    assert "match left and right images 1/3, 6 s left" in call.error
-    assert "match left and right images 2/3, 3 s left" in call.error
-    assert "analyse the clip, 6 s so far" in call.error
+    assert "matching left and right images 1/3, 6 s left" in call.error
+    assert "matching left and right images 2/3, 3 s left" in call.error
+    assert "analysing the clip, 6 s so far" in call.error
 
 
 def no_clip(path: Path, options: ClipOptions) -> Clip:

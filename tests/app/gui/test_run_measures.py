@@ -1,0 +1,142 @@
+"""The measures of the finished run that is shown are those of `evaluate`, computed in the background."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from imgui_bundle import ImVec4
+
+from app.evaluation.evaluate import measure_frame, open_evaluation
+from app.evaluation.mean import mean_of_finite
+from app.gui.actions import actions
+from app.gui.panels import run_measures
+from app.gui.panels.reconstruction import draw_reconstruction
+from app.gui.panels.run_measures import ROWS
+from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
+from app.gui.work.opening import OpenRequest, open_path
+from app.runs.train_run import TrainRequest, run_training
+from app.scenes.cpu_rendering import draw_on_cpu
+from renderer.near_plane import near_plane
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.readers.clip_options import ClipOptions
+from renderer.train.config import TrainConfig
+from tests.app.gui.ui import Ui
+
+CONFIG = TrainConfig(iterations=12, n_gaussians=300, hold_out=True)
+
+
+@pytest.fixture(scope="module")
+def run_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("measured")
+    write_phantom(folder / "clip", PhantomParams(n_frames=18, width=64, height=48, seed=1), "endonerf")
+    list(
+        run_training(
+            TrainRequest(clip_path=folder / "clip", run_path=folder / "run", config=CONFIG, input="enhanced")
+        )
+    )
+    return folder / "run"
+
+
+@pytest.fixture
+def opened(state: AppState, run_path: Path) -> AppState:
+    (answer,) = open_path(OpenRequest(run_path))
+    actions.show_opened(state, run_path, answer)
+    return state
+
+
+@pytest.fixture
+def lines(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What the panel says of the run's measures in the last frame."""
+    said: list[str] = []
+    real = run_measures.muted
+
+    def muted(text: str) -> None:
+        said.append(text)
+        real(text)
+
+    cells = run_measures.cell
+
+    def cell(text: str, color: ImVec4 | None = None, tooltip: str = "") -> None:
+        said.append(text)
+        cells(text, color, tooltip)
+
+    monkeypatch.setattr(run_measures, "muted", muted)
+    monkeypatch.setattr(run_measures, "cell", cell)
+    return said
+
+
+def follow(state: AppState, ui: Ui, draw: Callable[[], None], channels: Channels, frames: int = 40) -> None:
+    for step in range(frames):
+        ui.frame(draw)
+        update(state, channels, 1.0 + step)
+        channels.run_measures.run_waiting()
+
+
+def test_a_finished_run_is_measured_as_evaluate_does_and_says_so(
+    opened: AppState, run_path: Path, ui: Ui, lines: list[str]
+) -> None:
+    channels = Channels()
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert lines == ["Measuring the held-out frames…", *(text for row in ROWS for text in (row[0], "…"))]
+    follow(opened, ui, lambda: draw_reconstruction(opened), channels)
+    found = opened.runs.measures
+    assert found is not None
+    assert found.is_whole
+    evaluation = open_evaluation(run_path)
+    wanted = []
+    for index in evaluation.indices:
+        frame = evaluation.trained_clip.read_frame(index)
+        near = near_plane(evaluation.model, frame.camera)
+        drawn = draw_on_cpu(evaluation.model.at(frame.time), frame.camera, near)
+        wanted.append(measure_frame(frame, drawn, evaluation.clip, None, {}, evaluation.seldom))
+    assert found.count == len(wanted) == 3
+    for _, name, _, _ in ROWS:
+        expected = mean_of_finite(getattr(each, name) for each in wanted)
+        assert found.mean(name) == (None if expected is None else pytest.approx(expected))
+    lines.clear()
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert lines[:2] == ["Mean of 3 held-out frames", "PSNR"]
+    covered = found.mean("coverage")
+    assert covered is not None
+    assert lines[-2:] == ["Covered tissue", f"{int(1000 * covered) / 10:.1f} %"]
+
+
+def test_all_but_all_of_the_tissue_is_never_said_to_be_all() -> None:
+    (said,) = [said for label, _, said, _ in ROWS if label == "Covered tissue"]
+    assert (said(1.0), said(0.9999), said(0.9973)) == ("100.0 %", "99.9 %", "99.7 %")
+
+
+def test_nothing_is_measured_out_of_sight_or_with_another_depth(opened: AppState, ui: Ui) -> None:
+    channels = Channels()
+    follow(opened, ui, lambda: None, channels, 3)
+    assert channels.run_measures.asked is None
+    before = opened.source.options
+    opened.source.options = replace(before, depth="brightness")
+    follow(opened, ui, lambda: draw_reconstruction(opened), channels, 3)
+    assert channels.run_measures.asked is None
+    opened.source.options = before
+    follow(opened, ui, lambda: draw_reconstruction(opened), channels, 3)
+    assert channels.run_measures.asked is not None
+    assert isinstance(before, ClipOptions)
+
+
+def test_a_run_that_cannot_be_measured_says_where_to_read_why(
+    opened: AppState, ui: Ui, lines: list[str]
+) -> None:
+    assert opened.source.clip is not None
+
+    def gone(index: int) -> None:
+        raise OSError("no such file")
+
+    broken = replace(opened.source.clip, read_frame=gone)
+    opened.source.clip = broken
+    follow(opened, ui, lambda: draw_reconstruction(opened), Channels(), 4)
+    lines.clear()
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert lines == ["Not measured: see the log."]
+    assert any("the run cannot be measured" in line for line in opened.window.log)
