@@ -9,6 +9,7 @@ import numpy as np
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import METHODS, EnhancementSettings
+from app.enhancement.setting_words import in_letters, worded
 from app.errors import UserError
 from app.exports.comparison_images import (
     Difference,
@@ -56,6 +57,7 @@ def pane_record(title: str, original: PictureRequest, by: Shown = None) -> PaneR
         params=params,
         method=method,
         view=view,
+        words="interface",
     )
 
 
@@ -109,7 +111,8 @@ class PaneMaker:
             known = self._sources.of_clip(original.statistics_request(by))
             original = replace(original, of_clip=known)
         (other,) = self._maker.make(OtherRequest(original, by))
-        said = describe(other.made) if other.made is not None else ""
+        say = in_letters if pane.words is None else worded
+        said = describe(other.made, say) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None
         return Made(Panel(f"{pane.title}   {said}".rstrip(), sizing.of(other.image)), used)
 

@@ -163,7 +163,7 @@ Deed = Callable[[Person], None]
 def slide(person: Person) -> None:
     for _ in range(4):
         name = person.rng.choice(["d_factor"] * 2 + ["z", "p"])
-        person.choose("//Enhancement", "##preset", "Paper, d 1")
+        person.choose("//Enhancement", "##preset", "Paper, colour 0.50")
         if name != "d_factor":
             person.click(f"//Enhancement/**/Auto##{name}")
         for _ in range(5):

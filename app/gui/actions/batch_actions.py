@@ -9,8 +9,9 @@ from typing import Final
 
 from app.enhancement.clip_statistics import POOLED_FRAMES
 from app.enhancement.enhance_files import Setting
-from app.enhancement.methods import preset_of, worded
+from app.enhancement.methods import preset_of
 from app.enhancement.settable import Pixels, Scope
+from app.enhancement.setting_words import worded
 from app.files.legible import located
 from app.files.provenance import stamp
 from app.gui.actions import actions

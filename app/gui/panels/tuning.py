@@ -8,16 +8,16 @@ from functools import partial
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.enhancement.amounts import Amount
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import DEFINITIONS, SMALLER_IS_BETTER, Measures, Setting
 from app.enhancement.settable import MOST_VALUES
+from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.actions import laid_out, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.picture_pane import WHEEL_STEP, draw_part
 from app.gui.session_file import Choice
-from app.gui.state.amounts import Amount
 from app.gui.state.app_state import AppState
-from app.gui.state.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.style import theme
 from app.gui.style.fields import amount
 from app.gui.style.widgets import (

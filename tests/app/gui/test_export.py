@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
-from app.enhancement.methods import Params, worded
+from app.enhancement.methods import Params
+from app.enhancement.setting_words import in_letters, worded
 from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
 from app.files.provenance import digest, read_provenance
@@ -103,14 +104,19 @@ def test_captions_fit_over_small_pictures() -> None:
 
 def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     text = describe(pair(clip, EnhanceParams(z=0.25)))
-    assert text.startswith("z 0.25 · P auto ")
-    assert text.endswith("d auto")
+    assert text.startswith("Brightness 0.75 · Detail auto ")
+    assert " · Colour auto 0.50" in text
     assert describe(pair(clip, None)) == ""
-    assert worded(EnhanceParams(z=0.25)) == "z 0.25 · P auto · d auto"
+    assert worded(EnhanceParams(z=0.25)) == "Brightness 0.75 · Detail auto · Colour auto"
     chosen = EnhanceParams(z=0.25, p=(0.4, 0.5, 0.4), d_factor=1.0)
-    assert describe(pair(clip, chosen)) == worded(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
+    assert (
+        describe(pair(clip, chosen)) == worded(chosen) == "Brightness 0.75 · Detail 0.40/0.50 · Colour 0.50"
+    )
     vessel = VesselParams(strength=1.5)
-    assert describe(pair(clip, vessel)) == worded(vessel)
+    assert (
+        describe(pair(clip, vessel)) == worded(vessel) == "vessel · Strength 1.50 · Lift 0.50 · Colour 0.50"
+    )
+    assert in_letters(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppState, clip: Clip) -> None:

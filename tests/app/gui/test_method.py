@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
+from app.enhancement.setting_words import VESSEL_LABELS
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels.enhancement import UNUSED, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
-from app.gui.state.setting_words import VESSEL_LABELS
 from app.gui.update.jobs import start_due
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams, measure

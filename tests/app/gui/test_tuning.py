@@ -9,12 +9,12 @@ from imgui_bundle import imgui
 from app.enhancement.contact_sheet import small
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.parameter_grid import METRICS
+from app.enhancement.setting_words import in_the_paper, said
 from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
-from app.gui.state.setting_words import in_the_paper, said
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
