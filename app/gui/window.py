@@ -223,7 +223,7 @@ class Window:
 
     def _layout(self) -> hello_imgui.DockingParams:
         #  ______________________________
-        # | pictures         | enhance   |
+        # | images           | enhance   |
         # |__________________|___________|
         # | 3D view          | recon-    |
         # |__________________|_struct____|
@@ -232,7 +232,7 @@ class Window:
         layout.dockable_windows = [
             # Before the pictures, which show in the same frame what has moved here.
             _panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
-            _panel("Pictures", "MainDockSpace", self._draw_pictures),
+            _panel("Images", "MainDockSpace", self._draw_pictures),
             _panel("3D view", "Below", self._draw_view),
             _panel(SPLATS, "MainDockSpace", self._draw_view, "by the state"),
             _panel("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),

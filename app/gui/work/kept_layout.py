@@ -20,6 +20,8 @@ from renderer.regular_files import read_regular
 
 NAME: Final = "window.ini"
 MOST_BYTES: Final = 1 << 20
+FORMER: Final = ((b"[Window][Pictures]", b"[Window][Images]"),)
+"""Panels by their titles before 0.2.0, and now."""
 
 
 def seal(layout: Path) -> None:
@@ -50,6 +52,7 @@ def put_aside_damaged(layout: Path) -> str:
     """
     try:
         if read_regular(_seal_of(layout), MOST_BYTES) == _digest(layout):
+            _rename_panels(layout)
             return ""
     except OSError:
         if not os.path.lexists(layout):
@@ -59,6 +62,17 @@ def put_aside_damaged(layout: Path) -> str:
     return (
         f"the window layout cannot be read, so the standard one is used; the old file is kept as {aside.name}"
     )
+
+
+def _rename_panels(layout: Path) -> None:
+    """So that a panel stays where it was under its former title."""
+    before = now = read_regular(layout, MOST_BYTES)
+    for former, title in FORMER:
+        now = now.replace(former, title)
+    if now != before:
+        with suppress(OSError, UserError):
+            write_bytes(layout, now)
+            seal(layout)
 
 
 def _seal_of(layout: Path) -> Path:

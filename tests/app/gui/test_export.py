@@ -41,7 +41,7 @@ def test_it_is_said_where_a_picture_lies(
     state: AppState, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, home: bool
 ) -> None:
     monkeypatch.setattr(Path, "home", lambda: tmp_path if home else tmp_path / "elsewhere")
-    folder = tmp_path / "Pictures" / "VesselSplat"
+    folder = tmp_path / "Images" / "VesselSplat"
     export_actions.take_saved(state, None, Step(1, folder / "clip.png"))
     assert state.window.toast is not None
     said = "Pictures/VesselSplat/" if home else str(folder)

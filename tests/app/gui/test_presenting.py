@@ -164,7 +164,7 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
         wait(ctx, lambda: bool(glfw.get_window_monitor(window)), "the screen")
         ctx.yield_(4)
         assert shown() == set()
-        assert not any(map(is_there, ("##MainMenuBar", "StatusBar", "Pictures")))
+        assert not any(map(is_there, ("##MainMenuBar", "StatusBar", "Images")))
         assert hello_imgui.get_runner_params().callbacks.edges_toolbars == {}
         screen = imgui.get_main_viewport().size
         pane = ctx.item_info("//##presentation/right")

@@ -92,6 +92,16 @@ def test_only_a_layout_that_a_window_has_left_is_read_again(places: Places) -> N
         assert "the standard one is used" in state.window.log[-1]
 
 
+def test_a_panel_stays_where_it_was_under_its_former_title(places: Places) -> None:
+    layout = places.config / kept_layout.NAME
+    layout.parent.mkdir(parents=True, exist_ok=True)
+    layout.write_text("[Window][Pictures]\nDockId=0x00000005,0\n[Window][Pictures of mine]\n")
+    kept_layout.seal(layout)
+    for _ in range(2):  # It is sealed again.
+        assert kept_layout.put_aside_damaged(layout) == ""
+        assert layout.read_text() == "[Window][Images]\nDockId=0x00000005,0\n[Window][Pictures of mine]\n"
+
+
 def test_a_window_that_a_signal_closes_keeps_its_layout(
     places: Places, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,7 +175,7 @@ def test_what_is_opened_comes_to_the_front(places: Places) -> None:
         actions.open_path(driver.state, phantom_path())
         wait(ctx, lambda: is_settled(driver.state), "the phantom")
         ctx.yield_(3)
-        window = imgui.internal.find_window_by_name("Pictures")
+        window = imgui.internal.find_window_by_name("Images")
         assert not window.hidden
 
     driver.run(drive)

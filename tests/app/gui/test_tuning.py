@@ -272,7 +272,7 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
-        ctx.item_click("//Pictures/**/###phantom")
+        ctx.item_click("//Images/**/###phantom")
         wait(ctx, lambda: state.picture.pictures is not None and not state.pictures_are_stale, "the phantom")
         ctx.key_press(chord("Ctrl+T"))
         ctx.yield_(3)
@@ -302,7 +302,7 @@ def test_tiles_grow_and_shrink_in_the_window(places: Places) -> None:
             ctx.yield_(2)
             return float(ctx.item_info("//Tuning/**/tile0-0").rect_full.get_width())
 
-        ctx.item_click("//Pictures/**/###phantom")
+        ctx.item_click("//Images/**/###phantom")
         wait(ctx, lambda: state.picture.pictures is not None and not state.pictures_are_stale, "the phantom")
         ctx.key_press(chord("Ctrl+T"))
         ctx.yield_(3)

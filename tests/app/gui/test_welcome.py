@@ -217,7 +217,7 @@ def test_the_first_page_leads_from_an_empty_window_to_the_built_in_clip(
 
         wait(ctx, is_there, "the image of the recent case")
         began = time.monotonic()
-        ctx.item_click("//Pictures/**/recent 0")
+        ctx.item_click("//Images/**/recent 0")
         wait(ctx, lambda: state.source.path == still, "the recent case")
         assert time.monotonic() - began < 10
 
