@@ -23,6 +23,7 @@ DETAILS = (
     "enhanced images may show structures that are not there. Screens and cameras are not "
     "calibrated. You are responsible for how you use it. Nothing leaves this computer."
 )
+BANNER = "##banner"
 OFFER = "An earlier session ended unexpectedly"
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
@@ -63,7 +64,7 @@ def draw_banner(state: AppState) -> None:
     with (
         imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().alarm),
         imgui_ctx.push_style_color(imgui.Col_.border, theme.now().danger),
-        imgui_ctx.begin("##banner", None, FIXED),
+        imgui_ctx.begin(BANNER, None, FIXED),
     ):
         message = capital(state.window.banner.message)
         wrap = min(imgui.calc_text_size(message).x + em(1), width - em(7))
@@ -76,6 +77,14 @@ def draw_banner(state: AppState) -> None:
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
+
+
+def covered(state: AppState, top: float) -> float:
+    """Pixels from `top`, on the screen, down to the end of the error, as last drawn."""
+    banner: imgui.internal.Window | None = imgui.internal.find_window_by_name(BANNER)
+    if state.window.banner is None or banner is None:
+        return 0.0
+    return max(banner.pos.y + banner.size.y - top, 0.0)
 
 
 def draw_toast(state: AppState) -> None:

@@ -15,7 +15,7 @@ from app.gui.commands.keys import chord
 from app.gui.panels.timeline import in_folder
 from app.gui.work.neighbours import Neighbours
 from app.gui.work.settings import Places, Settings
-from app.gui.work.strip import HEIGHT, StripRequest, make_strip
+from app.gui.work.strip import CROSS, DAMAGED, GROUND, HEIGHT, StripRequest, make_strip
 from enhance import EnhanceParams
 from renderer.clip import ClipError
 from renderer.sources import open_case, open_clip
@@ -86,6 +86,17 @@ def test_small_images_keep_their_shape(case: Path) -> None:
         scale = min(HEIGHT / rows, width / columns)
         assert covered.any(axis=0).sum() == pytest.approx(columns * scale, abs=1)
         assert covered.any(axis=1).sum() == pytest.approx(rows * scale, abs=1)
+
+
+def test_a_damaged_still_stands_out_in_the_strip(case: Path) -> None:
+    clip = open_case(case)
+    (case / "2.png").write_bytes(b"damaged")
+    *_, strip = make_strip(StripRequest(clip, 4))
+    width = strip.image.shape[1] // 4
+    tiles = [strip.image[:, place * width : (place + 1) * width] for place in range(4)]
+    (damaged,) = (tile for tile in tiles if (tile == DAMAGED).all(axis=2).mean() > 0.5)
+    assert damaged.min() - GROUND > 50  # From edge to edge.
+    assert damaged.max() == CROSS
 
 
 def test_of_one_size_it_is_a_recording_as_ever(tmp_path: Path) -> None:
