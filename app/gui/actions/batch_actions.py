@@ -114,10 +114,10 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
         actions.announce(state, f"{count} of {count} enhanced into {folder}")
         return
     for one in answer.failed:
-        actions.say(state, f"{one.item.name} could not be enhanced: {one.reason}")
+        actions.say(state, f"{one.name} could not be enhanced: {one.reason}")
     state.batches.shown = True
-    done = count - len(answer.failed)
-    actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for why the others failed")
+    done = count - sum(not one.image for one in answer.failed)
+    actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for what failed")
 
 
 def cancelled(state: AppState) -> None:

@@ -113,4 +113,4 @@ def _draw_failed(failed: tuple[Failed, ...]) -> None:
         imgui_ctx.push_text_wrap_pos(0),
     ):
         for one in failed:
-            imgui.text_unformatted(legible(f"{one.item.name}: {one.reason}"))
+            imgui.text_unformatted(legible(f"{one.name}: {one.reason}"))
