@@ -8,6 +8,7 @@ from dataclasses import replace
 from app.enhancement.amounts import AMOUNTS
 from app.enhancement.methods import VESSEL, EnhancementSettings
 from app.enhancement.parameter_grid import Setting
+from app.files.legible import named
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 
@@ -24,7 +25,7 @@ def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
     """As sliders show it; what is left to the image as "auto", with what was `used` where known."""
     if isinstance(look, VesselParams):
         shown = (_shown(name, getattr(look, name)) for name in ("strength", "lift", "d_factor"))
-        return " · ".join((VESSEL, *shown))
+        return " · ".join((named(VESSEL), *shown))
     whole = None if used is None else before_strength(look, used)
     parts = [_shown("strength", look.strength)] if look.strength != 1 else []
     parts.append(_shown("z", look.z, () if whole is None else (whole.z,)))

@@ -202,7 +202,7 @@ class Window:
         calls = params.callbacks
         calls.load_additional_fonts = theme.load_fonts
         calls.setup_imgui_style = theme.apply_style
-        calls.setup_imgui_config = starting.configure
+        calls.setup_imgui_config = partial(starting.configure, self._layout_file)
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
         calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)

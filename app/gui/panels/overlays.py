@@ -24,6 +24,10 @@ DETAILS = (
     "calibrated. You are responsible for how you use it. Nothing leaves this computer."
 )
 BANNER = "##banner"
+MIDDLE = ("Images", "Splats", "Tuning", "Report")
+"""Panels of which one is in front there."""
+NARROW = 24.0
+"""Text heights across that an error needs."""
 OFFER = "An earlier session ended unexpectedly"
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
@@ -56,11 +60,11 @@ def draw_banner(state: AppState) -> None:
     """An error, at the top, until it is dismissed; everything else stays usable."""
     if state.window.banner is None:
         return
-    viewport = imgui.get_main_viewport()
-    top = ImVec2(viewport.get_center().x, viewport.work_pos.y + em(0.8))
+    left, across = _middle()
+    top = ImVec2(left + across / 2, imgui.get_main_viewport().work_pos.y + em(0.8))
     imgui.set_next_window_pos(top, imgui.Cond_.always, ImVec2(0.5, 0))
-    width = min(em(56), viewport.work_size.x - em(4))
-    imgui.set_next_window_size_constraints(ImVec2(em(20), 0), ImVec2(width, em(20)))
+    width = min(em(56), across - em(2))
+    imgui.set_next_window_size_constraints(ImVec2(min(em(20), width), 0), ImVec2(width, em(20)))
     with (
         imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().alarm),
         imgui_ctx.push_style_color(imgui.Col_.border, theme.now().danger),
@@ -77,6 +81,16 @@ def draw_banner(state: AppState) -> None:
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
+
+
+def _middle() -> tuple[float, float]:
+    """Left end and width of what lies beside the panels at the side, whose controls stay usable."""
+    for name in MIDDLE:
+        found: imgui.internal.Window | None = imgui.internal.find_window_by_name(name)
+        if found is not None and found.active and not found.hidden and found.size.x > em(NARROW):
+            return found.pos.x, found.size.x
+    viewport = imgui.get_main_viewport()
+    return viewport.work_pos.x, viewport.work_size.x
 
 
 def covered(state: AppState, top: float) -> float:

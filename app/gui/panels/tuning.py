@@ -48,6 +48,9 @@ METRIC_LABELS = {
     "dv_bv": "DV/BV", "dv": "DV", "bv": "BV",
 }  # fmt: skip
 """Those that say what is seen come first, the paper's last."""
+DRAG_TEXT = "Drag, or double click to type."
+SLOW = 0.05
+"""Values for each pixel that a field is dragged."""
 SORT_LABELS = {"": "As varied"} | METRIC_LABELS
 SIZE_STEP = 1.25
 LEAST_TILE = 6.0
@@ -97,8 +100,9 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     last = _draw_end(f"to##{place}", choice.last, shown)
     _before("in", em(6))
     imgui.set_next_item_width(em(6))
-    _, count = imgui.slider_int(f"##count{place}", choice.count, 1, MOST_VALUES, "%d values")
-    explain("Number of values, both ends included.")
+    flags = imgui.SliderFlags_.always_clamp
+    _, count = imgui.drag_int(f"##count{place}", choice.count, SLOW, 1, MOST_VALUES, "%d values", flags)
+    _point_out(f"Number of values, both ends included. {DRAG_TEXT}")
     changed = replace(choice, first=first, last=last, count=count)
     if changed != choice:
         tuning_actions.choose_axis(state, place, changed)
@@ -110,9 +114,17 @@ def _draw_end(label: str, value: float, shown: Amount) -> float:
     imgui.set_next_item_width(em(6))
     now, flags = shown.of_parameter(value), imgui.SliderFlags_.always_clamp
     form = "%.2f" if shown.symbol else "%.3g"
-    changed, new = imgui.slider_float(f"##{label}", now, shown.lo, shown.hi, form, flags)
-    explain(f"{shown.explained(value)} Ctrl+click: type a value.")
+    speed = SLOW * (shown.hi - shown.lo) / 10
+    changed, new = imgui.drag_float(f"##{label}", now, speed, shown.lo, shown.hi, form, flags)
+    _point_out(f"{shown.explained(value)} {DRAG_TEXT}")
     return round(shown.to_parameter(round(new, 6)), 6) if changed else value
+
+
+def _point_out(text: str) -> None:
+    """The field before can be dragged; without a handle, which would cover its number."""
+    if imgui.is_item_hovered() or imgui.is_item_active():
+        imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
+    explain(text)
 
 
 def _before(word: str, width: float) -> None:

@@ -41,7 +41,7 @@ def test_it_is_said_where_a_picture_lies(
     state: AppState, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, home: bool
 ) -> None:
     monkeypatch.setattr(Path, "home", lambda: tmp_path if home else tmp_path / "elsewhere")
-    folder = tmp_path / "Images" / "VesselSplat"
+    folder = tmp_path / "Pictures" / "VesselSplat"
     export_actions.take_saved(state, None, Step(1, folder / "clip.png"))
     assert state.window.toast is not None
     said = "Pictures/VesselSplat/" if home else str(folder)
@@ -114,7 +114,7 @@ def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     )
     vessel = VesselParams(strength=1.5)
     assert (
-        describe(pair(clip, vessel)) == worded(vessel) == "vessel · Strength 1.50 · Lift 0.50 · Colour 0.50"
+        describe(pair(clip, vessel)) == worded(vessel) == "Vessel · Strength 1.50 · Lift 0.50 · Colour 0.50"
     )
     assert in_letters(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
 

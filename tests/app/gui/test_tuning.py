@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
+from app.enhancement.amounts import AMOUNTS
 from app.enhancement.contact_sheet import small
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.parameter_grid import METRICS
@@ -276,6 +277,9 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
         wait(ctx, lambda: state.picture.pictures is not None and not state.pictures_are_stale, "the phantom")
         ctx.key_press(chord("Ctrl+T"))
         ctx.yield_(3)
+        ctx.item_drag_with_delta("//Tuning/##from##0", ImVec2(40, 0))
+        # From where it was, not to where the pointer is: the field has no handle that would cover its number.
+        assert 0.3 < AMOUNTS["d_factor"].of_parameter(float(str(state.tuning.choices[0].first))) < 0.48
         ctx.item_click("//Tuning/###try")
         wait(ctx, lambda: len(state.tuning.cells) == 12 and not state.tuning.running, "the grid")
         ctx.yield_(3)
