@@ -205,6 +205,7 @@ class Window:
         calls.setup_imgui_config = partial(starting.configure, self._layout_file)
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
+        calls.post_new_frame = self._keyboard.walk.follow
         calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over

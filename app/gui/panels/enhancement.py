@@ -20,6 +20,7 @@ from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider, with_beside
 from app.gui.style.widgets import (
+    FLAT,
     NAMES,
     beside,
     beside_of,
@@ -155,7 +156,7 @@ def _draw_tab(label: str, draw: Callable[[], None]) -> None:
     """Scrolled by itself, so that what is above stays in sight."""
     with imgui_ctx.begin_tab_item(label) as tab:
         if tab:
-            with imgui_ctx.begin_child("content"):
+            with imgui_ctx.begin_child("content", child_flags=FLAT):
                 draw()
 
 
