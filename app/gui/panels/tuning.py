@@ -185,9 +185,7 @@ def _draw_tiles(state: AppState, textures: ShowsPictures) -> None:
     with imgui_ctx.begin_group():
         _draw_original(state, textures, size)
     imgui.same_line(0, gap)
-    with imgui_ctx.begin_child(
-        "tiles", child_flags=FLAT, window_flags=imgui.WindowFlags_.horizontal_scrollbar
-    ):
+    with imgui_ctx.begin_child("tiles", (0, 0), FLAT, imgui.WindowFlags_.horizontal_scrollbar):
         whole = int((imgui.get_content_region_avail().x + gap) / (width + gap))
         laid_out.place_tiles(state, max(whole, 1) if tuning.sort else tuning.grid.columns)
         for place, setting in enumerate(tuning.in_order):
