@@ -60,9 +60,8 @@ def draw_banner(state: AppState) -> None:
     """An error, at the top, until it is dismissed; everything else stays usable."""
     if state.window.banner is None:
         return
-    left, across = _middle()
-    top = ImVec2(left + across / 2, imgui.get_main_viewport().work_pos.y + em(0.8))
-    imgui.set_next_window_pos(top, imgui.Cond_.always, ImVec2(0.5, 0))
+    corner, across = _middle()
+    imgui.set_next_window_pos(corner + ImVec2(across / 2, em(0.4)), imgui.Cond_.always, ImVec2(0.5, 0))
     width = min(em(56), across - em(2))
     imgui.set_next_window_size_constraints(ImVec2(min(em(20), width), 0), ImVec2(width, em(20)))
     with (
@@ -83,14 +82,14 @@ def draw_banner(state: AppState) -> None:
             button("Stop waiting", lambda: actions.stop_opening(state))
 
 
-def _middle() -> tuple[float, float]:
-    """Left end and width of what lies beside the panels at the side, whose controls stay usable."""
+def _middle() -> tuple[ImVec2, float]:
+    """Upper left corner and width of what lies beside the panels at the side, below its tabs."""
     for name in MIDDLE:
         found: imgui.internal.Window | None = imgui.internal.find_window_by_name(name)
         if found is not None and found.active and not found.hidden and found.size.x > em(NARROW):
-            return found.pos.x, found.size.x
+            return found.inner_rect.min, found.size.x
     viewport = imgui.get_main_viewport()
-    return viewport.work_pos.x, viewport.work_size.x
+    return viewport.work_pos, viewport.work_size.x
 
 
 def covered(state: AppState, top: float) -> float:
@@ -99,6 +98,12 @@ def covered(state: AppState, top: float) -> float:
     if state.window.banner is None or banner is None:
         return 0.0
     return max(banner.pos.y + banner.size.y - top, 0.0)
+
+
+def make_room(state: AppState) -> None:
+    """At the top of a panel in the middle: the error hides none of its controls."""
+    if height := covered(state, imgui.get_cursor_screen_pos().y):
+        imgui.dummy(ImVec2(0, height))
 
 
 def draw_toast(state: AppState) -> None:

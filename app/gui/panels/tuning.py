@@ -15,6 +15,7 @@ from app.enhancement.settable import MOST_VALUES
 from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.actions import laid_out, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import WHEEL_STEP, draw_part
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
@@ -61,6 +62,7 @@ LEAST_TILE = 6.0
 def draw_tuning(state: AppState, textures: ShowsPictures) -> None:
     """The grid, or one of its cells beside the original."""
     laid_out.see_tuning(state)
+    make_room(state)
     if state.source.clip is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered("Open a clip, then try a range of settings on one of its frames.")
@@ -185,7 +187,7 @@ def _draw_tiles(state: AppState, textures: ShowsPictures) -> None:
     with imgui_ctx.begin_group():
         _draw_original(state, textures, size)
     imgui.same_line(0, gap)
-    with imgui_ctx.begin_child("tiles", (0, 0), FLAT, imgui.WindowFlags_.horizontal_scrollbar):
+    with imgui_ctx.begin_child("tiles", ImVec2(0, 0), FLAT, imgui.WindowFlags_.horizontal_scrollbar):
         whole = int((imgui.get_content_region_avail().x + gap) / (width + gap))
         laid_out.place_tiles(state, max(whole, 1) if tuning.sort else tuning.grid.columns)
         for place, setting in enumerate(tuning.in_order):
