@@ -51,7 +51,7 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
     _draw_sources(state, half, gap)
     if state.picture.pictures is None:
         imgui.dummy(ImVec2(0, em(4)))
-        centered("Reading the first frame…" if state.picture.failed is None else "It cannot be read.")
+        centered("It cannot be read." if state.is_unreadable else "Reading the first frame…")
         return
     draw_fainter(state)
     height = max(imgui.get_content_region_avail().y, em(4))
