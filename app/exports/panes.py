@@ -104,8 +104,10 @@ class PaneMaker:
 
     def _made(self, pane: PaneRecord, by: Shown, frame: int, sizing: Sizing) -> Made:
         if by is None:
-            caption = f"{pane.title}   {self.clip.labels[frame]}"
-            return Made(Panel(caption, sizing.of(self.clip.read_image(frame))))
+            label = self.clip.labels[frame]
+            # A number alone counts from 0, other than the window does.
+            label = f"frame {frame + 1}" if pane.words is not None and label.isdecimal() else label
+            return Made(Panel(f"{pane.title}   {label}", sizing.of(self.clip.read_image(frame))))
         original = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
         if isinstance(by, EnhanceParams | VesselParams):
             known = self._sources.of_clip(original.statistics_request(by))

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -13,7 +14,11 @@ from app.enhancement.methods import Params
 from app.enhancement.setting_words import in_letters, worded
 from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
+from app.exports.panes import PaneMaker, pane_record
+from app.exports.records import FrameRecord, PanesPicture
+from app.exports.sources import Opened
 from app.files.provenance import digest, read_provenance
+from app.files.records import Source
 from app.gui.actions import actions, export_actions, job_actions
 from app.gui.actions.export_records import sized
 from app.gui.state.app_state import AppState
@@ -165,3 +170,17 @@ def test_a_model_of_this_session_knows_its_run(
     run.save_model(model)
     show_finished(state, model)
     assert state.scene.model.record.run == RunSource(name=path.name, model_sha256=digest(run.model_path))
+
+
+@pytest.mark.parametrize(("words", "said"), [("interface", "frame 3"), (None, "2")])
+def test_frames_without_a_name_count_from_one_in_captions(
+    clip: Clip, words: Literal["interface"] | None, said: str
+) -> None:
+    """In files before 0.2.0 they counted from 0, and are reproduced so."""
+    video = replace(clip, labels=tuple(map(str, range(len(clip)))))
+    frame = PictureRequest(video, 2, None)
+    pane = replace(pane_record("Original", frame), words=words)
+    source = Source(name="clip", sha256="0")
+    record = PanesPicture(source=source, frame=FrameRecord(index=2), panes=(pane,))
+    (made,) = PaneMaker(record, Opened((), video)).made(2)
+    assert made.panel.label == f"Original   {said}"
