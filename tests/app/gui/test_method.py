@@ -81,7 +81,7 @@ def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppSta
         state.enhancement.params = params
         shown = made(PictureRequest(clip, 2, params))
         words = " ".join(tag.text for tag in pane(state, shown, "right").tags)
-        assert words.startswith("ENHANCED vessel ") == (method == "vessel")
+        assert words.startswith("ENHANCED Vessel ") == (method == "vessel")
         pane_facts = read_provenance(saved(tmp_path / "out", shown.request))["panes"][1]
         assert type(params)(**pane_facts["params"]) == params
 
