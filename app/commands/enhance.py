@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, cast
 
@@ -91,10 +91,17 @@ def run(flags: argparse.Namespace) -> None:
     seconds = time.perf_counter() - started
     if flags.json:
         shared = _shared(setting) | {"notices": written.notices}
-        facts = provenance(**shared, pictures=written.pictures, seconds=seconds)
+        facts = provenance(**shared, pictures=written.pictures, failed=written.failed, seconds=seconds)
         sys.stdout.write(strict_json(facts) + "\n")
     else:
         sys.stdout.write(f"{flags.output}: {len(written.pictures)} enhanced in {seconds:.1f} s\n")
+    if written.failed:
+        said = _listed((one.name, one.reason) for one in written.failed)
+        raise UserError(f"{len(written.failed)} of {len(series)} images could not be enhanced: {said}")
+
+
+def _listed(failed: Iterable[tuple[str, str]]) -> str:
+    return "; ".join(f"{name} ({reason})" for name, reason in failed)
 
 
 def _shared(setting: Setting) -> dict[str, Any]:
@@ -165,9 +172,14 @@ def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
     elif len(failed) < len(items):
         count = len(items) - len(failed)
         sys.stdout.write(f"{output}: {count} of {len(items)} enhanced in {seconds:.1f} s\n")
-    if failed:
-        said = "; ".join(f"{one['input']} ({one['failure']})" for one in failed)
-        raise UserError(f"{len(failed)} of {len(items)} could not be enhanced: {said}")
+    images = [
+        (f"{one['input']}/{image.name}", image.reason) for one in ended for image in one.get("failed", ())
+    ]
+    told = [(one["input"], one["failure"]) for one in failed]
+    said = [f"{len(told)} of {len(items)} could not be enhanced: {_listed(told)}"] if told else []
+    said += [f"{len(images)} of the images could not be read: {_listed(images)}"] if images else []
+    if said:
+        raise UserError("; ".join(said))
 
 
 def _ended(items: list[Item], setting: Setting, output: Path) -> Iterator[dict[str, Any]]:
@@ -179,4 +191,5 @@ def _ended(items: list[Item], setting: Setting, output: Path) -> Iterator[dict[s
             yield facts | {"failure": step.failed.reason}
         elif written is not None:
             _say(tuple(f"{step.name}: {notice}" for notice in written.notices))
-            yield facts | {"pictures": written.pictures, "notices": written.notices}
+            facts |= {"pictures": written.pictures, "notices": written.notices}
+            yield facts | ({"failed": written.failed} if written.failed else {})

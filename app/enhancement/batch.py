@@ -35,10 +35,16 @@ class Item:
 
 @dataclass(frozen=True)
 class Failed:
-    """An item of which nothing was written, with the reason in one line."""
+    """An item of which nothing was written, or one image of it, with the reason in one line."""
 
     item: Item
     reason: str
+    image: str = ""
+    """Empty: all of the item."""
+
+    @property
+    def name(self) -> str:
+        return f"{self.item.name}/{self.image}" if self.image else self.item.name
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure
 from app.enhancement.recording import is_recording
 from app.enhancement.records import EnhancedPicture, EnhancedVideo
 from app.enhancement.settable import Pixels, drawn
-from app.errors import UserError
+from app.errors import UserError, sentence
 from app.files.atomic import filled, together
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
@@ -63,6 +63,14 @@ class Setting:
 
 
 @dataclass(frozen=True)
+class Unreadable:
+    """A file of a folder that was passed over."""
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Written:
     """What has been made of one series."""
 
@@ -70,6 +78,8 @@ class Written:
     """What was used for each."""
     notices: tuple[str, ...]
     """One sentence for each oddity and loss."""
+    failed: tuple[Unreadable, ...] = ()
+    """Of a folder, the images that could not be read; the others are written."""
 
 
 Made = tuple[ArrayImage, EnhancedPicture]
@@ -96,42 +106,62 @@ def enhance_into(
 ) -> Generator[int, None, Written]:
     """Write a picture, a folder or a video; yields the number of pictures enhanced so far.
 
-    Closed before its end, it leaves nothing behind.
+    What cannot be read of a folder is passed over. Closed before its end, it leaves nothing behind.
 
     Raises:
-        UserError, ClipError: what cannot be read, enhanced or written.
+        UserError, ClipError: nothing that can be read, or what cannot be enhanced or written.
     """
-    notices = list(series.notices)
+    notices, failed = list(series.notices), dict[int, Unreadable]()
     pooled = _pooled(series, setting, notices, watch) if setting.pools(series) else None
-    pictures = watch("enhance", series, _enhanced(series, ahead(_pictures(series, notices)), setting, pooled))
+    images = _pictures(series, notices, failed=failed)
+    pictures = watch("enhance", series, _enhanced(series, ahead(images), setting, pooled))
     try:
         records = yield from _write(output, series, pictures, notices)
     finally:
         pictures.close()
-    return Written(records, tuple(notices))
+    return Written(records, tuple(notices), tuple(failed.values()))
 
 
-def _pictures(series: Series, notices: list[str], indices: Iterable[int] | None = None) -> Stream:
-    """The pictures, all or some. A video that cannot be decoded to its end stops there, with a notice."""
+def _pictures(
+    series: Series,
+    notices: list[str],
+    indices: Iterable[int] | None = None,
+    failed: dict[int, Unreadable] | None = None,
+) -> Stream:
+    """The pictures, all or some, each with its number. A video that cannot be decoded to its end stops there,
+    with a notice; of a folder, those that cannot be read are passed over, and are `failed`.
+
+    Raises UserError or ClipError: none can be read.
+    """
+    first: UserError | ClipError | None = None
+    found = False
     for index in range(len(series)) if indices is None else indices:
         try:
             image = series.read(index)
-        except ClipError as error:
-            if index == 0 or not series.is_video:
+        except (UserError, ClipError) as error:
+            if series.is_video and found:
+                notice = f"stopped after {index} of {len(series)} frames: {error}"
+                notices.extend({notice}.difference(notices))
+                return
+            if series.is_video:
                 raise
-            notice = f"stopped after {index} of {len(series)} frames: {error}"
-            notices.extend({notice}.difference(notices))
-            return
-        yield image
+            first = first or error
+            if failed is not None:
+                failed[index] = Unreadable(series.sources[index].name, sentence(error))
+        else:
+            found = True
+            yield index, image
+    if first is not None and not found:
+        raise first
 
 
 def _tissue(series: Series, setting: Setting) -> Tissue:
     """One mask for all pictures."""
     if setting.pixels != "tissue":
         return lambda image: None
-    size = series.read(0).shape[:2]
-    spread = _pictures(series, [], series.spread(STEADY_FRAMES))
-    steady = inside(image for image in spread if image.shape[:2] == size)
+    _, first = next(_pictures(series, []))
+    size, spread = first.shape[:2], _pictures(series, [], series.spread(STEADY_FRAMES))
+    steady = inside(image for _, image in spread if image.shape[:2] == size)
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
@@ -144,18 +174,19 @@ def _pooled(series: Series, setting: Setting, notices: list[str], watch: Watch) 
     try:
         tissue = _tissue(series, setting)
         # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
-        images, again = tee(watch("measure", series, _pictures(series, notices, indices)))
+        read = watch("measure", series, _pictures(series, notices, indices))
+        images, again = tee(image for _, image in read)
         return measure_for(look, images, map(tissue, again), drawn(setting.pixels))
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error
 
 
 def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statistics | None) -> Stream:
-    origins, enhancer = series.origins(), MethodEnhancer()
+    origins, enhancer = enumerate(series.origins()), MethodEnhancer()
     try:
-        for index, image in enumerate(images):
+        for index, image in images:
             record = EnhancedPicture(
-                source=next(origins),
+                source=next(origin for number, origin in origins if number == index),
                 picture=series.names[index],
                 frame=series.frame(index),
                 deinterlacing=setting.clip_options.deinterlacing,

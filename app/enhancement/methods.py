@@ -49,24 +49,6 @@ RecordedSettings = Annotated[
 ]
 
 
-def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
-    """A setting in a line; what is left to the picture as "auto", with what was `used` where known."""
-    if isinstance(look, VesselParams):
-        return f"{VESSEL} · strength {look.strength:.2f} · lift {look.lift:.2f} · d {look.d_factor:.2f}"
-    z = _value(look.z, (used.z,) if used is not None else ())
-    p = _value(look.p, used.p if used is not None else ())
-    # The share of the change of colours, where it is not all.
-    share = f" {used.color:.0%}" if used is not None and used.color < 1 else ""
-    strength = f"strength {look.strength:.2f} · " if look.strength != 1 else ""
-    return f"{strength}z {z} · P {p} · d {_value(look.d_factor, ())}{share}"
-
-
-def _value(chosen: float | tuple[float, ...] | None, used: tuple[float, ...]) -> str:
-    given = chosen if isinstance(chosen, tuple) else () if chosen is None else (chosen,)
-    values = "/".join(f"{value:.2f}" for value in dict.fromkeys(used or given))
-    return f"auto {values}".rstrip() if chosen is None else values
-
-
 class MethodEnhancer:
     """Show it a picture, then enhance that as often as the parameters change, by either method.
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from typing import Final
 
 import cv2
 import numpy as np
 
+from app.errors import UserError
 from app.files.image_files import ArrayImage
 from enhance.image import Float32Image
+from renderer.clip import ClipError
 
 PAIRS: Final = 4
 """Neighbours that are looked at, evenly spread."""
@@ -25,15 +28,16 @@ mesentery, sinus, wall, pulling), .55 and less between images of different eyes 
 
 
 def is_recording(count: int, read: Callable[[int], ArrayImage]) -> bool:
-    """Whether `count` images, read by number, show one scene that moves. Raises what `read` raises."""
+    """Whether `count` images, read by number, show one scene that moves."""
     return are_alike(likenesses(count, read))
 
 
 def likenesses(count: int, read: Callable[[int], ArrayImage]) -> Iterator[float]:
-    """Of neighbours, pair by pair; of fewer than two images none. Raises what `read` raises."""
+    """Of neighbours, pair by pair, but for those that cannot be read; of fewer than two images none."""
     firsts = np.unique(np.linspace(0, count - 2, PAIRS).round().astype(int)) if count > 1 else ()
     for first in firsts:
-        yield _likeness(read(int(first)), read(int(first) + 1))
+        with suppress(UserError, ClipError):
+            yield _likeness(read(int(first)), read(int(first) + 1))
 
 
 def are_alike(found: Iterable[float]) -> bool:

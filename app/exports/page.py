@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from app.enhancement.frame_enhancer import Pictures
-from app.enhancement.methods import worded
+from app.enhancement.methods import EnhancementSettings
+from app.enhancement.setting_words import worded
 from app.files.legible import legible
 from app.files.provenance import NOTICE
 from app.scenes.color_bar import GROUND, INK
+from enhance import Statistics
 from renderer.clip import ByteImage
 
 
@@ -25,12 +27,12 @@ class Panel:
     image: ByteImage
 
 
-def describe(pictures: Pictures) -> str:
-    """What the enhancement used, in the words of its method."""
+def describe(pictures: Pictures, say: Callable[[EnhancementSettings, Statistics], str] = worded) -> str:
+    """What the enhancement used."""
     used, params = pictures.statistics, pictures.request.params
     if used is None or params is None:
         return ""
-    return worded(params, used)
+    return say(params, used)
 
 
 def sheet(panels: Sequence[Panel]) -> ByteImage:

@@ -9,6 +9,7 @@ import numpy as np
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import METHODS, EnhancementSettings
+from app.enhancement.setting_words import in_letters, worded
 from app.errors import UserError
 from app.exports.comparison_images import (
     Difference,
@@ -59,6 +60,7 @@ def pane_record(
         params=params,
         method=method,
         view=view,
+        words="interface",
     )
 
 
@@ -105,15 +107,18 @@ class PaneMaker:
 
     def _made(self, pane: PaneRecord, by: Shown, frame: int, sizing: Sizing) -> Made:
         if by is None:
-            caption = f"{pane.title}   {self.clip.labels[frame]}"
-            return Made(Panel(caption, sizing.of(self.clip.read_image(frame))))
+            label = self.clip.labels[frame]
+            # A number alone counts from 0, other than the window does.
+            label = f"frame {frame + 1}" if pane.words is not None and label.isdecimal() else label
+            return Made(Panel(f"{pane.title}   {label}", sizing.of(self.clip.read_image(frame))))
         original = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
         if isinstance(by, EnhanceParams | VesselParams):
             known = self._sources.of_clip(original.statistics_request(by))
             original = replace(original, of_clip=known)
         behind = (pane.view and pane.view.background) or BLACK
         (other,) = self._maker.make(OtherRequest(original, by, behind))
-        said = describe(other.made) if other.made is not None else ""
+        say = in_letters if pane.words is None else worded
+        said = describe(other.made, say) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None
         return Made(Panel(f"{pane.title}   {said}".rstrip(), sizing.of(other.image)), used)
 

@@ -92,6 +92,8 @@ class PaneRecord(Record):
     method: str | None = None
     view: ViewRecord | None = None
     statistics: Annotated[Statistics | None, Told] = None
+    words: Literal["interface"] | None = None
+    """In which its caption tells the settings; None: in the paper's letters, as before 0.2.0."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -202,9 +202,10 @@ class Window:
         calls = params.callbacks
         calls.load_additional_fonts = theme.load_fonts
         calls.setup_imgui_style = theme.apply_style
-        calls.setup_imgui_config = starting.configure
+        calls.setup_imgui_config = partial(starting.configure, self._layout_file)
         calls.post_init = self._begin
         calls.pre_new_frame = self._advance
+        calls.post_new_frame = self._keyboard.walk.follow
         calls.show_menus = lambda: menus.draw_menus(self.state, self._commands)
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
@@ -223,7 +224,7 @@ class Window:
 
     def _layout(self) -> hello_imgui.DockingParams:
         #  ______________________________
-        # | pictures         | enhance   |
+        # | images           | enhance   |
         # |__________________|___________|
         # | 3D view          | recon-    |
         # |__________________|_struct____|
@@ -232,7 +233,7 @@ class Window:
         layout.dockable_windows = [
             # Before the pictures, which show in the same frame what has moved here.
             _panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
-            _panel("Pictures", "MainDockSpace", self._draw_pictures),
+            _panel("Images", "MainDockSpace", self._draw_pictures),
             _panel("3D view", "Below", self._draw_view),
             _panel(SPLATS, "MainDockSpace", self._draw_view, "by the state"),
             _panel("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),

@@ -9,7 +9,7 @@ from annotated_types import Interval
 from pydantic import PlainSerializer, PlainValidator
 from pydantic.dataclasses import dataclass
 
-from app.enhancement.methods import worded
+from app.enhancement.setting_words import worded
 from app.files.provenance import plain, repeatable
 from app.files.records import LENIENT, Record, Source, Told
 from app.runs.clip_selection import ClipPart

@@ -45,7 +45,9 @@ def bad(tmp_path: Path, clip_path: Path) -> Path:
     np.save(tmp_path / "small.npy", np.zeros((4, 4, 3), dtype=np.float32))
     (tmp_path / "mixed").mkdir()
     picture(tmp_path / "mixed" / "0.png")
-    (tmp_path / "mixed" / "1.png").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "damaged").mkdir()
+    for folder in ("mixed", "damaged"):
+        (tmp_path / folder / "1.png").write_bytes(whole[: len(whole) // 2])
     shutil.copytree(clip_path, tmp_path / "fewer_depths")
     for path in (tmp_path / "fewer_depths").glob("depth*/*000004*"):
         path.unlink()
@@ -75,8 +77,8 @@ MISTAKES = [
     (["enhance", "{bad}/nan.npy", "{out}.npy"], "NaN"),
     (["enhance", "{bad}/large.npy", "{out}.npy"], "[0, 1]"),
     (["enhance", "{bad}/objects.npy", "{out}.npy"], "objects.npy"),
-    (["enhance", "{bad}/mixed", "{out}"], "1.png"),
-    (["enhance", "{bad}/mixed", "{out}", "--statistics", "clip"], "1.png"),
+    (["enhance", "{bad}/damaged", "{out}"], "1.png"),
+    (["enhance", "{bad}/damaged", "{out}", "--statistics", "clip"], "1.png"),
     (["enhance", "{bad}/mixed", "{bad}/mixed"], "never overwritten"),
     (["enhance", "{bad}/whole.png", "{bad}/whole.png"], "never overwritten"),
     (["enhance", "{bad}/whole.png", "{bad}"], "never overwritten"),

@@ -142,9 +142,9 @@ def _train(person: Person, model: DynamicGaussians) -> None:
 def _take(shots: Shots) -> None:
     person, state = shots.person, shots.person.state
     person.ctx.yield_(SETTLED)
-    shots.guide("1-open.jpg", "//Pictures")
+    shots.guide("1-open.jpg", "//Images")
     person.open(phantom_path())
-    person.ctx.window_focus("//Pictures")
+    person.ctx.window_focus("//Images")
     person.wait(lambda: state.timeline.strip is not None and state.picture.measured is not None, "all")
     shots.guide("2-enhance.jpg")
     person.press(K.w)

@@ -87,9 +87,9 @@ def start(person: Person, model: Model) -> Iterator[str]:
 
 def pictures(person: Person, model: Model) -> Iterator[str]:
     person.open(phantom_path())
-    person.ctx.window_focus("//Pictures")
+    person.ctx.window_focus("//Images")
     person.wait(lambda: person.state.timeline.strip is not None, "the strip")
-    person.ctx.mouse_move("//Pictures/left")
+    person.ctx.mouse_move("//Images/left")
     yield "side by side"
     for key, name in ((K.w, "wipe"), (K.t, "flip"), (K.d, "difference")):
         person.press(key)
@@ -107,7 +107,7 @@ def pictures(person: Person, model: Model) -> Iterator[str]:
     person.wait(person.settled, "plain white light")
     yield "white light"
     person.press(K.e)
-    person.choose("//Pictures", "##right", "Method: CLAHE")
+    person.choose("//Images", "##right", "Method: CLAHE")
     person.wait(person.settled, "the other method")
     yield "other method"
     person.state.comparing.chosen = person.state.comparing.chosen.renewed()

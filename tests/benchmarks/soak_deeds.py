@@ -163,7 +163,7 @@ Deed = Callable[[Person], None]
 def slide(person: Person) -> None:
     for _ in range(4):
         name = person.rng.choice(["d_factor"] * 2 + ["z", "p"])
-        person.choose("//Enhancement", "##preset", "Paper, d 1")
+        person.choose("//Enhancement", "##preset", "Paper, colour 0.50")
         if name != "d_factor":
             person.click(f"//Enhancement/**/Auto##{name}")
         for _ in range(5):
@@ -183,17 +183,17 @@ def compare(person: Person) -> None:
     )
     person.press(chord("Shift+A"))
     for side, entry in zip(("left", "right"), sides, strict=True):
-        person.choose("//Pictures", f"##{side}", entry)
+        person.choose("//Images", f"##{side}", entry)
     for key in person.rng.sample([K.v, K.w, K.t, K.d, K.z, K.x], 6):
         person.press(key)
         person.wait(person.settled, "a way of comparing")
     person.press(K.v)
     person.press(K.w)
-    person.ctx.item_drag_with_delta("//Pictures/line", ImVec2(person.rng.uniform(-120, 120), 0))
+    person.ctx.item_drag_with_delta("//Images/line", ImVec2(person.rng.uniform(-120, 120), 0))
     person.pace()
     person.press(K.v)
-    person.wheel("//Pictures/left", 3)
-    person.drag("//Pictures/left", (0.5, 0.5), (0.3, 0.6))
+    person.wheel("//Images/left", 3)
+    person.drag("//Images/left", (0.5, 0.5), (0.3, 0.6))
     person.press(K._1)
     person.press(K._0)
     if person.state.comparing.chosen.zebra:

@@ -9,8 +9,9 @@ from typing import Final
 
 from app.enhancement.clip_statistics import POOLED_FRAMES
 from app.enhancement.enhance_files import Setting
-from app.enhancement.methods import preset_of, worded
+from app.enhancement.methods import preset_of
 from app.enhancement.settable import Pixels, Scope
+from app.enhancement.setting_words import worded
 from app.files.legible import located
 from app.files.provenance import stamp
 from app.gui.actions import actions
@@ -113,10 +114,10 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
         actions.announce(state, f"{count} of {count} enhanced into {folder}")
         return
     for one in answer.failed:
-        actions.say(state, f"{one.item.name} could not be enhanced: {one.reason}")
+        actions.say(state, f"{one.name} could not be enhanced: {one.reason}")
     state.batches.shown = True
-    done = count - len(answer.failed)
-    actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for why the others failed")
+    done = count - sum(not one.image for one in answer.failed)
+    actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for what failed")
 
 
 def cancelled(state: AppState) -> None:

@@ -98,7 +98,9 @@ def why_not(browsing: Browsing) -> str:
     path = typed_path(browsing)
     if browsing.choosing.kind == "folder":
         return "" if is_folder(path) else "There is no such folder."
-    return "" if _is_file(path) else "Choose a file."
+    if _is_file(path):
+        return ""
+    return "Choose a file." if is_folder(path) else "There is no such file."
 
 
 def _is_file(path: Path) -> bool:

@@ -14,7 +14,7 @@ COUNT: Final = 6
 TITLE: Final = "Guide"
 PAGES: Final = MappingProxyType(
     {
-        "Pictures": 0, "Enhancement": 1, "Report": 2, "Tuning": 1, "Enhance files and folders": 1,
+        "Images": 0, "Enhancement": 1, "Report": 2, "Tuning": 1, "Enhance files and folders": 1,
         "Reconstruction": 3, "Runs": 3, "Log": 3,
         "3D view": 4, "Splats": 4, "Cameras": 4, "Edit": 4,
         "Export": 5, "Notes": 5,
@@ -38,7 +38,7 @@ def open_about(state: AppState, panel: str) -> None:
         state.guide.shown = False
         return
     state.guide.shown = True
-    if panel == "Pictures" and not state.is_empty:
+    if panel == "Images" and not state.is_empty:
         turn_to(state, 2)
     elif panel in PAGES:
         turn_to(state, PAGES[panel])

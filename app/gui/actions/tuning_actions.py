@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from app.enhancement.amounts import spaced
 from app.enhancement.contact_sheet import columns_of
 from app.enhancement.parameter_grid import Axis, Setting, settings
+from app.enhancement.setting_words import said
 from app.errors import UserError
 from app.gui.actions import actions, presenting
 from app.gui.session_file import Choice
-from app.gui.state.amounts import spaced
 from app.gui.state.app_state import AppState
-from app.gui.state.setting_words import said
 from app.gui.views.picture_view import PictureView, Room
 from app.gui.work.background import Failure
 from app.gui.work.tuning import CellRequest, Grid, GridCell

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from app.gui.actions import actions, camera_actions, leaving
 from app.gui.commands.command import Command, Section
 from app.gui.commands.modes import Keys, keys_of
+from app.gui.commands.walking import Walk
 from app.gui.state.app_state import AppState
 
 MODIFIERS = int(imgui.Key.mod_mask_)
@@ -53,6 +54,8 @@ OWNER = 0x6B657973
 """Any number that no control has."""
 WALK = SHIFT | int(imgui.Key.tab)
 WALK_TEXT = "go through the controls by keyboard, on with Tab and arrows, Space to press; Esc ends it"
+PANELS = {int(imgui.Key.f6): 1, SHIFT | int(imgui.Key.f6): -1}
+PANELS_TEXT = "go to the next panel, the menus or the timeline by keyboard; Shift+F6: back"
 LEAVE = int(imgui.Key.escape)
 LEAVE_TEXT = "leave the innermost: menu, dialog, tool, tile, presentation, images alone, full screen"
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
@@ -75,6 +78,7 @@ class Keyboard:
     def __init__(self) -> None:
         self._was_free = True
         self._walked = False
+        self.walk = Walk()
 
     def handle(self, state: AppState, sections: Iterable[Section]) -> None:
         io = imgui.get_io()
@@ -89,6 +93,10 @@ class Keyboard:
             if _is_pressed(WALK, False):
                 # Shift and Tab of one frame: Tab was claimed before Shift was seen.
                 imgui.set_nav_cursor_visible(True)
+                self.walk.ask(0)
+        for code, steps in PANELS.items():
+            if acts and _is_pressed(code, True):
+                self.walk.ask(steps)
         flies = state.scene.viewer.flying
         if acts and not walks and _is_pressed(LEAVE, False):
             leaving.leave_innermost(state)

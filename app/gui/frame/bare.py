@@ -8,7 +8,7 @@ from imgui_bundle import hello_imgui, imgui
 
 from app.gui.frame.dockings import SPLATS
 
-ALONE = ("Pictures", SPLATS)
+ALONE = ("Images", SPLATS)
 
 
 class Bare:

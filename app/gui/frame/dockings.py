@@ -179,12 +179,12 @@ def follow(state: AppState) -> None:
     alone, presents = state.is_model_alone, state.presenting.pane is not None
     free = not state.window.bare and not presents
     panel("3D view").is_visible = state.has_view and not alone and free
-    panel("Pictures").is_visible = not alone and not presents
+    panel("Images").is_visible = not alone and not presents
     panel(SPLATS).is_visible = alone and not presents
     _show(panel(TUNING), state.tuning.shown and free)
     _show(panel(EDIT), state.editing.active and free)
-    if state.source.asked and (pictures := _window("Pictures")) is not None:
-        panel("Pictures").focus_window_at_next_frame = pictures.hidden
+    if state.source.asked and (pictures := _window("Images")) is not None:
+        panel("Images").focus_window_at_next_frame = pictures.hidden
         actions.pictures_came(state)
     if state.reports.asked:
         # Once in front, it is as the View menu says.

@@ -9,6 +9,8 @@ import glcontext  # type: ignore[import-untyped]
 import moderngl
 from imgui_bundle import hello_imgui, imgui
 
+from app.gui.work import kept_layout
+
 
 def can_hold_files(folder: Path) -> bool:
     """Whether the layout can be kept there; the window opens without it too."""
@@ -25,8 +27,9 @@ def attach() -> moderngl.Context:
     return moderngl.create_context(require=330, context=current)
 
 
-def configure() -> None:
-    """Keyboard and docking."""
+def configure(layout: Path) -> None:
+    """Keyboard and docking, and the layout on disk for this screen."""
+    kept_layout.fit(layout, hello_imgui.dpi_window_size_factor())
     hello_imgui.imgui_default_settings.setup_default_imgui_config()
     io = imgui.get_io()
     io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard | imgui.ConfigFlags_.docking_enable

@@ -13,7 +13,7 @@ from app.gui.actions import actions, batch_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, explain, floating, muted, note, row
+from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row
 
 TEXT = (
     "Enhances every image and video in the list, subfolders included, with the current settings into "
@@ -63,7 +63,7 @@ def _draw_inputs(state: AppState) -> None:
     inputs = state.batches.inputs
     lines = min(max(len(inputs), 1), LISTED)
     height = lines * imgui.get_text_line_height_with_spacing() + em(1.1)
-    with imgui_ctx.begin_child("inputs", ImVec2(0, height), imgui.ChildFlags_.borders):
+    with imgui_ctx.begin_child("inputs", ImVec2(0, height), imgui.ChildFlags_.borders | FLAT):
         if not inputs:
             muted("Nothing to enhance yet: add folders or files.")
         for place, path in enumerate(inputs):
@@ -113,4 +113,4 @@ def _draw_failed(failed: tuple[Failed, ...]) -> None:
         imgui_ctx.push_text_wrap_pos(0),
     ):
         for one in failed:
-            imgui.text_unformatted(legible(f"{one.item.name}: {one.reason}"))
+            imgui.text_unformatted(legible(f"{one.name}: {one.reason}"))

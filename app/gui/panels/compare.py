@@ -14,6 +14,7 @@ from app.files.legible import named
 from app.gui.actions import actions, comparing, laid_out, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import draw_bar, draw_divider, draw_pane
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
@@ -43,13 +44,14 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
     if state.source.clip is None:
         draw_welcome(state, textures)
         return
+    make_room(state)
     _draw_toolbar(state)
     gap = em(0.3)
     half = max((imgui.get_content_region_avail().x - gap) / 2, em(4))
     _draw_sources(state, half, gap)
     if state.picture.pictures is None:
         imgui.dummy(ImVec2(0, em(4)))
-        centered("Reading the first frame…")
+        centered("It cannot be read." if state.is_unreadable else "Reading the first frame…")
         return
     draw_fainter(state)
     height = max(imgui.get_content_region_avail().y, em(4))

@@ -8,18 +8,19 @@ from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.enhancement.amounts import Amount
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import Pixels, Scope
+from app.enhancement.setting_words import VESSEL_LABELS, before_strength
 from app.files.legible import legible, named
 from app.gui.actions import actions, picture_actions, preset_actions
 from app.gui.actions import history_actions as history
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.state import scales
-from app.gui.state.amounts import Amount
 from app.gui.state.app_state import AppState
-from app.gui.state.setting_words import VESSEL_LABELS
 from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider, with_beside
 from app.gui.style.widgets import (
+    FLAT,
     NAMES,
     beside,
     beside_of,
@@ -155,7 +156,7 @@ def _draw_tab(label: str, draw: Callable[[], None]) -> None:
     """Scrolled by itself, so that what is above stays in sight."""
     with imgui_ctx.begin_tab_item(label) as tab:
         if tab:
-            with imgui_ctx.begin_child("content"):
+            with imgui_ctx.begin_child("content", child_flags=FLAT):
                 draw()
 
 
@@ -166,7 +167,7 @@ def _draw_settings(state: AppState) -> None:
     if isinstance(params, VesselParams):
         _change(state, _draw_vessel(params))
     elif isinstance(params, EnhanceParams):
-        used = None if shown is None else scales.before_strength(params, shown)
+        used = None if shown is None else before_strength(params, shown)
         _change(state, _draw_windows(_draw_paper(params, used), used))
     picture_actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
     picture_actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))

@@ -15,7 +15,7 @@ from app.gui.actions.export_offers import GROUPS, OFFERS, VIDEOS, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.style import theme
-from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, row
+from app.gui.style.widgets import FLAT, button, choose, choose_row, em, explain, floating, muted, note, row
 from app.scenes.supersampling import FACTORS
 
 OTHER_WIDTH, OTHER_SIZE = Sizing(width=1024), (1024, 1024)
@@ -64,10 +64,10 @@ def draw_export(state: AppState) -> None:
         if not window:
             return
         height = _list_height()
-        with imgui_ctx.begin_child("what", ImVec2(em(LIST), height)):
+        with imgui_ctx.begin_child("what", ImVec2(em(LIST), height), FLAT):
             _draw_list(state)
         imgui.same_line(0, em(1))
-        with imgui_ctx.begin_child("how", ImVec2(0, height)):
+        with imgui_ctx.begin_child("how", ImVec2(0, height), FLAT):
             _draw_chosen(state)
 
 

@@ -235,7 +235,7 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
     if replaces:
         imgui.text_colored(theme.now().warning, f"{legible(browsing.target.name)} exists.")
     else:
-        muted(HINTS[browsing.choosing.kind])
+        muted(reason if reason and browsing.typed else HINTS[browsing.choosing.kind])
 
 
 def _take_keys(state: AppState, browsing: Browsing) -> None:

@@ -12,7 +12,7 @@ from app.gui.actions import guide_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, em, muted, within
+from app.gui.style.widgets import FLAT, button, em, muted, within
 from app.gui.work.shipped import Block, Guide, Page
 from renderer.clip import ByteImage
 
@@ -45,7 +45,7 @@ def draw_guide(state: AppState, textures: ShowsPictures) -> None:
             return
         height = imgui.get_content_region_avail().y - em(FOOT)
         if imgui.get_content_region_avail().x > em(ROOMY):
-            with imgui_ctx.begin_child("pages", ImVec2(em(LIST), height)):
+            with imgui_ctx.begin_child("pages", ImVec2(em(LIST), height), FLAT):
                 _draw_list(state, guide)
             imgui.same_line(0, em(1))
         page = guide.pages[state.guide.page]

@@ -11,7 +11,7 @@ from app.files.legible import capital
 from app.files.provenance import NOTICE
 from app.gui.actions import actions, session_actions
 from app.gui.commands.command import Section
-from app.gui.commands.keys import FLIGHT_TEXT, LEAVE_TEXT, MOUSE, PEEK_TEXT, WALK_TEXT
+from app.gui.commands.keys import FLIGHT_TEXT, LEAVE_TEXT, MOUSE, PANELS_TEXT, PEEK_TEXT, WALK_TEXT
 from app.gui.commands.modes import PRESENTATION_TEXT, TILE_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -23,6 +23,11 @@ DETAILS = (
     "enhanced images may show structures that are not there. Screens and cameras are not "
     "calibrated. You are responsible for how you use it. Nothing leaves this computer."
 )
+BANNER = "##banner"
+MIDDLE = ("Images", "Splats", "Tuning", "Report")
+"""Panels of which one is in front there."""
+NARROW = 24.0
+"""Text heights across that an error needs."""
 OFFER = "An earlier session ended unexpectedly"
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
@@ -55,15 +60,14 @@ def draw_banner(state: AppState) -> None:
     """An error, at the top, until it is dismissed; everything else stays usable."""
     if state.window.banner is None:
         return
-    viewport = imgui.get_main_viewport()
-    top = ImVec2(viewport.get_center().x, viewport.work_pos.y + em(0.8))
-    imgui.set_next_window_pos(top, imgui.Cond_.always, ImVec2(0.5, 0))
-    width = min(em(56), viewport.work_size.x - em(4))
-    imgui.set_next_window_size_constraints(ImVec2(em(20), 0), ImVec2(width, em(20)))
+    corner, across = _middle()
+    imgui.set_next_window_pos(corner + ImVec2(across / 2, em(0.4)), imgui.Cond_.always, ImVec2(0.5, 0))
+    width = min(em(56), across - em(2))
+    imgui.set_next_window_size_constraints(ImVec2(min(em(20), width), 0), ImVec2(width, em(20)))
     with (
         imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().alarm),
         imgui_ctx.push_style_color(imgui.Col_.border, theme.now().danger),
-        imgui_ctx.begin("##banner", None, FIXED),
+        imgui_ctx.begin(BANNER, None, FIXED),
     ):
         message = capital(state.window.banner.message)
         wrap = min(imgui.calc_text_size(message).x + em(1), width - em(7))
@@ -76,6 +80,30 @@ def draw_banner(state: AppState) -> None:
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
+
+
+def _middle() -> tuple[ImVec2, float]:
+    """Upper left corner and width of what lies beside the panels at the side, below its tabs."""
+    for name in MIDDLE:
+        found: imgui.internal.Window | None = imgui.internal.find_window_by_name(name)
+        if found is not None and found.active and not found.hidden and found.size.x > em(NARROW):
+            return found.inner_rect.min, found.size.x
+    viewport = imgui.get_main_viewport()
+    return viewport.work_pos, viewport.work_size.x
+
+
+def covered(state: AppState, top: float) -> float:
+    """Pixels from `top`, on the screen, down to the end of the error, as last drawn."""
+    banner: imgui.internal.Window | None = imgui.internal.find_window_by_name(BANNER)
+    if state.window.banner is None or banner is None:
+        return 0.0
+    return max(banner.pos.y + banner.size.y - top, 0.0)
+
+
+def make_room(state: AppState) -> None:
+    """At the top of a panel in the middle: the error hides none of its controls."""
+    if height := covered(state, imgui.get_cursor_screen_pos().y):
+        imgui.dummy(ImVec2(0, height))
 
 
 def draw_toast(state: AppState) -> None:
@@ -112,7 +140,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
             commands = [command for section in grouped for command in section.commands if command.keys]
             if commands:
                 _draw_keys(menu, [(" or ".join(one.keys), one.about) for one in commands])
-        _draw_keys("Everywhere", [("Esc", LEAVE_TEXT), ("Shift+Tab", WALK_TEXT)])
+        _draw_keys("Everywhere", [("Esc", LEAVE_TEXT), ("Shift+Tab", WALK_TEXT), ("F6", PANELS_TEXT)])
         _draw_keys("In a presentation", [*PRESENTATION_TEXT])
         _draw_keys("In the tuning grid, at one image", [*TILE_TEXT])
         _draw_keys("Hold", [("O", PEEK_TEXT), ("W S A D Q E", FLIGHT_TEXT), *MOUSE])

@@ -44,14 +44,16 @@ def draw_presentation(
         imgui_ctx.begin("##presentation", None, FLAGS),
     ):
         _go_behind_dialogs()
-        area, labels = Area(screen.pos, screen.size), presenting.has_labels(state)
+        (area, below), labels = _divided(Area(screen.pos, screen.size)), presenting.has_labels(state)
+        ground = imgui.get_color_u32(theme.SURROUND)
+        imgui.get_window_draw_list().add_rect_filled(below.corner, below.end, ground)
         if name == "3D view":
             draw_alone(state, viewport, area, frame_texture, labels=labels)
             draw_edit_tools(state)
         else:
             _draw_picture(state, textures, name, area, labels=labels)
         if labels:
-            _draw_hint(state, area)
+            _draw_hint(state, below)
 
 
 def _go_behind_dialogs() -> None:
@@ -68,14 +70,17 @@ def _draw_picture(state: AppState, textures: ShowsPictures, side: Side, area: Ar
     laid_out.point(state, draw_pane(state, textures, side, shown, (shown,), area, labels=labels))
 
 
-def _draw_hint(state: AppState, area: Area) -> None:
-    """At the bottom, in the middle: the notice, and for the first moments how to leave."""
-    lines = [LONG_NOTICE]
-    if state.window.now < state.presenting.labels_until:
-        lines.append(HINT)
-    y = area.end.y - em(0.6)
-    for line in reversed(lines):
-        width = imgui.calc_text_size(line).x + em(0.9)
-        room = min(width, area.size.x - em(0.8)) + 1
-        y -= tag_height(line, room) + em(0.14)
-        tag(line, ImVec2(area.corner.x + (area.size.x - room) / 2, y), theme.TAG_ORIGINAL, room)
+def _draw_hint(state: AppState, below: Area) -> None:
+    """In the middle: the notice, and for the first moments how to leave."""
+    line = f"{LONG_NOTICE}   ·   {HINT}" if state.window.now < state.presenting.labels_until else LONG_NOTICE
+    room = min(imgui.calc_text_size(line).x + em(0.9), below.size.x - em(0.8)) + 1
+    gap = (below.size - ImVec2(room, tag_height(line, room))) / 2
+    tag(line, below.corner + gap, theme.TAG_ORIGINAL, room)
+
+
+def _divided(screen: Area) -> tuple[Area, Area]:
+    """The pane, and below it a strip for the hint, which lies on no image; it is there without one as well,
+    so that the image stays where it is."""
+    strip = tag_height(f"{LONG_NOTICE}   ·   {HINT}", screen.size.x - em(0.8)) + em(0.3)
+    pane = Area(screen.corner, screen.size - ImVec2(0, strip))
+    return pane, Area(screen.corner + ImVec2(0, pane.size.y), ImVec2(screen.size.x, strip))

@@ -8,8 +8,8 @@ from typing import Final, get_args
 
 from imgui_bundle import imgui
 
-from app.enhancement.methods import worded
 from app.enhancement.settable import InputKind
+from app.enhancement.setting_words import in_letters, worded
 from app.files.legible import named
 from app.gui.actions import depth_actions, job_actions
 from app.gui.state.app_state import AppState
@@ -89,6 +89,7 @@ def _draw_link(state: AppState) -> None:
     run, params = state.runs.reconstruction, job_actions.frame_settings(state)
     name = loosely_named(params, state.enhancement.presets)
     kept = run.kept
+    text = f"{worded(params)}. In the paper's letters: {in_letters(params)}. {POOLED}"
     row("Settings", LINK_TEXT)
     changed, linked = imgui.checkbox("As the image###linked", kept is None)
     explain(LINK_TEXT)
@@ -96,10 +97,10 @@ def _draw_link(state: AppState) -> None:
         job_actions.link_settings(state, linked=linked)
     if kept is None:
         _indented(name)
-        explain(f"{worded(params)}. {POOLED}")
+        explain(text)
         return
     _indented(f"{name}, kept from {job_actions.moment(kept)}")
-    explain(f"{worded(params)}. {POOLED}")
+    explain(text)
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + em(NAMES))
     reason = "" if kept.params != state.enhancement.params else "The image has these settings."
     take = partial(job_actions.keep_settings_now, state)

@@ -8,19 +8,21 @@ from functools import partial
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.enhancement.amounts import Amount
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import DEFINITIONS, SMALLER_IS_BETTER, Measures, Setting
 from app.enhancement.settable import MOST_VALUES
+from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.actions import laid_out, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import WHEEL_STEP, draw_part
 from app.gui.session_file import Choice
-from app.gui.state.amounts import Amount
 from app.gui.state.app_state import AppState
-from app.gui.state.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.style import theme
 from app.gui.style.fields import amount
 from app.gui.style.widgets import (
+    FLAT,
     Area,
     beside,
     beside_of,
@@ -48,6 +50,9 @@ METRIC_LABELS = {
     "dv_bv": "DV/BV", "dv": "DV", "bv": "BV",
 }  # fmt: skip
 """Those that say what is seen come first, the paper's last."""
+DRAG_TEXT = "Drag, or double click to type."
+SLOW = 0.05
+"""Values for each pixel that a field is dragged."""
 SORT_LABELS = {"": "As varied"} | METRIC_LABELS
 SIZE_STEP = 1.25
 LEAST_TILE = 6.0
@@ -57,6 +62,7 @@ LEAST_TILE = 6.0
 def draw_tuning(state: AppState, textures: ShowsPictures) -> None:
     """The grid, or one of its cells beside the original."""
     laid_out.see_tuning(state)
+    make_room(state)
     if state.source.clip is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered("Open a clip, then try a range of settings on one of its frames.")
@@ -97,8 +103,9 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     last = _draw_end(f"to##{place}", choice.last, shown)
     _before("in", em(6))
     imgui.set_next_item_width(em(6))
-    _, count = imgui.slider_int(f"##count{place}", choice.count, 1, MOST_VALUES, "%d values")
-    explain("Number of values, both ends included.")
+    flags = imgui.SliderFlags_.always_clamp
+    _, count = imgui.drag_int(f"##count{place}", choice.count, SLOW, 1, MOST_VALUES, "%d values", flags)
+    _point_out(f"Number of values, both ends included. {DRAG_TEXT}")
     changed = replace(choice, first=first, last=last, count=count)
     if changed != choice:
         tuning_actions.choose_axis(state, place, changed)
@@ -110,9 +117,17 @@ def _draw_end(label: str, value: float, shown: Amount) -> float:
     imgui.set_next_item_width(em(6))
     now, flags = shown.of_parameter(value), imgui.SliderFlags_.always_clamp
     form = "%.2f" if shown.symbol else "%.3g"
-    changed, new = imgui.slider_float(f"##{label}", now, shown.lo, shown.hi, form, flags)
-    explain(f"{shown.explained(value)} Ctrl+click: type a value.")
+    speed = SLOW * (shown.hi - shown.lo) / 10
+    changed, new = imgui.drag_float(f"##{label}", now, speed, shown.lo, shown.hi, form, flags)
+    _point_out(f"{shown.explained(value)} {DRAG_TEXT}")
     return round(shown.to_parameter(round(new, 6)), 6) if changed else value
+
+
+def _point_out(text: str) -> None:
+    """The field before can be dragged; without a handle, which would cover its number."""
+    if imgui.is_item_hovered() or imgui.is_item_active():
+        imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
+    explain(text)
 
 
 def _before(word: str, width: float) -> None:
@@ -172,7 +187,7 @@ def _draw_tiles(state: AppState, textures: ShowsPictures) -> None:
     with imgui_ctx.begin_group():
         _draw_original(state, textures, size)
     imgui.same_line(0, gap)
-    with imgui_ctx.begin_child("tiles", window_flags=imgui.WindowFlags_.horizontal_scrollbar):
+    with imgui_ctx.begin_child("tiles", ImVec2(0, 0), FLAT, imgui.WindowFlags_.horizontal_scrollbar):
         whole = int((imgui.get_content_region_avail().x + gap) / (width + gap))
         laid_out.place_tiles(state, max(whole, 1) if tuning.sort else tuning.grid.columns)
         for place, setting in enumerate(tuning.in_order):

@@ -14,6 +14,7 @@ from app.gui.actions import actions
 from app.gui.commands.command import Act
 from app.gui.commands.commands import open_file, open_folder
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.overlays import covered
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import Area, button, centered, em, explain, muted, tag
@@ -62,9 +63,9 @@ def draw_welcome(state: AppState, textures: ShowsPictures) -> None:
     width = min(space.x, em(WIDEST))
     margin = imgui.get_cursor_pos_x() + (space.x - width) / 2
     tall = _needed(state, width, tall=True) < space.y
-    rest = space.y - _needed(state, width, tall=tall)
-    height = min(max(em(DROP[0]) + 0.4 * rest, em(DROP[0])), em(DROP[1]))
-    imgui.dummy(ImVec2(0, max((rest - height + em(DROP[0])) / 3, 0)))
+    rest, error = space.y - _needed(state, width, tall=tall), covered(state, imgui.get_cursor_screen_pos().y)
+    height = min(max(em(DROP[0]) + 0.4 * (rest - error), em(DROP[0])), em(DROP[1]))
+    imgui.dummy(ImVec2(0, max((rest - height + em(DROP[0])) / 3, error)))
     with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
         centered(TITLE, theme.now().text)
     imgui.spacing()
@@ -101,7 +102,8 @@ def _draw_drop(state: AppState, area: Area) -> None:
     start, line, pad = imgui.get_cursor_pos(), imgui.get_frame_height_with_spacing(), em(1)
     stacked = area.size.x < _width_of_choices() + 2 * pad
     content = em(3.0) + line + (3 if stacked else 1) * line
-    imgui.set_cursor_pos_y(start.y + max((area.size.y - content) / 2, em(0.3)))
+    top = start.y + max((area.size.y - content) / 2, em(0.3))
+    imgui.set_cursor_pos(ImVec2(imgui.get_cursor_start_pos().x, top))
     if not stacked or area.size.y > content:
         with imgui_ctx.push_font(None, 2.2 * theme.FONT_SIZE):
             centered(icons.ICON_FA_DOWNLOAD)

@@ -141,6 +141,11 @@ class AppState:
         return self.picture.pictures is not None and self.picture.pictures.request != self.asked_pictures
 
     @property
+    def is_unreadable(self) -> bool:
+        """The frame that is asked for has been tried in vain."""
+        return self.picture.failed is not None and self.picture.failed == self.asked_pictures
+
+    @property
     def opens(self) -> str:
         """What takes the place of all that is shown once it is there, in words; empty when nothing does."""
         request = self.source.opening

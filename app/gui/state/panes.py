@@ -175,7 +175,9 @@ def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
         tags.append(Tag(f"FROZEN · frame {state.timeline.frozen_index + 1}", "caution"))
     if tinted(state) is not None:
         tags.append(Tag("TINTED · tools and mask", "caution"))
-    if stale and not state.timeline.playing and state.window.now - state.picture.asked_at > STALE_SECONDS:
+    if state.is_unreadable:
+        tags.append(Tag(f"FRAME {state.timeline.shown_index + 1} CANNOT BE READ", "caution"))
+    elif stale and not state.timeline.playing and state.window.now - state.picture.asked_at > STALE_SECONDS:
         tags.append(Tag("UPDATING…", "caution"))
         tags.extend(_first_use(state))
     return tuple(tags)

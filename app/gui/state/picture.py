@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from app.enhancement.clip_statistics import ClipStatistics
-from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.exports.comparison_images import Difference, Other
 from app.gui.views.comparison import Comparison, Side
 from app.gui.views.picture_view import PictureView
@@ -33,6 +33,8 @@ class Picture:
     """Picture and clip actions change it; drawing reads it."""
 
     pictures: Pictures | None = None
+    failed: PictureRequest | None = None
+    """The last one that was without an answer."""
     asked_at: float = 0.0
     """When the newest pictures were asked for, on the window's clock."""
     of_clip: ClipStatistics | None = None

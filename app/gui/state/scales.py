@@ -4,17 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from enhance import EnhanceParams, Statistics
+from enhance import EnhanceParams
 
 MOST_SCALES = 5
 LARGEST_RADIUS = 512
-
-
-def before_strength(params: EnhanceParams, used: Statistics) -> Statistics:
-    """What `used` was before the strength multiplied it: what a person takes over is multiplied again."""
-    if params.p is None and len(used.sigmas) != len(params.radii):
-        params = replace(params, p=0.5)  # Until the image of these windows is there.
-    return used.resolved(replace(params, strength=1.0))
 
 
 def exponents(params: EnhanceParams, used: tuple[float, ...]) -> tuple[float, ...]:

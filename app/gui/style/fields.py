@@ -12,8 +12,8 @@ from imgui_bundle import imgui, imgui_ctx
 from pydantic.fields import FieldInfo
 
 from app.console.flags import marks
+from app.enhancement.amounts import AMOUNTS, Amount
 from app.enhancement.methods import EnhancementSettings
-from app.gui.state.amounts import AMOUNTS, Amount
 from app.gui.style import theme
 from app.gui.style.widgets import NAMES, em, explain, row
 from enhance import EnhanceParams

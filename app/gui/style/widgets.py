@@ -21,6 +21,8 @@ EXPLANATION = 24.0
 LINE = 2.5
 """Text heights that no control of one line has."""
 T = TypeVar("T")
+FLAT = imgui.ChildFlags_.nav_flattened
+"""Of a part of a panel that scrolls by itself: keys lead to its controls as to all others."""
 EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
 
 

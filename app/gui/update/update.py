@@ -59,7 +59,7 @@ def take_pictures(state: AppState, channels: Channels) -> None:
         if isinstance(answer, Pictures):
             channels.original = answer
         elif request == state.asked_pictures:
-            state.timeline.playing = False
+            state.timeline.playing, state.picture.failed = False, request
             actions.fail(state, answer.message)
     if channels.original is not None and _may_show(state, channels.original):
         state.picture.pictures, channels.original = channels.original, None

@@ -38,6 +38,9 @@ def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
         for step in steps:
             if step.failed is not None:
                 failed = (*failed, step.failed)
+            if step.written is not None:
+                item = items[step.place - 1]
+                failed += tuple(Failed(item, one.reason, one.name) for one in step.written.failed)
             yield Progressed(step, failed, has_ended=step.place == step.count)
     finally:
         steps.close()

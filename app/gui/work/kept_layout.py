@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -20,6 +22,11 @@ from renderer.regular_files import read_regular
 
 NAME: Final = "window.ini"
 MOST_BYTES: Final = 1 << 20
+FORMER: Final = ((b"[Window][Pictures]", b"[Window][Images]"),)
+"""Panels by their titles before 0.2.0, and now."""
+DENSITY: Final = re.compile(rb"^DpiWindowSizeFactor=(\d+(?:\.\d+)?)", re.MULTILINE)
+SIZES: Final = re.compile(rb"\b(SizeRef|WindowSize)=(\d+),(\d+)")
+"""Of panels and of the window, in pixels."""
 
 
 def seal(layout: Path) -> None:
@@ -50,6 +57,7 @@ def put_aside_damaged(layout: Path) -> str:
     """
     try:
         if read_regular(_seal_of(layout), MOST_BYTES) == _digest(layout):
+            _rename_panels(layout)
             return ""
     except OSError:
         if not os.path.lexists(layout):
@@ -59,6 +67,38 @@ def put_aside_damaged(layout: Path) -> str:
     return (
         f"the window layout cannot be read, so the standard one is used; the old file is kept as {aside.name}"
     )
+
+
+def _rename_panels(layout: Path) -> None:
+    """So that a panel stays where it was under its former title."""
+    before = now = read_regular(layout, MOST_BYTES)
+    for former, title in FORMER:
+        now = now.replace(former, title)
+    if now != before:
+        _rewrite(layout, now)
+
+
+def fit(layout: Path, density: float) -> None:
+    """To a screen so dense, where that of the window before was denser or less dense: its panels keep their
+    sizes in lines of text. To be called before the runner reads the layout."""
+    with suppress(OSError):
+        before = read_regular(layout, MOST_BYTES)
+        found = DENSITY.search(before)
+        factor = density / (float(found[1]) or density) if found else 1.0
+        if factor != 1:
+            now = SIZES.sub(partial(_scaled, factor), before)
+            _rewrite(layout, DENSITY.sub(b"DpiWindowSizeFactor=%g" % density, now))
+
+
+def _scaled(factor: float, size: re.Match[bytes]) -> bytes:
+    name, width, height = size.groups()
+    return b"%s=%d,%d" % (name, round(factor * int(width)), round(factor * int(height)))
+
+
+def _rewrite(layout: Path, content: bytes) -> None:
+    with suppress(OSError, UserError):
+        write_bytes(layout, content)
+        seal(layout)
 
 
 def _seal_of(layout: Path) -> Path:

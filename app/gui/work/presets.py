@@ -30,8 +30,8 @@ BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
         "Vessels": VesselParams(),
         "Gentle": VesselParams(strength=1.0, lift=0.25),
         "Paper": EnhanceParams(),
-        "Paper, d 1": EnhanceParams(d_factor=1.0),
-        "Paper, d 0.5 (3D)": RECONSTRUCTION_PARAMS,
+        "Paper, colour 0.50": EnhanceParams(d_factor=1.0),
+        "Paper, colour 0.67 (3D)": RECONSTRUCTION_PARAMS,
         "Brighten dark areas": EnhanceParams(z=0.0, p=0.0, d_factor=0.0),
     }
 )

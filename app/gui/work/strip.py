@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 
 import cv2
@@ -17,6 +16,8 @@ HEIGHT = 72
 MOST = 40
 """Small pictures in it, whatever the clip's length."""
 GROUND = 28
+DAMAGED, CROSS = 92, 200
+"""Grey levels of what stands for a frame that cannot be read, and of the cross through it."""
 
 
 @dataclass(frozen=True)
@@ -50,15 +51,26 @@ def count_for(clip: Clip, width: float, height: float) -> int:
 
 
 def make_strip(request: StripRequest) -> Iterator[Strip]:
-    """Better with every frame that is read; one that cannot be read stays grey."""
+    """Better with every frame that is read; one that cannot be read is grey, with a cross."""
     clip, count = request.clip, request.count
     width = max(1, round(HEIGHT * clip.size[0] / clip.size[1]))
     image = np.full((HEIGHT, width * count, 3), GROUND, np.uint8)
     for place in range(count):
         frame = int((place + 0.5) * len(clip) / count)
-        with suppress(ClipError):
-            _put(clip.read_image(frame), image[:, place * width : (place + 1) * width])
+        tile = image[:, place * width : (place + 1) * width]
+        try:
+            _put(clip.read_image(frame), tile)
+        except ClipError:
+            _cross_out(tile)
         yield Strip(request, image.copy())
+
+
+def _cross_out(place: ByteImage) -> None:
+    tile = np.full(place.shape, DAMAGED, np.uint8)
+    (y, x), reach = (side // 2 for side in place.shape[:2]), min(place.shape[:2]) // 4
+    for way in (reach, -reach):
+        cv2.line(tile, (x - reach, y - way), (x + reach, y + way), (CROSS,) * 3, 3, cv2.LINE_AA)
+    place[:] = tile
 
 
 def _put(frame: ByteImage, place: ByteImage) -> None:

@@ -1,4 +1,4 @@
-"""Many inputs enhanced by one setting: structure is kept, an item is whole or absent, failures are told."""
+"""Many inputs enhanced by one setting: structure is kept, a file is whole or absent, failures are told."""
 
 from __future__ import annotations
 
@@ -105,13 +105,17 @@ def test_one_bad_item_is_told_at_the_end_and_the_others_are_there(
     call = vesselsplat("enhance", cases, out, "--recursive", "--json")
     assert call.code == 2
     last = call.error.splitlines()[-1]
-    assert "2 of 4 could not be enhanced" in last
-    assert "2.png" in last
+    assert "1 of 4 could not be enhanced" in last
+    assert "1 of the images could not be read: stills/2.png" in last.replace("cases/a/", "")
     assert "broken.mp4" in last
-    assert files(out) == {"a/scope.mp4", "a/scope.mp4.json", "b/clip/000001.png", "b/clip/000002.png"}
+    assert files(out) == {
+        "a/scope.mp4", "a/scope.mp4.json", "a/stills/1.png", "b/clip/000001.png", "b/clip/000002.png",
+    }  # fmt: skip
     assert not list(out.rglob("*.partial"))
     found = json.loads(call.out)
-    assert [("failure" in one) for one in found["items"]] == [True, False, True, False]
+    assert [("failure" in one) for one in found["items"]] == [True, False, False, False]
+    (damaged,) = (image for one in found["items"] for image in one.get("failed", ()))
+    assert damaged["name"] == "2.png"
 
 
 def test_what_ends_early_leaves_whole_items_alone(cases: Path, tmp_path: Path) -> None:

@@ -36,15 +36,15 @@ def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def width() -> float:
-            return float(ctx.window_info("//Pictures").window.size.x)
+            return float(ctx.window_info("//Images").window.size.x)
 
         wait(ctx, lambda: is_settled(state), "the phantom")
         before, narrow, front = shown(), width(), in_front(ctx)
         assert "Reconstruction" in front
-        ctx.item_click("//Pictures/**/###freeze")  # Whatever has the focus.
+        ctx.item_click("//Images/**/###freeze")  # Whatever has the focus.
         ctx.key_press(key.tab)
         ctx.yield_(4)
-        assert shown() == {"Pictures"}
+        assert shown() == {"Images"}
         assert width() == imgui.get_main_viewport().size.x > narrow
         ctx.key_press(key.tab)
         ctx.yield_(4)

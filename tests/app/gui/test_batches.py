@@ -78,7 +78,7 @@ def test_the_present_setting_is_used_and_every_file_comes_again(
     person = Person(places)
     assert batch_actions.why_not_start(person.state) == "Add files or folders first."
     actions.set_params(person.state, EnhanceParams(d_factor=0.3))
-    assert "d 0.30" in batch_actions.summary(person.state)
+    assert "Colour 0.77" in batch_actions.summary(person.state)
     output = person.begin(case)
     actions.set_params(person.state, EnhanceParams(d_factor=4.0))  # Too late for this batch.
     assert person.state.is_busy
@@ -144,12 +144,12 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     (case / "broken.mp4").write_bytes(b"no video")
     output = person.begin(case)
     person.finish()
-    assert files(output) == {"scope.mp4", "scope.mp4.json"}
+    assert files(output) == {"scope.mp4", "scope.mp4.json", "stills/0.png", "stills/2.png"}
     assert person.state.window.banner is not None
-    assert "1 of 3 enhanced" in person.state.window.banner.message
+    assert "2 of 3 enhanced" in person.state.window.banner.message
     assert person.state.batches.progressed is not None
     failed = person.state.batches.progressed.failed
-    assert [one.item.name for one in failed] == ["case/broken.mp4", "case/stills"]
+    assert [one.name for one in failed] == ["case/broken.mp4", "case/stills/1.png"]
     assert person.state.batches.shown
     ui.frame(lambda: draw_batches(person.state))
     ui.frame(lambda: draw_batches(person.state))

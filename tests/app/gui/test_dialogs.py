@@ -17,6 +17,7 @@ from app.errors import UserError
 from app.gui.actions import actions, browse_actions
 from app.gui.frame import dialogs
 from app.gui.frame.dialogs import Dialogs, has_desktop_dialogs
+from app.gui.panels import file_browser
 from app.gui.panels.file_browser import draw_browser
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing
@@ -162,6 +163,19 @@ def test_enter_opens_what_is_typed_but_not_what_the_dialog_begins_with(
     chooser.press(K.enter)
     assert chooser.chosen == [folder / "2.png"]
     assert state.window.browsing is None
+
+
+def test_a_file_that_is_not_there_is_said_not_to_be(
+    chooser: Chooser, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts: list[str] = []
+    monkeypatch.setattr(file_browser, "muted", texts.append)
+    chooser.ask("file", "file", folder)
+    assert texts[-1].startswith("Enter opens")
+    chooser.type("gone.png")
+    chooser.press(K.enter)
+    assert texts[-1] == "There is no such file."
+    assert chooser.chosen == []
 
 
 def test_arrows_mark_and_enter_goes_in_or_opens(chooser: Chooser, folder: Path) -> None:

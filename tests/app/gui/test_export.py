@@ -3,16 +3,22 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import cv2
 import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
-from app.enhancement.methods import Params, worded
+from app.enhancement.methods import Params
+from app.enhancement.setting_words import in_letters, worded
 from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
+from app.exports.panes import PaneMaker, pane_record
+from app.exports.records import FrameRecord, PanesPicture
+from app.exports.sources import Opened
 from app.files.provenance import digest, read_provenance
+from app.files.records import Source
 from app.gui.actions import actions, export_actions, job_actions
 from app.gui.actions.export_records import sized
 from app.gui.state.app_state import AppState
@@ -103,14 +109,19 @@ def test_captions_fit_over_small_pictures() -> None:
 
 def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     text = describe(pair(clip, EnhanceParams(z=0.25)))
-    assert text.startswith("z 0.25 · P auto ")
-    assert text.endswith("d auto")
+    assert text.startswith("Brightness 0.75 · Detail auto ")
+    assert " · Colour auto 0.50" in text
     assert describe(pair(clip, None)) == ""
-    assert worded(EnhanceParams(z=0.25)) == "z 0.25 · P auto · d auto"
+    assert worded(EnhanceParams(z=0.25)) == "Brightness 0.75 · Detail auto · Colour auto"
     chosen = EnhanceParams(z=0.25, p=(0.4, 0.5, 0.4), d_factor=1.0)
-    assert describe(pair(clip, chosen)) == worded(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
+    assert (
+        describe(pair(clip, chosen)) == worded(chosen) == "Brightness 0.75 · Detail 0.40/0.50 · Colour 0.50"
+    )
     vessel = VesselParams(strength=1.5)
-    assert describe(pair(clip, vessel)) == worded(vessel)
+    assert (
+        describe(pair(clip, vessel)) == worded(vessel) == "Vessel · Strength 1.50 · Lift 0.50 · Colour 0.50"
+    )
+    assert in_letters(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
 
 
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppState, clip: Clip) -> None:
@@ -159,3 +170,17 @@ def test_a_model_of_this_session_knows_its_run(
     run.save_model(model)
     show_finished(state, model)
     assert state.scene.model.record.run == RunSource(name=path.name, model_sha256=digest(run.model_path))
+
+
+@pytest.mark.parametrize(("words", "said"), [("interface", "frame 3"), (None, "2")])
+def test_frames_without_a_name_count_from_one_in_captions(
+    clip: Clip, words: Literal["interface"] | None, said: str
+) -> None:
+    """In files before 0.2.0 they counted from 0, and are reproduced so."""
+    video = replace(clip, labels=tuple(map(str, range(len(clip)))))
+    frame = PictureRequest(video, 2, None)
+    pane = replace(pane_record("Original", frame), words=words)
+    source = Source(name="clip", sha256="0")
+    record = PanesPicture(source=source, frame=FrameRecord(index=2), panes=(pane,))
+    (made,) = PaneMaker(record, Opened((), video)).made(2)
+    assert made.panel.label == f"Original   {said}"

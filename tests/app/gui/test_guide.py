@@ -122,7 +122,7 @@ def test_page_keys_do_nothing_while_the_guide_is_closed(ui: Ui, state: AppState)
 
 @pytest.mark.parametrize(
     ("panel", "page"),
-    [("Enhancement", 1), ("Reconstruction", 3), ("3D view", 4), ("Export", 5), ("Pictures", 2), ("", 3)],
+    [("Enhancement", 1), ("Reconstruction", 3), ("3D view", 4), ("Export", 5), ("Images", 2), ("", 3)],
 )
 def test_f1_opens_the_page_of_a_panel(state: AppState, panel: str, page: int) -> None:
     """Of none, the page where it was left."""
@@ -133,7 +133,7 @@ def test_f1_opens_the_page_of_a_panel(state: AppState, panel: str, page: int) ->
 
 def test_with_nothing_open_the_pictures_panel_is_about_opening(state: AppState) -> None:
     state.source.clip = None
-    guide_actions.open_about(state, "Pictures")
+    guide_actions.open_about(state, "Images")
     assert state.guide.page == 0
 
 

@@ -44,7 +44,7 @@ def pooled(state: AppState) -> None:
 
 SETTINGS: dict[str, Set] = {
     "colour": lambda s: actions.set_params(s, EnhanceParams(d_factor=2.0)),
-    "enhancement": lambda s: preset_actions.choose(s, "Paper, d 0.5 (3D)") or actions.set_params(
+    "enhancement": lambda s: preset_actions.choose(s, "Paper, colour 0.67 (3D)") or actions.set_params(
         s, EnhanceParams(z=0.5, d_factor=0.1)
     ),
     "method": lambda s: actions.choose_method(s, VesselParams),

@@ -133,17 +133,17 @@ def test_another_layout_waits_until_all_panels_are_there(places: Places, still: 
         wait(ctx, lambda: state.source.content == "stills", "the still")
         ctx.yield_(4)
         assert hello_imgui.current_layout_name() == "Default"
-        assert in_front(ctx) == {"Pictures"}
+        assert in_front(ctx) == {"Images"}
         ctx.key_press(imgui.Key.tab)
         ctx.yield_(6)
         assert hello_imgui.current_layout_name() == "Stills"
-        assert in_front(ctx) == {"Pictures", "Enhancement"}
+        assert in_front(ctx) == {"Images", "Enhancement"}
         before = shown()
         actions.open_path(state, phantom_path())
         wait(ctx, lambda: hello_imgui.current_layout_name() == "Default", "the clip")
         ctx.yield_(6)
         assert shown() == before
-        assert in_front(ctx) == {"Pictures", "Enhancement", "Reconstruction"}
+        assert in_front(ctx) == {"Images", "Enhancement", "Reconstruction"}
 
     driver.run(drive)
 

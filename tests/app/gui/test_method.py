@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
+from app.enhancement.setting_words import VESSEL_LABELS
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels.enhancement import UNUSED, draw_enhancement, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
-from app.gui.state.setting_words import VESSEL_LABELS
 from app.gui.update.jobs import start_due
 from app.runs.train_run import TrainRequest
 from enhance import EnhanceParams, measure
@@ -81,7 +81,7 @@ def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppSta
         state.enhancement.params = params
         shown = made(PictureRequest(clip, 2, params))
         words = " ".join(tag.text for tag in pane(state, shown, "right").tags)
-        assert words.startswith("ENHANCED vessel ") == (method == "vessel")
+        assert words.startswith("ENHANCED Vessel ") == (method == "vessel")
         pane_facts = read_provenance(saved(tmp_path / "out", shown.request))["panes"][1]
         assert type(params)(**pane_facts["params"]) == params
 

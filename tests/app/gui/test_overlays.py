@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions
 from app.gui.commands.commands import sections
-from app.gui.panels import overlays
+from app.gui.panels import compare, overlays
 from app.gui.state.app_state import AppState
 from tests.app.gui.conftest import outside
 from tests.app.gui.ui import (
     Draw,
+    Shown,
     Ui,
 )
 
@@ -87,3 +90,29 @@ def test_the_log_keeps_the_newest_in_sight_and_gives_its_lines(ui: Ui, state: Ap
     ui.frame(draw)
     ui.drag(draw, (30, 38), (30, 38))
     assert copied[2] == "line 0"
+
+
+def test_an_error_hides_no_control_of_the_images(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tops: list[float] = []
+
+    def seen(label: str, *rest: Any, **more: Any) -> Any:
+        tops.append(imgui.get_cursor_screen_pos().y)
+        return original(label, *rest, **more)
+
+    original = compare.button
+    monkeypatch.setattr(compare, "button", seen)
+    shown = Shown()
+
+    def draw() -> None:
+        tops.clear()
+        compare.draw_compare(opened, shown)
+        overlays.draw_banner(opened)
+
+    for sentence in ("expected an intact image, got a damaged one", ""):
+        actions.fail(opened, sentence) if sentence else actions.dismiss(opened)
+        for _ in range(4):
+            ui.frame(draw)
+        banner = imgui.internal.find_window_by_name(overlays.BANNER)
+        assert (tops[0] >= banner.pos.y + banner.size.y) == bool(sentence)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import glfw
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
 from app.gui.actions import actions, presenting
 from app.gui.commands.keys import chord
+from app.gui.panels import presentation
 from app.gui.panels.presentation import draw_presentation
 from app.gui.state.app_state import AppState
 from app.gui.style import widgets
+from app.gui.style.widgets import Area
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -131,6 +135,34 @@ def test_labels_come_for_two_seconds_and_on_demand(ui: Ui, opened: AppState, sai
     assert "ENHANCED" not in labels()
 
 
+def test_the_hint_lies_below_the_image_which_stays_where_it_is(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tops: list[float] = []
+    panes: list[Area] = []
+    tag, pane = presentation.tag, presentation.draw_pane
+
+    def draw_pane(*given: Any, **more: Any) -> Any:
+        panes.append(given[5])
+        return pane(*given, **more)
+
+    def draw_tag(text: str, at: ImVec2, *rest: Any) -> float:
+        tops.append(at.y)
+        return tag(text, at, *rest)
+
+    monkeypatch.setattr(presentation, "tag", draw_tag)
+    monkeypatch.setattr(presentation, "draw_pane", draw_pane)
+    draw = presented(opened, Shown())
+    ui.press(draw, imgui.Key.f5)
+    ui.frame(draw)
+    assert len(tops) == len(panes) > 0
+    assert all(top >= one.end.y for top, one in zip(tops, panes, strict=True))
+    opened.window.now += 2 * presenting.LABELS_SECONDS
+    ui.frame(draw)
+    assert len(tops) < len(panes)
+    assert len({(*one.corner, *one.size) for one in panes}) == 1
+
+
 def test_it_ends_with_what_it_shows(opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     presenting.show(opened, "3D view")
@@ -164,11 +196,13 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
         wait(ctx, lambda: bool(glfw.get_window_monitor(window)), "the screen")
         ctx.yield_(4)
         assert shown() == set()
-        assert not any(map(is_there, ("##MainMenuBar", "StatusBar", "Pictures")))
+        assert not any(map(is_there, ("##MainMenuBar", "StatusBar", "Images")))
         assert hello_imgui.get_runner_params().callbacks.edges_toolbars == {}
         screen = imgui.get_main_viewport().size
         pane = ctx.item_info("//##presentation/right")
-        assert (pane.rect_full.min, pane.rect_full.max) == (ImVec2(0, 0), screen)
+        assert (pane.rect_full.min.x, pane.rect_full.min.y, pane.rect_full.max.x) == (0, 0, screen.x)
+        below = screen.y - pane.rect_full.max.y
+        assert imgui.get_font_size() < below < 2.2 * imgui.get_font_size()  # A line for the hint.
         ctx.item_click("//##presentation/right")  # It stays behind what opens over it.
         ctx.key_press(chord("Ctrl+Shift+P"))
         ctx.yield_(3)

@@ -48,8 +48,8 @@ def test_a_damaged_file_is_told_and_put_aside(tmp_path: Path, text: str) -> None
 def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
     assert preset_name(VesselParams(), {}) == "Vessels"
     assert preset_name(EnhanceParams(), {}) == "Paper"
-    assert preset_name(EnhanceParams(d_factor=1.0), OWN) == "Paper, d 1"
-    assert preset_name(RECONSTRUCTION_PARAMS, OWN) == "Paper, d 0.5 (3D)"
+    assert preset_name(EnhanceParams(d_factor=1.0), OWN) == "Paper, colour 0.50"
+    assert preset_name(RECONSTRUCTION_PARAMS, OWN) == "Paper, colour 0.67 (3D)"
     assert len(set(BUILT_IN.values())) == len(BUILT_IN)
     assert preset_name(OWN["mine"], OWN) == "mine"
     assert preset_name(EnhanceParams(z=0.9), OWN) == "Custom"

@@ -9,13 +9,16 @@ from typing import Any
 import pytest
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
+from app.enhancement.amounts import AMOUNTS
 from app.enhancement.frame_enhancer import PictureMaker
+from app.enhancement.methods import EnhancementSettings
+from app.enhancement.setting_words import before_strength
 from app.gui.actions import actions, history_actions
 from app.gui.panels import enhancement
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.state import scales
-from app.gui.state.amounts import AMOUNTS
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import pane
 from app.gui.style import fields
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
@@ -57,7 +60,7 @@ class Hand:
         if not imgui.is_any_item_active():
             actions.settle_params(self.state)
 
-    def show(self, params: EnhanceParams) -> None:
+    def show(self, params: EnhancementSettings) -> None:
         """The image of these settings, too."""
         actions.set_params(self.state, params)
         assert self.state.picture_request is not None
@@ -212,7 +215,7 @@ def test_the_switch_takes_over_what_is_in_use(hand: Hand) -> None:
 def test_what_one_window_takes_over_is_not_strengthened_twice(hand: Hand) -> None:
     automatic = EnhanceParams(strength=0.5, p=None)
     hand.show(automatic)
-    whole = scales.before_strength(automatic, hand.used)
+    whole = before_strength(automatic, hand.used)
     taken = scales.with_exponent(automatic, 0, 0.8, scales.exponents(automatic, whole.p))
     before = hand.used.p[1:]
     hand.show(taken)
@@ -266,3 +269,24 @@ def test_a_tooltip_is_below_its_slider_and_gone_while_it_is_dragged(hand: Hand) 
     hand.press(spot, 60)
     assert tooltip() is None
     hand.release()
+
+
+@pytest.mark.parametrize(
+    "params",
+    [
+        EnhanceParams(),
+        EnhanceParams(strength=0.5),
+        EnhanceParams(z=0.07, p=0.2, d_factor=1.0),
+        VesselParams(),
+    ],
+)
+def test_the_badge_on_the_image_says_what_the_sliders_say(hand: Hand, params: EnhancementSettings) -> None:
+    hand.show(params)
+    names = ["Strength", "Radius", "Lift", "Colour"]
+    if isinstance(params, EnhanceParams):
+        names = ["Strength", "Brightness", "Detail", "Colour"]
+    numbers = {name: one.text for name, one in zip(names, hand.numbers, strict=False)}
+    badge = pane(hand.state, pictures(hand.state), "right").tags[-1].text
+    said = dict(part.replace("auto ", "").split(" ")[:2] for part in badge.split(" · ") if " " in part)
+    assert said.keys() >= {"Colour"}
+    assert said == {name: numbers[name] for name in said}

@@ -92,6 +92,55 @@ def test_only_a_layout_that_a_window_has_left_is_read_again(places: Places) -> N
         assert "the standard one is used" in state.window.log[-1]
 
 
+def test_a_panel_stays_where_it_was_under_its_former_title(places: Places) -> None:
+    layout = places.config / kept_layout.NAME
+    layout.parent.mkdir(parents=True, exist_ok=True)
+    layout.write_text("[Window][Pictures]\nDockId=0x00000005,0\n[Window][Pictures of mine]\n")
+    kept_layout.seal(layout)
+    for _ in range(2):  # It is sealed again.
+        assert kept_layout.put_aside_damaged(layout) == ""
+        assert layout.read_text() == "[Window][Images]\nDockId=0x00000005,0\n[Window][Pictures of mine]\n"
+
+
+@pytest.mark.parametrize(("before", "now"), [("1", 2.0), ("2", 1.0), ("1.5", 1.25)])
+def test_panels_keep_their_sizes_on_a_denser_screen(places: Places, before: str, now: float) -> None:
+    layout, share = places.config / kept_layout.NAME, now / float(before)
+    layout.parent.mkdir(parents=True, exist_ok=True)
+    said = "[AppWindow]\nDpiWindowSizeFactor={}\nWindowSize={},{}\nDockNode SizeRef={},{} Split=Y\n"
+    layout.write_text(said.format(before, 1200, 720, 300, 360))
+    kept_layout.seal(layout)
+    for _ in range(2):  # Once is enough.
+        kept_layout.fit(layout, now)
+        sides = (round(share * side) for side in (1200, 720, 300, 360))
+        assert layout.read_text() == said.format(f"{now:g}", *sides)
+        assert kept_layout.put_aside_damaged(layout) == ""
+
+
+@pytest.mark.display
+def test_a_denser_screen_is_noticed_with_the_next_window(places: Places) -> None:
+    seen: list[tuple[float, float]] = []
+    for density in (1.0, 1.25):
+        window = Window(AppState(places, Settings(acknowledged=True)))
+        params = window.runner_params()
+        params.dpi_aware_params.dpi_window_size_factor = density
+        params.app_window_params.window_geometry.size = (900, 560)
+        frames: list[float] = []
+
+        def after_frame(params: hello_imgui.RunnerParams = params, frames: list[float] = frames) -> None:
+            side = imgui.internal.find_window_by_name("Enhancement")
+            frames.append(side.size.x)
+            if len(frames) > 8:
+                seen.append((imgui.get_style().font_scale_dpi, side.size.x))
+                params.app_shall_exit = True
+
+        params.callbacks.before_swap = after_frame
+        window.runner_params = lambda params=params: params  # type: ignore[method-assign,misc]
+        window.run()
+    (font, width), (larger, wider) = seen[0], seen[-1]
+    assert larger == pytest.approx(1.25 * font)
+    assert wider == pytest.approx(1.25 * width, rel=0.02)
+
+
 def test_a_window_that_a_signal_closes_keeps_its_layout(
     places: Places, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,7 +214,7 @@ def test_what_is_opened_comes_to_the_front(places: Places) -> None:
         actions.open_path(driver.state, phantom_path())
         wait(ctx, lambda: is_settled(driver.state), "the phantom")
         ctx.yield_(3)
-        window = imgui.internal.find_window_by_name("Pictures")
+        window = imgui.internal.find_window_by_name("Images")
         assert not window.hidden
 
     driver.run(drive)

@@ -13,9 +13,10 @@ from PIL import Image
 from app.gui.actions import actions, depth_actions, export_actions, job_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.timeline import in_folder
+from app.gui.state.panes import pane
 from app.gui.work.neighbours import Neighbours
 from app.gui.work.settings import Places, Settings
-from app.gui.work.strip import HEIGHT, StripRequest, make_strip
+from app.gui.work.strip import CROSS, DAMAGED, GROUND, HEIGHT, StripRequest, make_strip
 from enhance import EnhanceParams
 from renderer.clip import ClipError
 from renderer.sources import open_case, open_clip
@@ -86,6 +87,31 @@ def test_small_images_keep_their_shape(case: Path) -> None:
         scale = min(HEIGHT / rows, width / columns)
         assert covered.any(axis=0).sum() == pytest.approx(columns * scale, abs=1)
         assert covered.any(axis=1).sum() == pytest.approx(rows * scale, abs=1)
+
+
+def test_a_damaged_still_stands_out_in_the_strip(case: Path) -> None:
+    clip = open_case(case)
+    (case / "2.png").write_bytes(b"damaged")
+    *_, strip = make_strip(StripRequest(clip, 4))
+    width = strip.image.shape[1] // 4
+    tiles = [strip.image[:, place * width : (place + 1) * width] for place in range(4)]
+    (damaged,) = (tile for tile in tiles if (tile == DAMAGED).all(axis=2).mean() > 0.5)
+    assert damaged.min() - GROUND > 50  # From edge to edge.
+    assert damaged.max() == CROSS
+
+
+def test_a_damaged_still_is_not_said_to_be_updating(places: Places, case: Path) -> None:
+    state, channels = opened(places, case)
+    turn(state, channels)
+    (case / "2.png").write_bytes(b"damaged")
+    for index, said in ((2, True), (1, False)):
+        actions.seek(state, index)
+        turn(state, channels)
+        assert state.picture.pictures is not None
+        tags = " | ".join(tag.text for tag in pane(state, state.picture.pictures, "right").tags)
+        assert ("FRAME 3 CANNOT BE READ" in tags) == said
+        assert "UPDATING" not in tags
+        assert (state.picture.pictures.request.frame_index == index) != said
 
 
 def test_of_one_size_it_is_a_recording_as_ever(tmp_path: Path) -> None:

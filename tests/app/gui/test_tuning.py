@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
+from app.enhancement.amounts import AMOUNTS
 from app.enhancement.contact_sheet import small
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.parameter_grid import METRICS
+from app.enhancement.setting_words import in_the_paper, said
 from app.gui.actions import actions, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
-from app.gui.state.setting_words import in_the_paper, said
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
@@ -272,10 +273,13 @@ def test_from_choosing_to_using_in_the_window(places: Places) -> None:
     state = driver.state
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
-        ctx.item_click("//Pictures/**/###phantom")
+        ctx.item_click("//Images/**/###phantom")
         wait(ctx, lambda: state.picture.pictures is not None and not state.pictures_are_stale, "the phantom")
         ctx.key_press(chord("Ctrl+T"))
         ctx.yield_(3)
+        ctx.item_drag_with_delta("//Tuning/##from##0", ImVec2(40, 0))
+        # From where it was, not to where the pointer is: the field has no handle that would cover its number.
+        assert 0.3 < AMOUNTS["d_factor"].of_parameter(float(str(state.tuning.choices[0].first))) < 0.48
         ctx.item_click("//Tuning/###try")
         wait(ctx, lambda: len(state.tuning.cells) == 12 and not state.tuning.running, "the grid")
         ctx.yield_(3)
@@ -302,7 +306,7 @@ def test_tiles_grow_and_shrink_in_the_window(places: Places) -> None:
             ctx.yield_(2)
             return float(ctx.item_info("//Tuning/**/tile0-0").rect_full.get_width())
 
-        ctx.item_click("//Pictures/**/###phantom")
+        ctx.item_click("//Images/**/###phantom")
         wait(ctx, lambda: state.picture.pictures is not None and not state.pictures_are_stale, "the phantom")
         ctx.key_press(chord("Ctrl+T"))
         ctx.yield_(3)

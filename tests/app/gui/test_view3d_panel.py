@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, ImVec4, imgui
 
-from app.enhancement.methods import worded
+from app.enhancement.setting_words import worded
 from app.exports.records import PanesPicture
 from app.gui.actions import actions, camera_actions, comparing, export_actions, path_actions
 from app.gui.drawing.viewport import OnScreen

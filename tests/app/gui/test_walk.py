@@ -51,7 +51,7 @@ def test_a_case_from_first_start_to_the_session_taken_up_again(
         person = person_at(ctx, window)
         with files_touched((*vars(places).values(), phantom_path())) as touched:
             person.click("//Before you begin/I understand")
-            person.click("//Pictures/**/###phantom")
+            person.click("//Images/**/###phantom")
             person.wait(lambda: state.source.opening is None and person.settled(), "the phantom")
             ctx.item_input_value("//Enhancement/**/##d_factor", 0.4)
             person.wait(lambda: state.enhancement.params.d_factor == 1.5 and person.settled(), "the setting")

@@ -6,6 +6,7 @@ import shutil
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import platformdirs
@@ -14,6 +15,9 @@ from imgui_bundle import ImVec2, imgui
 
 import assets
 from app.files.image_files import read_image
+from app.gui.actions import actions
+from app.gui.panels import welcome
+from app.gui.panels.overlays import BANNER, draw_banner
 from app.gui.panels.welcome import SAMPLES, draw_welcome, shortened
 from app.gui.session_file import SUFFIX, Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
@@ -178,6 +182,39 @@ def test_it_fits_and_nothing_reaches_over_the_edge(
         assert reached[0][1] <= size[1]
 
 
+@pytest.mark.parametrize("width", [880, 1700])
+def test_an_error_lies_above_the_title_and_all_is_in_the_middle(
+    ui: Ui, state: AppState, monkeypatch: pytest.MonkeyPatch, width: float
+) -> None:
+    state.source.clip = None
+    actions.fail(state, "expected a video, got a damaged one: " + "case/" * 60)
+    ui.io.display_size = ImVec2(width, 560)
+    lines: list[tuple[ImVec2, ImVec2]] = []
+
+    def centered(text: str, *rest: Any) -> None:
+        original(text, *rest)
+        lines.append((imgui.get_item_rect_min(), imgui.get_item_rect_max()))
+
+    original = welcome.centered
+    monkeypatch.setattr(welcome, "centered", centered)
+
+    def draw() -> None:
+        lines.clear()
+        imgui.begin_child("middle", ImVec2(width - 16, 540))
+        draw_welcome(state, Shown())
+        imgui.end_child()
+        draw_banner(state)
+
+    for _ in range(4):
+        ui.frame(draw)
+    banner = imgui.internal.find_window_by_name(BANNER)
+    assert banner.size.y > 2 * imgui.get_font_size()
+    assert lines[0][0].y >= banner.pos.y + banner.size.y
+    middles = [(low.x + high.x) / 2 for low, high in lines]
+    assert len(lines) == 3  # Title, icon, and what to drop.
+    assert max(middles) - min(middles) < 2
+
+
 def test_a_long_name_keeps_both_ends(ui: Ui) -> None:
     texts: list[str] = []
     ui.frame(lambda: texts.append(shortened("case 2024-11-03 right kidney 0017.mp4", 120)))
@@ -217,7 +254,7 @@ def test_the_first_page_leads_from_an_empty_window_to_the_built_in_clip(
 
         wait(ctx, is_there, "the image of the recent case")
         began = time.monotonic()
-        ctx.item_click("//Pictures/**/recent 0")
+        ctx.item_click("//Images/**/recent 0")
         wait(ctx, lambda: state.source.path == still, "the recent case")
         assert time.monotonic() - began < 10
 

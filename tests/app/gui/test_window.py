@@ -86,7 +86,7 @@ def test_a_session_from_first_start_to_a_saved_picture(places: Places, model: Dy
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         ctx.item_click("//Before you begin/I understand")
-        ctx.item_click("//Pictures/**/###phantom")
+        ctx.item_click("//Images/**/###phantom")
         wait(ctx, lambda: is_settled(state), "the enhanced phantom")
         before = enhanced(state)
         ctx.item_input_value("//Enhancement/**/##d_factor", 0.25)
@@ -140,7 +140,7 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
         ctx.key_press(chord("Shift+A"))
         wait(ctx, lambda: "A" in state.enhancement.stored, "the stored setting")
-        ctx.set_ref("//Pictures")
+        ctx.set_ref("//Images")
         ctx.combo_click("##left/Stored settings A")
         ctx.combo_click("##right/Method: CLAHE")
         ctx.set_ref("")
@@ -150,14 +150,14 @@ def test_two_pictures_are_compared_in_every_way(places: Places) -> None:
             "the sources",
         )
         wait(ctx, ready, "both pictures")
-        ctx.mouse_move("//Pictures/left")
+        ctx.mouse_move("//Images/left")
         ctx.yield_(2)
         assert state.picture.pointer is not None
         ctx.key_press(key.w)
         ctx.yield_(2)
-        ctx.item_drag_with_delta("//Pictures/line", ImVec2(-100, 0))
+        ctx.item_drag_with_delta("//Images/line", ImVec2(-100, 0))
         assert 0.02 < state.comparing.chosen.wipe < 0.48
-        ctx.item_double_click("//Pictures/line")
+        ctx.item_double_click("//Images/line")
         assert state.comparing.chosen.wipe == 0.5
         assert state.picture.view == type(state.picture.view)()
         for press, mode in ((key.d, "difference"), (key.t, "flip"), (key.v, "side by side")):
@@ -233,7 +233,7 @@ def test_a_clip_is_trimmed_and_masked_and_stays_so(places: Places) -> None:
         ctx.item_click("//**/###mask")
         ctx.item_click("//**/Text box: draw")
         wait(ctx, lambda: state.picture.mask_tool == "text", "the tool")
-        ctx.item_drag_with_delta("//Pictures/left", ImVec2(90, 60))
+        ctx.item_drag_with_delta("//Images/left", ImVec2(90, 60))
         wait(ctx, lambda: state.source.part.mask.text is not None and not state.picture.mask_tool, "the box")
         wait(ctx, lambda: is_settled(state), "the new statistics")
         assert state.picture.pictures is not None
@@ -352,7 +352,7 @@ def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
         actions.open_path(driver.state, phantom_path())
         wait(ctx, lambda: is_settled(driver.state), "the phantom")
         ctx.yield_(3)
-        ctx.item_click("//Pictures/**/###freeze")
+        ctx.item_click("//Images/**/###freeze")
 
     driver.run(drive)
     assert driver.state.timeline.frozen_index == 0

@@ -79,7 +79,7 @@ def test_the_picture_is_the_screen_without_the_export_panel(places: Places) -> N
         ctx.yield_(3)
         ctx.item_click("//Export/#CLOSE")
         state.window.toast = None
-        ctx.mouse_move("//Pictures/left")
+        ctx.mouse_move("//Images/left")
         ctx.yield_(3)
         ctx.key_press(imgui.Key.f12)
         wait(ctx, lambda: len(shots()) == 2, "the second picture")

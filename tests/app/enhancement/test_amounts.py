@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.gui.state.amounts import (
+from app.enhancement.amounts import (
     AMOUNTS,
     FAINTEST,
     LEAST_D,
