@@ -25,7 +25,8 @@ from imgui_bundle.immapp import testing
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
-from tests.benchmarks.soak_deeds import DEEDS, Context, Deed, Person
+from tests.benchmarks.person import Context, Person
+from tests.benchmarks.soak_deeds import DEEDS, Deed
 from tests.benchmarks.soak_health import Health, children
 
 FOREVER = 1e9

@@ -21,7 +21,8 @@ from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from tests.app.gui.window_thread import files_touched
-from tests.benchmarks.soak_deeds import Context, K, Person, compare, reconstruct
+from tests.benchmarks.person import Context, K, Person
+from tests.benchmarks.soak_deeds import compare, reconstruct
 
 UNPACED = 1e9
 
