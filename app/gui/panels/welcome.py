@@ -101,7 +101,8 @@ def _draw_drop(state: AppState, area: Area) -> None:
     start, line, pad = imgui.get_cursor_pos(), imgui.get_frame_height_with_spacing(), em(1)
     stacked = area.size.x < _width_of_choices() + 2 * pad
     content = em(3.0) + line + (3 if stacked else 1) * line
-    imgui.set_cursor_pos_y(start.y + max((area.size.y - content) / 2, em(0.3)))
+    top = start.y + max((area.size.y - content) / 2, em(0.3))
+    imgui.set_cursor_pos(ImVec2(imgui.get_cursor_start_pos().x, top))
     if not stacked or area.size.y > content:
         with imgui_ctx.push_font(None, 2.2 * theme.FONT_SIZE):
             centered(icons.ICON_FA_DOWNLOAD)

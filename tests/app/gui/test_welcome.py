@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import platformdirs
 import pytest
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2, ImVec4, imgui
 
 import assets
 from app.files.image_files import read_image
 from app.gui.panels.welcome import SAMPLES, draw_welcome, shortened
 from app.gui.session_file import SUFFIX, Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
+from app.gui.style.widgets import centered
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.update.wishes import recents_wish
@@ -176,6 +177,28 @@ def test_it_fits_and_nothing_reaches_over_the_edge(
     assert reached[0][0] <= size[0] + 1
     if size[1] >= 560:
         assert reached[0][1] <= size[1]
+
+
+def test_title_icon_and_words_share_one_middle_in_a_wide_window(
+    ui: Ui, state: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state.source.clip = None
+    middles: list[float] = []
+
+    def recorded(text: str, color: ImVec4 | None = None) -> None:
+        centered(text, color)
+        middles.append((imgui.get_item_rect_min().x + imgui.get_item_rect_max().x) / 2)
+
+    monkeypatch.setattr("app.gui.panels.welcome.centered", recorded)
+
+    def draw() -> None:
+        imgui.begin_child("wide", ImVec2(2000, 900))
+        draw_welcome(state, Shown())
+        imgui.end_child()
+
+    ui.frame(draw)
+    assert len(middles) == 3
+    assert max(middles) - min(middles) <= 1
 
 
 def test_a_long_name_keeps_both_ends(ui: Ui) -> None:
