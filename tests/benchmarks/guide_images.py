@@ -30,9 +30,8 @@ from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Started
 from tests.app.gui.conftest import FakeJob
-from tests.benchmarks.gui_pictures import UNPACED, window_in
-from tests.benchmarks.gui_soak import quieten
-from tests.benchmarks.person import Context, K, Person
+from tests.benchmarks.gui_pictures import window_in
+from tests.benchmarks.person import UNPACED, Context, K, Person, quieten
 from tests.benchmarks.picture_scenes import OMITTED, STEPS, progress
 
 SIZE = (1280, 720)

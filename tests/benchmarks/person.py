@@ -17,6 +17,7 @@ from app.gui.window import Window
 from app.gui.work.settings import Places
 
 Context = imgui.test_engine.TestContext
+UNPACED = FOREVER = 1e9
 PATIENCE = 300.0
 """Seconds after which the window is said to hang."""
 RESTING = 2.0
@@ -141,3 +142,10 @@ def tidy(places: Places) -> None:
         found = sorted(folder.glob("*"), key=lambda path: path.stat().st_mtime)
         for path in found[:-keep]:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def quieten(ctx: Context) -> None:
+    """The engine keeps no log, which would grow, and no watch, which would end a long test."""
+    io = ctx.engine_io
+    io.config_verbose_level = io.config_verbose_level_on_error = imgui.test_engine.TestVerboseLevel.error
+    io.config_watchdog_warning = io.config_watchdog_kill_test = io.config_watchdog_kill_app = FOREVER
