@@ -121,7 +121,7 @@ def _draw_chosen(state: AppState) -> None:
         _draw_encoder(state)
     imgui.spacing()
     _draw_progress(state)
-    if state.exports.what != "window":
+    if offer.form != "cameras" and state.exports.what != "window":
         note(REPLAY)
     _draw_last(state)
 
